@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Glue that the attitude sources share: samples in, one orientation out for each. A filter works in East-North-Up.
+// Common glue of the attitude sources: samples in, one orientation out per sample. A filter works in East-North-Up.
 #pragma once
 
 #include <algorithm>
@@ -40,7 +40,7 @@ class AttitudeSource {
     if (first_ns_ == INT64_MIN) first_ns_ = imu.header.t_ns;
     const bool wait = magnetometer_ && !filter_->has_heading() && imu.header.t_ns - first_ns_ < kWaitForNorth_ns;
     if (wait) return;
-    // ENU to NED; without a magnetometer rotated so that the start faces north.
+    // ENU to NED; without a magnetometer rotated so that the initial heading is north.
     static const Eigen::Quaterniond ned_from_enu(0.0, std::sqrt(0.5), std::sqrt(0.5), 0.0);
     const Eigen::Quaterniond q_ned_b = ned_from_enu * filter_->orientation();
     if (!aligned_) {
@@ -76,13 +76,12 @@ class AttitudeSource {
       if (!(std::abs(values[i]) <= most))
         throw odo::Error(ODO_E_DISCARD, std::string(field) + "[" + std::to_string(i) +
                                             "] = " + std::to_string(values[i]) + "; expected at most " +
-                                            std::to_string(most) + " to both sides");
+                                            std::to_string(most) + " in magnitude");
   }
 
-  /// Gaps longer than this are bridged by the gyroscope's last word no more; the filter goes on as if little time
-  /// passed.
+  /// The gyroscope's last rate does not bridge longer gaps: the filter then continues as if only this time had passed.
   static constexpr double kLongestStep_s = 0.2;
-  /// So that the heading does not jump when the first magnetometer sample comes a little late.
+  /// Prevents a jump of the heading if the first magnetometer sample is a little late.
   static constexpr int64_t kWaitForNorth_ns = 1'000'000'000;
 
   std::optional<Filter> filter_;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Eq. (5) and (7) of Antigny et al. 2019, which the scale sources of this folder share.
+// Eq. (5) and (7) of Antigny et al. 2019, common to the scale sources.
 #pragma once
 
 #include <cmath>
@@ -16,13 +16,13 @@ inline Eigen::Vector3d displacement_n(const odo_vo_motion& motion) {
   return q_n_c0 * Eigen::Vector3d(motion.p_c0_c1);
 }
 
-/// D_VO, eq. (5): the horizontal part of it.
+/// D_VO, eq. (5): the horizontal part of the displacement.
 inline double horizontal_displacement(const odo_vo_motion& motion) {
   const Eigen::Vector3d d_n = displacement_n(motion);
   return std::hypot(d_n.x(), d_n.y());
 }
 
-/// A scale for this motion and its time alone, the other fields being open.
+/// A scale for this motion and its time interval; the other fields are unset.
 inline odo_scale scale_of(const odo_vo_motion& motion) {
   auto scale = odo::make<odo_scale>(motion.header.t_ns);
   scale.valid_from_ns = motion.t_from_ns;
@@ -32,7 +32,7 @@ inline odo_scale scale_of(const odo_vo_motion& motion) {
   return scale;
 }
 
-/// s = D_step / D_VO, eq. (7), for this one motion. Nothing is emitted where D_VO is too small to divide by.
+/// Emits s = D_step / D_VO, eq. (7), for this motion; nothing if D_VO is too small to divide by.
 inline void emit_scale(const odo_vo_motion& motion, double d_step_m, double relative_sigma, odo::Output& output) {
   const double d_vo = horizontal_displacement(motion);
   auto scale = scale_of(motion);
@@ -43,10 +43,9 @@ inline void emit_scale(const odo_vo_motion& motion, double d_step_m, double rela
   output.emit(scale);
 }
 
-/// True when the motion can be scaled at all: over a pause no speed of before or after holds.
+/// True if the motion can be scaled: across a pause neither the speed before nor the one after applies.
 inline bool scalable(const odo_vo_motion& motion) {
-  constexpr int64_t kLongest_ns =
-      2'000'000'000;  // two steps of a slow walk; frames further apart have little in common
+  constexpr int64_t kLongest_ns = 2'000'000'000;  // two steps of a slow walk; frames farther apart share few features
   if (motion.header.t_ns - motion.t_from_ns > kLongest_ns) return false;
   constexpr uint32_t needed = ODO_VO_TRANSLATION | ODO_FLAG_NAVIGATION;
   return (motion.header.flags & needed) == needed;

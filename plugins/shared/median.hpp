@@ -7,7 +7,7 @@
 
 namespace odograph {
 
-/// The upper one of two in the middle; 0 of none.
+/// The upper median for an even count; 0 if empty.
 inline double median(std::vector<double> values) {
   if (values.empty()) return 0;
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);

@@ -17,7 +17,7 @@ using Eigen::Vector3d;
 using GeographicLib::Geocentric;
 
 constexpr double kDegree = std::numbers::pi / 180;
-constexpr double kMaxInPlane = 1e8;  // m: no place of a projection is farther from its zero
+constexpr double kMaxInPlane = 1e8;  // m: bound of the coordinates of a projection
 
 /// RD New, EPSG 28992.
 constexpr double kA_m = 6377397.155, kFlattening = 1 / 299.1528128;  // Bessel 1841
@@ -67,7 +67,7 @@ struct Ellipsoidal {
   double latitude_rad, longitude_rad;
 };
 
-/// Into the plane.
+/// Forward projection.
 GridPlace stereographic(const Ellipsoidal& p) {
   const Sphere& s = sphere();
   const double sine = conformal_sine(s, p.latitude_rad), cosine = std::sqrt(1 - sine * sine);
@@ -78,8 +78,8 @@ GridPlace stereographic(const Ellipsoidal& p) {
           kFalseNorthing_m + r * (sine * std::cos(s.chi0) - cosine * std::sin(s.chi0) * std::cos(dl))};
 }
 
-/// Out of the plane: back over the sphere around the projection's centre (Snyder 1987, eq. (20-14), (20-15)), then the
-/// latitude on the ellipsoid by fixed-point iteration, which gains two digits a step.
+/// Inverse projection: via the sphere around the projection's centre (Snyder 1987, eq. (20-14), (20-15)), then the
+/// latitude on the ellipsoid by fixed-point iteration, which gains two digits per step.
 Ellipsoidal from_stereographic(const GridPlace& g) {
   const Sphere& s = sphere();
   const double x = g.easting_m - kFalseEasting_m, y = g.northing_m - kFalseNorthing_m, rho = std::hypot(x, y);
@@ -96,7 +96,7 @@ Ellipsoidal from_stereographic(const GridPlace& g) {
   return {latitude, kLongitude0 + dl / s.n};
 }
 
-/// Rotation of small angles as the seven parameters mean it: linear, about the coordinate frame.
+/// Small-angle rotation as the seven parameters define it: linear, about the coordinate frame.
 Vector3d rotated(const Vector3d& p, double sign) { return p + sign * p.cross(kRotation_rad); }
 
 const Geocentric& bessel() {
@@ -118,8 +118,8 @@ Geodetic rd_new_to_wgs84(const GridPlace& place) {
 }
 
 GridPlace wgs84_to_rd_new(const Geodetic& place) {
-  // The way back starts from a height of 0 on the other ellipsoid, so its inverse is found by steps, 1e-5 of the rest
-  // each.
+  // The inverse assumes a height of 0 on the other ellipsoid; iteration of the exact forward transform removes the
+  // error, by a factor of 1e-5 per step.
   GridPlace at;
   Geodetic wanted = place;
   for (int i = 0; i < 3; ++i) {
@@ -169,7 +169,7 @@ std::optional<GridPlace> Projection::grid(const Geodetic& g) const {
     UTMUPS::Forward(g.latitude_deg, g.longitude_deg, zone, northern, p.easting_m, p.northing_m, zone_);
     UTMUPS::Transfer(zone, northern, p.easting_m, p.northing_m, zone, northern_, p.easting_m, p.northing_m, zone);
   } catch (const std::exception&) {
-    return std::nullopt;  // far outside of the zone
+    return std::nullopt;  // far outside the zone
   }
   return p;
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The projections of city and terrain models that fixers know, because there is no PROJ in a plugin.
+// Projections of city and terrain models, without PROJ in a plugin.
 #pragma once
 
 #include <optional>
@@ -8,33 +8,33 @@
 
 namespace odograph {
 
-/// Degrees on WGS 84; ETRS89 is taken as equal (they are half a metre apart).
+/// Degrees on WGS 84; ETRS89 is treated as equal (they differ by half a metre).
 struct Geodetic {
   double latitude_deg = 0, longitude_deg = 0;
 };
 
-/// A place of a projection, m.
+/// Grid coordinates of a projection, m.
 struct GridPlace {
   double easting_m = 0, northing_m = 0;
 };
 
 /// RD New (EPSG 28992) to WGS 84: the oblique stereographic projection of the Netherlands (EPSG method 9809, IOGP
-/// Guidance Note 7-2, Bessel 1841) and the seven parameters of "Amersfoort to WGS 84 (4)" (EPSG 15934), which are good
-/// to a metre.
+/// Guidance Note 7-2, Bessel 1841) and the seven parameters of "Amersfoort to WGS 84 (4)" (EPSG 15934), accurate to a
+/// metre.
 Geodetic rd_new_to_wgs84(const GridPlace& place);
-/// The other way round, to a micrometre.
+/// The inverse, to a micrometre.
 GridPlace wgs84_to_rd_new(const Geodetic& place);
 
-/// How a model's coordinates lie on the Earth. Immutable.
+/// Projection of a model's coordinates. Immutable.
 class Projection {
  public:
-  /// Of an EPSG code: geographic coordinates (4326, 4258, 4979, 4937, Japan's 6668 and 6697; easting is the longitude
+  /// From an EPSG code: geographic coordinates (4326, 4258, 4979, 4937, Japan's 6668 and 6697; easting is the longitude
   /// in degrees), UTM on WGS 84 (326xx, 327xx) and ETRS89 (258xx, with German heights 5554 to 5556), RD New with or
-  /// without heights (28992, 7415). None for any other.
+  /// without heights (28992, 7415). None for any other code.
   static std::optional<Projection> of(int epsg);
 
   Geodetic geodetic(const GridPlace& place) const;
-  /// None where the projection does not reach.
+  /// None outside the domain of the projection.
   std::optional<GridPlace> grid(const Geodetic& place) const;
 
  private:
@@ -46,13 +46,13 @@ class Projection {
   bool northern_;
 };
 
-/// Whether it is one of the geographic codes above.
+/// True for the geographic codes above.
 bool is_geographic(int epsg);
 
-/// The EPSG code of a reference system's name as CityJSON and CityGML have it
-/// (`https://www.opengis.net/def/crs/EPSG/0/7415`, `urn:ogc:def:crs:EPSG::7415`; of two, the first, which is the
-/// horizontal one: `urn:ogc:def:crs,crs:EPSG::25832,crs:EPSG::7837`), or of the German surveys'
-/// (`urn:adv:crs:ETRS89_UTM32*DE_DHHN2016_NH`); 0 where there is none.
+/// EPSG code from a reference system's name as in CityJSON and CityGML
+/// (`https://www.opengis.net/def/crs/EPSG/0/7415`, `urn:ogc:def:crs:EPSG::7415`; of two the first, horizontal one:
+/// `urn:ogc:def:crs,crs:EPSG::25832,crs:EPSG::7837`), or of the German surveys
+/// (`urn:adv:crs:ETRS89_UTM32*DE_DHHN2016_NH`); 0 if there is none.
 int epsg_of(const std::string& reference_system);
 
 }  // namespace odograph

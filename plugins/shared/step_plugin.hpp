@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Glue that the step estimators share: messages in, detection, events out. An estimator adds its length model.
+// Common glue of the step estimators: messages in, detection, events out. An estimator adds its length model.
 #pragma once
 
 #include <algorithm>
@@ -24,7 +24,7 @@ class StepPlugin {
             -1,
             1,
             "",
-            "body axis that points where the walker goes; the default suits a phone held upright or flat in front",
+            "body axis in the direction of walking; the default suits a phone held upright or flat in front",
             static_cast<std::array<double, 3> Estimator::*>(&Estimator::forward_axis)};
   }
 

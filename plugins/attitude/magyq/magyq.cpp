@@ -45,7 +45,8 @@ void Filter::update(const Vector3d& gyro, const Vector3d& accel, double dt_s) {
   if (window_s_ >= p_.window_s) align_with_gravity();
 }
 
-/// Strapdown integration; the error is carried in the Earth's axes, where a bias error turns with the body.
+/// Strapdown integration. The error is expressed in the Earth frame, where the effect of a bias error rotates with the
+/// body.
 void Filter::predict(const Vector3d& gyro, double dt_s) {
   q_ = (q_ * exp_rotation((gyro - bias_) * dt_s)).normalized();
   const Matrix3d by_bias = -q_.toRotationMatrix() * dt_s;
@@ -59,8 +60,8 @@ void Filter::predict(const Vector3d& gyro, double dt_s) {
   P_.block<3, 3>(3, 3).diagonal().array() += p_.gyro_walk * p_.gyro_walk * dt_s;
 }
 
-/// The mean acceleration in the Earth's axes is the vertical, but for what the speed changed within the window. At the
-/// very start, where the first sample may have met a swing, it is believed as it is.
+/// The mean acceleration in the Earth frame is vertical, apart from the change of velocity within the window. The first
+/// window is not gated, since the initial inclination comes from one sample, which may be part of a swing.
 void Filter::align_with_gravity() {
   const auto n = static_cast<double>(window_count_);
   const Vector3d mean = accel_sum_ / n, rate = rate_sum_ / n;
@@ -68,7 +69,7 @@ void Filter::align_with_gravity() {
   const double rate_spread = std::sqrt(std::max(0.0, rate_squares_ / n - rate.squaredNorm()));
   calm_ = accel_spread < p_.calm_accel_mps2;
   at_rest_ = accel_spread < p_.rest_accel_mps2 && rate_spread < p_.rest_gyro_radps;
-  // What a rotation error of the true over the estimated axes does to the vertical.
+  // Effect of a rotation error, true over estimated axes, on the vertical.
   const double sigma = (at_rest_ ? p_.rest_accel_factor : 1.0) * p_.accel_sigma_mps2 / kStandardGravity_mps2;
   const double norm = std::max(mean.norm(), 1.0);
   Row H = Row::Zero();
@@ -87,7 +88,7 @@ void Filter::forget_window() {
   accel_squares_ = rate_squares_ = 0;
 }
 
-/// A device that does not move shows its bias; a hand that stands still sways, by as much as the rate is spread.
+/// The mean rate at rest measures the bias; a hand that stands still sways, with the spread of the rate as sigma.
 void Filter::rest(const Vector3d& rate, double sigma) {
   for (int i = 0; i < 3; ++i) {
     Row H = Row::Zero();
@@ -96,7 +97,7 @@ void Filter::rest(const Vector3d& rate, double sigma) {
   }
 }
 
-/// One row of the Kalman filter's update; nothing is changed outside the gate (0: none).
+/// One row of the Kalman update; no change if the innovation is outside the gate (0: no gate).
 void Filter::correct(const Row& H, double innovation, double variance, double gate_sigma) {
   const Eigen::Matrix<double, kStates, 1> PHt = P_ * H.transpose();
   const double S = H.dot(PHt) + variance;
@@ -110,7 +111,7 @@ void Filter::correct(const Row& H, double innovation, double variance, double ga
   P_ = (0.5 * (P_ + P_.transpose())).eval();
 }
 
-/// Nobody walks, and both halves of the window show the same strength.
+/// True if the acceleration is calm (no walking) and both halves of the window have the same field strength.
 bool Filter::is_quasi_static(double dt_s) const {
   const auto window = static_cast<size_t>(
       std::clamp(p_.field_window_s / std::max(dt_s, 1e-3), p_.min_window_samples, static_cast<double>(kNorms)));
@@ -120,7 +121,7 @@ bool Filter::is_quasi_static(double dt_s) const {
   return calm_ && std::abs(halves[0] - halves[1]) < p_.field_change * halves[0];
 }
 
-/// A first-order Gauss-Markov process goes on by so many of its time constants.
+/// Propagates a first-order Gauss-Markov process by `times` time constants.
 void Filter::wander(int state, double& value_rad, double times, double sigma_rad) {
   const double decay = std::exp(-times);
   value_rad *= decay;
@@ -138,7 +139,7 @@ void Filter::update_magnetometer(const Vector3d& field, double dt_s) {
   strength_ += std::max(1 - std::exp(-dt_s / p_.strength_tau_s), std::min(1.0, dt_s / seen_s_)) * (norm - strength_);
   disturbed_ = std::abs(norm - strength_) > p_.unusual_strength * strength_;
 
-  // Where the walker has come to, the field is off north by something else.
+  // The deviation of the field from north changes with the position.
   if (quasi_static_) {
     P_(kFieldOff, kFieldOff) += p_.field_random_walk * p_.field_random_walk * dt_s;
   } else {
@@ -153,11 +154,12 @@ void Filter::update_magnetometer(const Vector3d& field, double dt_s) {
   field_sum_.setZero(), since_update_s_ = 0;
 }
 
-/// The heading that the field shows, east of north: an error of ours to the left, what disturbs it, the iron's share.
+/// Update with the heading of the field, east of north: the sum of heading error, deviation of the field, and hard
+/// iron.
 void Filter::see_field(const Vector3d& earth) {
   const double horizontal = earth.head<2>().norm(), heading = std::atan2(earth.x(), earth.y());
   if (horizontal < p_.min_horizontal) return;
-  if (!has_heading_) {  // nothing is known yet: north is where the field says
+  if (!has_heading_) {  // first measurement: initialise the heading with it
     has_heading_ = true;
     q_ = (exp_rotation({0, 0, heading}) * q_).normalized();
     P_.row(kHeading).setZero(), P_.col(kHeading).setZero();
@@ -173,7 +175,7 @@ void Filter::see_field(const Vector3d& earth) {
   H.segment<3>(kIron) = east_of_field.transpose() * q_.toRotationMatrix();
   const double variance = p_.field_heading_sigma_rad * p_.field_heading_sigma_rad / (horizontal * horizontal);
   const double innovation = std::remainder(heading - field_off_rad_ - street_off_rad_, 2 * M_PI);
-  // Steel is near: the surprise is the field's, whatever its usual size.
+  // A large innovation indicates steel nearby: it is attributed to the field, beyond its usual variance.
   const double usual = (H * P_ * H.transpose()).value() + variance;
   if (innovation * innovation > p_.surprise * usual) P_(kFieldOff, kFieldOff) += innovation * innovation;
   correct(H, innovation, variance, 0);

@@ -9,48 +9,48 @@
 namespace odograph::magyq {
 
 /// After Renaudin & Combettes, "Magnetic, Acceleration Fields and Gyroscope Quaternion (MAGYQ)-Based Attitude
-/// Estimation with Smartphone Sensors for Indoor Pedestrian Navigation", Sensors 14 (2014). How far the values matter
-/// is not recorded; README says what the whole was seen to do.
+/// Estimation with Smartphone Sensors for Indoor Pedestrian Navigation", Sensors 14 (2014). The sensitivity to each
+/// value is not recorded; the README has the performance as a whole.
 struct Parameters {
   double gyro_noise = 1e-3;         ///< rad/s/sqrt(Hz); a phone's, scale errors and misalignment included
   double gyro_walk = 1e-5;          ///< rad/s^2/sqrt(Hz), of the bias
-  double bias_sigma_radps = 0.006;  ///< of the bias at the start
-  double window_s = 1.0;            ///< over which the acceleration is averaged: a stride's swing is gone then
-  double accel_sigma_mps2 = 0.35;   ///< of that average: speed that changes within the window
-  double rest_gyro_radps = 0.02, rest_accel_mps2 = 0.15;  ///< deviations in the window that are no movement
-  double rest_sway_radps = 0.0026;                        ///< least doubt about the mean rate at rest
-  double violent_gyro_radps = 30.0;                       ///< beyond this a phone's sensors saturate,
-  double violent_accel_mps2 = 60.0;                       ///< and the inclination has to be found again
-  double field_window_s = 1.0;             ///< of which both halves must show a field of the same strength
-  double field_change = 0.006;             ///< within this part of it: a quasi-static field
-  double calm_accel_mps2 = 0.6;            ///< spread of the acceleration of somebody who does not walk
-  double field_heading_sigma_rad = 0.008;  ///< of a heading that the field shows: noise and tilt
-  double field_off_sigma_rad = 0.18;       ///< how far the field points off north, where something disturbs it
-  double field_off_s = 5;                  ///< time constant of that, on foot
-  double street_off_sigma_rad = 0.18;      ///< the same of what is as long as a street
-  double street_off_s = 60;                ///< time constant of that, on foot
-  double field_random_walk = 0.002;        ///< rad/sqrt(s): how it wanders in quasi-static phases
-  double hard_iron_sigma = 0.06;           ///< the device's own field, in parts of the Earth's
-  // What follows was chosen by hand, and never varied.
-  double min_start_accel_mps2 = 1;       ///< of the first sample: less is free fall or a dead sensor, and no vertical
-  double start_tilt_rad = 0.1;           ///< of the inclination by the first sample
-  double violent_tilt_rad = 1;           ///< of the rotation after a violent movement
-  double rest_accel_factor = 0.1;        ///< of accel_sigma_mps2, where the device rests
-  double gate_sigma = 5;                 ///< beyond which a vertical, or a rate at rest, is not believed
-  double min_window_samples = 4;         ///< of the field's window
-  double between_field_updates_s = 0.2;  ///< neighbouring samples of a field err alike
-  double strength_tau_s = 60;            ///< of the field's long mean
-  double unusual_strength = 0.1;         ///< part of it, by which a field that is disturbed differs
-  double surprise = 4;  ///< of an innovation squared over its variance: the field's error is as large from here
-  double min_horizontal = 0.05;  ///< part of the field: less points straight down and tells no heading
+  double bias_sigma_radps = 0.006;  ///< initial sigma of the bias
+  double window_s = 1.0;            ///< averaging time of the acceleration: removes the swing of a stride
+  double accel_sigma_mps2 = 0.35;   ///< of that average: change of velocity within the window
+  double rest_gyro_radps = 0.02, rest_accel_mps2 = 0.15;  ///< max spread of rate and acceleration in the window at rest
+  double rest_sway_radps = 0.0026;                        ///< min sigma of the mean rate at rest
+  double violent_gyro_radps = 30.0;                       ///< beyond these a phone's sensors saturate,
+  double violent_accel_mps2 = 60.0;                       ///< and the inclination is re-initialised
+  double field_window_s = 1.0;             ///< both halves of which must have a field of the same strength
+  double field_change = 0.006;             ///< max relative difference of the halves in a quasi-static field
+  double calm_accel_mps2 = 0.6;            ///< max spread of the acceleration without walking
+  double field_heading_sigma_rad = 0.008;  ///< of the heading by the field: noise and tilt
+  double field_off_sigma_rad = 0.18;       ///< deviation of the field from north by local disturbances
+  double field_off_s = 5;                  ///< its time constant while walking
+  double street_off_sigma_rad = 0.18;      ///< the same for disturbances of the extent of a street
+  double street_off_s = 60;                ///< its time constant while walking
+  double field_random_walk = 0.002;        ///< rad/sqrt(s): random walk of the deviation in quasi-static phases
+  double hard_iron_sigma = 0.06;           ///< hard iron, relative to the Earth's field
+  // Empirical, never varied:
+  double min_start_accel_mps2 = 1;       ///< min first sample: below it free fall or a defective sensor
+  double start_tilt_rad = 0.1;           ///< of the inclination from the first sample
+  double violent_tilt_rad = 1;           ///< of the rotation after saturation
+  double rest_accel_factor = 0.1;        ///< on accel_sigma_mps2 at rest
+  double gate_sigma = 5;                 ///< for a vertical, or a rate at rest
+  double min_window_samples = 4;         ///< min samples in the field's window
+  double between_field_updates_s = 0.2;  ///< consecutive field samples have correlated errors
+  double strength_tau_s = 60;            ///< time constant of the mean field strength
+  double unusual_strength = 0.1;         ///< relative deviation from the mean strength above which a field is disturbed
+  double surprise = 4;  ///< innovation squared over its variance above which the field's variance is increased to match
+  double min_horizontal = 0.05;  ///< horizontal part of the field: below it the field gives no heading
 };
 
-/// Orientation by gyroscope, corrected where a field allows it. The acceleration averaged over a stride shows the
-/// vertical. The magnetic field's direction in the Earth's axes is off north by what disturbs it, which changes as the
-/// walker goes, slowly while its strength is quasi-static: so over a second or two the field shows the gyroscope's
-/// error (the paper's magnetic angular rate update) whatever disturbs it, and over a minute it shows north. A Kalman
-/// filter of the errors of ten states: rotation (in the Earth's axes), gyroscope bias, how far the field is off
-/// north here, and the device's own field (hard iron), which turns with it. Earth frame: East-North-Up. No allocation.
+/// Orientation from the gyroscope, corrected by gravity and the magnetic field. The acceleration averaged over a stride
+/// gives the vertical. Disturbances deflect the magnetic field from north. The deflection changes with the position,
+/// but slowly while the field's strength is quasi-static: over a second or two the field therefore observes the
+/// gyroscope's error (the paper's magnetic angular rate update), and over a minute it observes north. Error-state
+/// Kalman filter with eleven states: rotation (in the Earth frame), gyro bias, local and street-wide deflection of the
+/// field, and hard iron (in the body frame). Earth frame: East-North-Up. Does not allocate.
 class Filter {
  public:
   explicit Filter(const Parameters& parameters) : p_(parameters) {}
@@ -61,13 +61,13 @@ class Filter {
   void update_magnetometer(const Eigen::Vector3d& field, double dt_s);
 
   bool ready() const { return started_; }
-  /// Body to Earth (ENU). Heading is relative to the start until a magnetometer spoke.
+  /// Body to Earth (ENU). Heading is relative to the start until the first magnetometer sample.
   const Eigen::Quaterniond& orientation() const { return q_; }
-  /// rad/s, to be subtracted.
+  /// Gyro bias in rad/s, to be subtracted.
   const Eigen::Vector3d& bias() const { return bias_; }
   bool at_rest() const { return at_rest_; }
   bool has_heading() const { return has_heading_; }
-  /// The field is much stronger or weaker than it is as a rule.
+  /// The field strength deviates strongly from its mean.
   bool mag_disturbed() const { return disturbed_; }
   double heading_sigma() const;
   double inclination_sigma() const;
@@ -92,7 +92,7 @@ class Filter {
   Eigen::Vector3d bias_ = Eigen::Vector3d::Zero();
   Matrix P_ = Matrix::Zero();
 
-  // The window of the acceleration and of what tells rest.
+  // Window for acceleration and rest detection.
   double window_s_ = 0;
   size_t window_count_ = 0;
   Eigen::Vector3d accel_sum_ = Eigen::Vector3d::Zero(), rate_sum_ = Eigen::Vector3d::Zero();
@@ -103,10 +103,10 @@ class Filter {
   static constexpr size_t kNorms = 256;
   Ring<double, kNorms> norms_;
   double since_update_s_ = 0, seen_s_ = 0;
-  Eigen::Vector3d field_sum_ = Eigen::Vector3d::Zero();  // in the Earth's axes
+  Eigen::Vector3d field_sum_ = Eigen::Vector3d::Zero();  // in the Earth frame
   double field_off_rad_ = 0, street_off_rad_ = 0;
-  Eigen::Vector3d iron_ = Eigen::Vector3d::Zero();  // in body axes, parts of the field's strength
-  double strength_ = 0;                             // the field's long mean
+  Eigen::Vector3d iron_ = Eigen::Vector3d::Zero();  // in body axes, relative to the field strength
+  double strength_ = 0;                             // mean field strength
   bool calm_ = false, quasi_static_ = false, disturbed_ = false, has_heading_ = false;
 };
 

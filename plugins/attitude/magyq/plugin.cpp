@@ -11,14 +11,14 @@ class MagyqPlugin {
 
   static constexpr odo::Description description{
       "attitude/magyq", "1.0.0",
-      "Orientation with bias learnt from quasi-static magnetic phases after Renaudin & Combettes 2014 (MAGYQ)",
+      "Orientation with bias estimation from quasi-static magnetic phases after Renaudin & Combettes 2014 (MAGYQ)",
       ODO_INTERFACE_ATTITUDE};
 
   static std::vector<odo::Parameter<MagyqPlugin>> parameters() {
     return {odo::boolean("magnetometer", &MagyqPlugin::magnetometer,
                          "use the magnetic field; without it the heading is relative to the start"),
             odo::reals("forward_axis", "", -1, 1, &MagyqPlugin::forward_axis,
-                       "body axis that starts out facing north without a magnetometer; the default suits a phone held "
+                       "body axis that initially faces north without a magnetometer; the default suits a phone held "
                        "upright or flat")};
   }
 

@@ -21,7 +21,7 @@ class VqfPlugin {
                       "time constant of the heading correction (Laidig & Seel 2023)"),
             odo::boolean("magnetometer", &VqfPlugin::magnetometer, "refer the heading to magnetic north"),
             odo::reals("forward_axis", "", -1, 1, &VqfPlugin::forward_axis,
-                       "body axis that starts out facing north; the default suits a phone held upright or flat")};
+                       "body axis that initially faces north; the default suits a phone held upright or flat")};
   }
 
   void configured() {

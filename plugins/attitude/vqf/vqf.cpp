@@ -16,7 +16,7 @@ using Eigen::Vector3d;
 
 constexpr double kPi = 3.14159265358979323846;
 
-/// Shortest rotation that brings a unit vector to the vertical.
+/// Shortest rotation from a unit vector to the vertical.
 Quaterniond to_vertical(const Vector3d& up) {
   if (up.z() < -1.0 + 1e-9) return {0.0, 1.0, 0.0, 0.0};
   const double w = std::sqrt(0.5 * (up.z() + 1.0));
@@ -28,7 +28,7 @@ Quaterniond to_vertical(const Vector3d& up) {
 void Filter::update(const Vector3d& gyro, const Vector3d& accel, double dt_s) {
   if (!started_) {
     const double norm = accel.norm();
-    if (norm < 1.0) return;  // free fall or a dead sensor: no vertical to start from
+    if (norm < 1.0) return;  // free fall or a defective sensor: no vertical to start from
     started_ = true;
     q_accel_ = to_vertical(accel / norm);
     bias_covariance_ = Matrix3d::Identity() * p_.bias_sigma_init_radps * p_.bias_sigma_init_radps;
@@ -39,7 +39,7 @@ void Filter::update(const Vector3d& gyro, const Vector3d& accel, double dt_s) {
   update_rest(gyro, accel, dt_s);
   q_gyro_ = (q_gyro_ * exp_rotation((gyro - bias_) * dt_s)).normalized();
 
-  // Of a saturated sensor only so much is known that the inclination has to be found again.
+  // After saturation the inclination must be re-initialised.
   if (gyro.norm() > p_.violent_gyro_radps || accel.norm() > p_.violent_accel_mps2) {
     violent_ = true;
     heading_sigma_ += 0.1 * gyro.norm() * dt_s;
@@ -47,8 +47,8 @@ void Filter::update(const Vector3d& gyro, const Vector3d& accel, double dt_s) {
   }
   if (std::exchange(violent_, false)) accel_low_.started = false, time_s_ = dt_s;
 
-  // Inclination correction: the acceleration, averaged in the nearly inertial frame, points up. While the average is
-  // young it is an average over all there is, which converges much faster.
+  // Inclination correction: the acceleration, averaged in the nearly inertial frame, points up. During the first
+  // tau_acc_s the average covers all samples, which converges much faster.
   const double tau = std::min(p_.tau_acc_s, std::max(time_s_, dt_s));
   const Vector3d accel_low = accel_low_.update(q_gyro_ * accel, tau, dt_s);
   const double norm = accel_low.norm();
@@ -71,8 +71,8 @@ void Filter::update_rest(const Vector3d& gyro, const Vector3d& accel, double dt_
   rest_time_s_ = still ? rest_time_s_ + dt_s : 0.0;
 }
 
-/// The paper's Kalman filter with the bias as state: at rest the gyroscope shows it; in motion the inclination
-/// correction shows the two components that tilt, and the third is weakly held at zero.
+/// The paper's Kalman filter with the bias as state. At rest the gyroscope measures it; in motion the inclination
+/// correction observes the two components that tilt, and a weak zero measurement constrains the third.
 void Filter::update_bias(const Vector3d& accel_earth, double dt_s) {
   const double growth = 0.001745;  // 0.1 deg/s within bias_forgetting_s
   const double V = growth * growth * dt_s / p_.bias_forgetting_s;
@@ -131,7 +131,7 @@ void Filter::update_magnetometer(const Vector3d& field, double dt_s) {
   }
   if (mag_disturbed_ && has_heading_) return;
 
-  // Heading correction (eq. (8) of the paper): how far the horizontal field is off north.
+  // Heading correction (eq. (8) of the paper): deviation of the horizontal field from north.
   const double off = std::remainder(std::atan2(earth.x(), earth.y()) - delta_rad_, 2 * kPi);
   mag_time_s_ += dt_s;
   const double k = std::max(1.0 - std::exp(-dt_s / p_.tau_mag_s), std::min(1.0, dt_s / mag_time_s_));

@@ -14,30 +14,30 @@ struct Parameters {
   double tau_acc_s = 3.0;                     ///< time constant of the inclination correction, tau_acc
   double tau_mag_s = 9.0;                     ///< time constant of the heading correction, tau_mag
   double bias_sigma_init_radps = 0.00873;     ///< standard deviation of the initial bias (0.5 deg/s)
-  double bias_forgetting_s = 100.0;           ///< time in which the bias grows uncertain by 0.1 deg/s
-  double bias_clip_radps = 0.0349;            ///< largest bias believed (2 deg/s)
+  double bias_forgetting_s = 100.0;           ///< time in which the bias uncertainty grows by 0.1 deg/s
+  double bias_clip_radps = 0.0349;            ///< limit of the bias estimate (2 deg/s)
   double bias_sigma_motion_radps = 0.001745;  ///< converged uncertainty while moving (0.1 deg/s)
-  double bias_vertical_forgetting = 1e-4;     ///< weight of "no bias about the vertical" while moving
+  double bias_vertical_forgetting = 1e-4;     ///< weight of the zero measurement of the vertical bias while moving
   double bias_sigma_rest_radps = 0.000524;    ///< converged uncertainty at rest (0.03 deg/s)
   double rest_min_s = 1.5;                    ///< time without movement that counts as rest
-  double rest_filter_tau_s = 0.5;             ///< of the signals that tell rest
+  double rest_filter_tau_s = 0.5;             ///< time constant of the signals for rest detection
   double rest_gyro_radps = 0.0349;            ///< deviation of the gyroscope allowed at rest (2 deg/s)
   double rest_accel_mps2 = 0.5;               ///< deviation of the accelerometer allowed at rest
   double rest_sway_radps = 0.0026;       ///< slow sway of the gyroscope allowed at rest (0.15 deg/s); not in the paper:
-                                         ///< a hand that stands still sways slower than the paper's test can see
-  double rest_sway_tau_s = 3.0;          ///< time over which the sway is taken
-  double violent_gyro_radps = 30.0;      ///< beyond this a phone's sensors saturate; not in the paper: after a blow
-  double violent_accel_mps2 = 60.0;      ///< nobody knows the inclination, and its average begins anew
+                                         ///< a standing hand sways more slowly than the paper's test detects
+  double rest_sway_tau_s = 3.0;          ///< time constant of the sway
+  double violent_gyro_radps = 30.0;      ///< beyond these a phone's sensors saturate; not in the paper: afterwards the
+  double violent_accel_mps2 = 60.0;      ///< inclination and its average are re-initialised
   double mag_ref_tau_s = 20.0;           ///< adaptation of the reference norm and dip
-  double mag_norm_tolerance = 0.1;       ///< relative deviation of the norm that is undisturbed
-  double mag_dip_tolerance_rad = 0.175;  ///< deviation of the dip that is undisturbed (10 deg)
-  double mag_new_s = 20.0;               ///< steady field for that long becomes the new reference
+  double mag_norm_tolerance = 0.1;       ///< max relative deviation of the norm of an undisturbed field
+  double mag_dip_tolerance_rad = 0.175;  ///< max deviation of the dip of an undisturbed field (10 deg)
+  double mag_new_s = 20.0;               ///< a field steady for this long becomes the new reference
 };
 
-/// Orientation from gyroscope and accelerometer, optionally magnetometer, with gyroscope bias estimation at rest and in
-/// motion. Works at any and at irregular sample rates: instead of the paper's Butterworth filters, whose coefficients
-/// belong to one rate, two first-order filters of half the time constant in cascade (the same mean delay) are used.
-/// Earth frame here: East-North-Up, as in the paper. No allocation.
+/// Orientation from gyroscope and accelerometer, optionally magnetometer, with gyro bias estimation at rest and in
+/// motion. Supports any and irregular sample rates: two cascaded first-order filters of half the time constant (the
+/// same mean delay) replace the paper's Butterworth filters, whose coefficients depend on the rate. Earth frame:
+/// East-North-Up, as in the paper. Does not allocate.
 class Filter {
  public:
   explicit Filter(const Parameters& parameters) : p_(parameters) {}
@@ -48,16 +48,16 @@ class Filter {
   void update_magnetometer(const Eigen::Vector3d& field, double dt_s);
 
   bool ready() const { return started_; }
-  /// Body to Earth (ENU). Heading is relative to the start until a magnetometer spoke.
+  /// Body to Earth (ENU). Heading is relative to the start until the first magnetometer sample.
   Eigen::Quaterniond orientation() const;
-  /// rad/s, to be subtracted.
+  /// Gyro bias in rad/s, to be subtracted.
   const Eigen::Vector3d& bias() const { return bias_; }
   /// Standard deviation of the bias, rad/s, largest axis.
   double bias_sigma() const;
   bool at_rest() const { return rest_time_s_ >= p_.rest_min_s; }
   bool has_heading() const { return has_heading_; }
   bool mag_disturbed() const { return mag_disturbed_; }
-  /// 1-sigma of heading and inclination, rad.
+  /// Standard deviations of heading and inclination, rad.
   double heading_sigma() const { return heading_sigma_; }
   double inclination_sigma() const;
 
@@ -86,7 +86,7 @@ class Filter {
   Parameters p_;
   bool started_ = false;
   Eigen::Quaterniond q_gyro_ = Eigen::Quaterniond::Identity();   // body to the strapdown's own frame
-  Eigen::Quaterniond q_accel_ = Eigen::Quaterniond::Identity();  // from there to an Earth frame of unknown heading
+  Eigen::Quaterniond q_accel_ = Eigen::Quaterniond::Identity();  // from there to an Earth frame of arbitrary heading
   double delta_rad_ = 0.0;                                       // heading of that frame
   LowPass<Eigen::Vector3d> accel_low_;
   Eigen::Vector3d bias_ = Eigen::Vector3d::Zero();

@@ -16,7 +16,8 @@ constexpr double kMin_pa = 30'000, kMax_pa = 120'000;
 
 double PressureHeight::down_of(double pressure_pa) { return -pressure_height_m(pressure_pa); }
 
-/// Of an average: as many independent readings as gusts fit into it, one at least.
+/// Variance of an average: the number of independent readings is that of gust correlation times within it, at least
+/// one.
 double PressureHeight::noise_variance() const {
   return p_.noise_m * p_.noise_m / std::max(1.0, p_.average_s / (2 * p_.noise_correlation_s));
 }

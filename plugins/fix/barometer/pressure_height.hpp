@@ -6,36 +6,36 @@
 
 namespace odograph::barometer {
 
-/// Heights from pressure, carried on from a height that was known. The atmosphere is the ISA's troposphere; what the
-/// weather does meanwhile is a random walk and a trend that nobody knows. Heights are n's down coordinates, m. No
-/// allocation.
+/// Heights from pressure, relative to a known height. The atmosphere is the ISA's troposphere; the weather is modelled
+/// as a random walk plus an unknown trend. Heights are n's down coordinates, m. Does not allocate.
 class PressureHeight {
  public:
   struct Parameters {
     double noise_m = 0.5;            ///< of a reading: 4 Pa of wind and 3 of noise (8.4 cm a pascal)
-    double noise_correlation_s = 4;  ///< of gusts
+    double noise_correlation_s = 4;  ///< correlation time of gusts
     double walk_m = 0.03;            ///< m/sqrt(s): 20 Pa in an hour, doors and ventilation
-    double trend_mps = 7e-4;         ///< 1 hPa in three hours, as weather reports have it on ordinary days
-    double average_s = 2;            ///< readings are averaged over so long
-    double longest_gap_s = 30;       ///< without readings: doors, lifts, another pocket; chosen by hand, not tuned
-    double alike_s = 60;             ///< for so long what is common to heights counts as one error
+    double trend_mps = 7e-4;         ///< 1 hPa in three hours, as in weather reports on ordinary days
+    double average_s = 2;            ///< averaging time
+    double longest_gap_s = 30;       ///< without readings: doors, lifts, another pocket; empirical, not tuned
+    double alike_s = 60;             ///< correlation time of the error common to the heights
   };
   struct Height {
-    int64_t t_ns;  ///< the middle of the readings averaged
+    int64_t t_ns;  ///< middle of the averaged readings
     double down_m;
-    double error_variance_m2;  ///< of this height by itself
-    double fix_variance_m2;    ///< with which independent fixes, average_s apart, would tell as much
+    double error_variance_m2;  ///< of this height alone
+    double fix_variance_m2;    ///< variance that independent fixes at intervals of average_s need to carry the same
+                               ///< information
   };
   explicit PressureHeight(const Parameters& parameters) : p_(parameters) {}
 
-  /// The height at t is known: down, m, with its variance. It holds for the readings around t.
+  /// Sets the reference: the height at t, down, m, with its variance. Applies to the readings around t.
   void refer(int64_t t_ns, double down_m, double variance_m2);
-  /// A reading in Pa; a height when an average is complete and there is a reference. Pressures outside of 300 to
-  /// 1200 hPa are no readings.
+  /// Adds a reading in Pa. Returns a height when an average is complete and there is a reference. Ignores pressures
+  /// outside 300 to 1200 hPa.
   std::optional<Height> add(int64_t t_ns, double pressure_pa);
   bool has_reference() const { return reference_.has_value(); }
 
-  /// The ISA's height over mean sea level, downwards, m.
+  /// ISA height above mean sea level, downwards, m.
   static double down_of(double pressure_pa);
 
  private:
@@ -54,7 +54,7 @@ class PressureHeight {
   Mean mean_;
   std::optional<double> last_by_pressure_m_;
   int64_t last_ns_ = 0;
-  std::optional<Reference> reference_, waiting_;  // the second until an average is there
+  std::optional<Reference> reference_, waiting_;  // `waiting_` until its average is complete
 };
 
 }  // namespace odograph::barometer

@@ -10,7 +10,7 @@ namespace odograph::gnss {
 
 void CorrelatedError::on_path(int64_t, const Eigen::Vector2d& path_m, double heading_sigma_rad) {
   const double moved = has_path_ ? (path_m - path_).norm() : 0.0;
-  // The path was corrected: what the last position was compared with moved with it.
+  // The path was corrected: moves the path position of the last comparison with it.
   if (moved > p_.correction_m)
     last_.difference -= path_m - path_;
   else
@@ -39,7 +39,7 @@ CorrelatedError::Corrected CorrelatedError::on_position(int64_t t_ns, const Eige
       result.jumped = true;
     }
   }
-  // What was forgotten of a bias is still in the position, and is alike for as long as the bias.
+  // The decayed part of a bias is still in the position, correlated over the time constant of the bias.
   const double alike = dt > 0 ? 1 / std::tanh(dt / (2 * p_.correlation_s)) : 1.0;
   const double alike_bias = dt > 0 ? 1 / std::tanh(dt / (2 * p_.bias_s)) : 1.0;
   result.sigma_m = std::sqrt(sigma_m * sigma_m * alike +

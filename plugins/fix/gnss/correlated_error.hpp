@@ -8,39 +8,39 @@
 
 namespace odograph::gnss {
 
-/// What a receiver's error does from one position to the next: between houses it stays alike for tens of seconds, and
-/// jumps by tens of metres when the path of a signal changes. An estimator that takes positions for independent would
-/// believe the error after a few seconds. No allocation.
+/// Temporal correlation of a receiver's error. Between buildings the error persists for tens of seconds, and jumps by
+/// tens of metres when the signal path changes. An estimator that treats positions as independent converges to the
+/// error within a few seconds. Does not allocate.
 ///
-/// A first-order Gauss-Markov error of variance s^2 and time constant tau, sampled each dt, tells as much of a constant
-/// as white errors of variance s^2 coth(dt / (2 tau)). A jump is seen against what is known of the walker's path: the
-/// change of (receiver minus path) within a few seconds is larger than the process and the path explain. It is kept as
-/// a bias, which is taken off and forgotten with its own time constant, so that a jump back to the truth ends there
-/// too.
+/// A first-order Gauss-Markov error of variance s^2 and time constant tau, sampled at intervals dt, carries the same
+/// information about a constant as white errors of variance s^2 coth(dt / (2 tau)). A jump is detected against the
+/// walked path: the change of (receiver minus path) within a few seconds exceeds what the process and the path explain.
+/// The jump becomes a bias, which is subtracted and decays with its own time constant, so that a jump back to the truth
+/// removes it.
 class CorrelatedError {
  public:
   struct Parameters {
     double correlation_s = 20;  ///< tau
-    double bias_s = 60;        ///< time constant with which a jump's bias is forgotten; reflections last a minute or so
-    double path_error = 0.15;  ///< of the path's length, 1 sigma, beside its heading's
-    double gate_sigma = 4;     ///< of the change, above which it is a jump
-    // What follows was chosen by hand, and not tuned.
-    double correction_m = 5;      ///< a path that moves so far at once was corrected, not walked
-    double longest_s = 10;        ///< since the last position: beyond, a change is no jump
-    double own_noise_m = 1;       ///< a receiver's own noise, 0.7 m twice
-    double max_heading_rad = 2;   ///< of the path's heading: a worse one is any
-    double forgotten_part = 0.5;  ///< of a bias, as its sigma while it is forgotten
+    double bias_s = 60;         ///< time constant with which a jump's bias decays; reflections last about a minute
+    double path_error = 0.15;   ///< of the path's length, 1 sigma, in addition to its heading's
+    double gate_sigma = 4;      ///< of the change, above which it is a jump
+    // Empirical, not tuned:
+    double correction_m = 5;      ///< a path that moves by this much at once was corrected, not walked
+    double longest_s = 10;        ///< since the last position: beyond it a change is not a jump
+    double own_noise_m = 1;       ///< receiver noise of two positions, 0.7 m each
+    double max_heading_rad = 2;   ///< sigma of the path's heading above which the heading is unknown
+    double forgotten_part = 0.5;  ///< of a bias: its sigma while it decays
   };
   struct Corrected {
-    Eigen::Vector2d position_m;  ///< the receiver's less the bias
-    double sigma_m;              ///< with which independent positions would tell as much
+    Eigen::Vector2d position_m;  ///< of the receiver, bias removed
+    double sigma_m;              ///< sigma that independent positions need to carry the same information
     bool jumped;
   };
   explicit CorrelatedError(const Parameters& parameters) : p_(parameters) {}
 
-  /// The path as it is known so far (north, east; m; any origin), its heading's standard deviation in rad.
+  /// The walked path (north, east; m; any origin) and its heading's standard deviation in rad.
   void on_path(int64_t t_ns, const Eigen::Vector2d& path_m, double heading_sigma_rad);
-  /// A position (north, east; m; any origin, the same for all) with the receiver's own standard deviation.
+  /// A position (north, east; m; any common origin) with the receiver's own standard deviation.
   Corrected on_position(int64_t t_ns, const Eigen::Vector2d& position_m, double sigma_m);
   const Eigen::Vector2d& bias_m() const { return bias_; }
   void reset() { *this = CorrelatedError(p_); }

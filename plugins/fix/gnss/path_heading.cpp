@@ -40,7 +40,7 @@ void PathHeading::add_step(int64_t start_ns, int64_t end_ns, double length_m, do
   work_off();
 }
 
-/// Nothing where the steps kept do not reach back so far.
+/// Nothing if the stored steps do not reach back that far.
 std::optional<Vector2d> PathHeading::path_at(int64_t t_ns) const {
   if (steps_.empty() || t_ns <= steps_.front().start_ns)
     return steps_.empty() || steps_.size() < kKept ? std::optional<Vector2d>(Vector2d::Zero()) : std::nullopt;
@@ -97,8 +97,9 @@ void PathHeading::propagate(double dt_s, const Vector2d& moved, double sigma_m) 
   if (told_) age(told_x_, told_P_);
 }
 
-/// Receivers know their velocity to 0.05 m/s in the open and to 1 m/s where they see reflections alone; what one of
-/// them does stays for minutes. A velocity that the path foretells no better than it is tells nothing of that.
+/// A receiver's velocity is accurate to 0.05 m/s in the open and to 1 m/s with reflections only; its quality persists
+/// for minutes. Weighted by the accuracy of the path's own prediction: a worse prediction carries no information about
+/// it.
 void PathHeading::learn_velocity(double squared_mps2, double by_path_mps2) {
   const double worth = 1 / (1 + std::pow(by_path_mps2 / (p_.telling_mps * p_.telling_mps), 2));
   velocities_ += worth, velocity_squares_ += worth * (squared_mps2 - by_path_mps2);
@@ -122,7 +123,7 @@ void PathHeading::use(const Seen& seen, const Vector2d& path, const Vector2d& pa
   }
   Eigen::Matrix<double, 2, kStates> H = Eigen::Matrix<double, 2, kStates>::Zero();
   double noise = p_.white_m * p_.white_m;
-  if (seen.is_velocity) {  // one a second, alike for longer
+  if (seen.is_velocity) {  // one per second, with a longer correlation
     H.middleCols<2>(kYaw) << path_velocity.x(), -path_velocity.y(), path_velocity.y(), path_velocity.x();
     noise = std::pow(velocity_sigma(seen.sigma), 2) * std::max(1.0, 2 * p_.velocity_correlation_s) +
             p_.steps_mps * p_.steps_mps;
@@ -150,7 +151,7 @@ std::optional<PathHeading::Yaw> PathHeading::yaw_of(const Vector& x, const Matri
   const Vector2d ab = x.segment<2>(kYaw);
   const double scale = ab.norm();
   if (scale < p_.min_scale) return {};
-  // Steps know their length: a measurement of the scale, on a copy, because only its direction is linear.
+  // Step lengths measure the scale; applied to a copy, because only the direction is linear.
   const Vector2d along = ab / scale, across(-along.y(), along.x());
   const Matrix2d P = from.block<2, 2>(kYaw, kYaw);
   const double s = along.dot(P * along) + p_.scale_sigma * p_.scale_sigma;

@@ -20,8 +20,7 @@ using odograph::gnss::PathHeading;
 constexpr double kPi = 3.14159265358979323846;
 constexpr double kEquator_m = 6378137.0, kEccentricity2 = 6.69437999014e-3;  // WGS 84
 
-/// Position fixes from the receiver, weighed for what they are: errors between houses are alike for tens of seconds and
-/// jump.
+/// Position fixes from the receiver, with a model of errors that persist for tens of seconds and jump.
 class Gnss {
  public:
   double sigma = 10.0, sigma_factor = 1.5, min_sigma = 2.0, correlation = 20.0, bias_time = 60.0;
@@ -31,23 +30,23 @@ class Gnss {
 
   static constexpr odo::Description description{"fix/gnss", "1.2.0", "Position and heading fixes from a GNSS receiver",
                                                 ODO_INTERFACE_ABSOLUTE_FIXER};
-  static constexpr uint32_t extra_inputs[] = {ODO_TYPE_STEP, ODO_TYPE_ATTITUDE, ODO_TYPE_IMU};  // the walked path
+  static constexpr uint32_t extra_inputs[] = {ODO_TYPE_STEP, ODO_TYPE_ATTITUDE, ODO_TYPE_IMU};  // for the walked path
   static std::vector<odo::Parameter<Gnss>> parameters() {
     return {
-        odo::real("sigma", "m", 0.01, 1000, &Gnss::sigma, "standard deviation of a position that comes without one"),
-        odo::real("sigma_factor", "", 0.1, 100, &Gnss::sigma_factor,
-                  "the receiver's own standard deviation is multiplied by this"),
-        odo::real("min_sigma", "m", 0.001, 1000, &Gnss::min_sigma, "smallest standard deviation believed"),
+        odo::real("sigma", "m", 0.01, 1000, &Gnss::sigma, "standard deviation of a position without one"),
+        odo::real("sigma_factor", "", 0.1, 100, &Gnss::sigma_factor, "factor on the receiver's own standard deviation"),
+        odo::real("min_sigma", "m", 0.001, 1000, &Gnss::min_sigma, "lower bound of the standard deviation"),
         odo::real("correlation", "s", 0, 3600, &Gnss::correlation,
                   "time constant of the receiver's error; 0: positions are independent and do not jump"),
-        odo::real("bias_time", "s", 1, 3600, &Gnss::bias_time, "time constant with which a jump is forgotten"),
+        odo::real("bias_time", "s", 1, 3600, &Gnss::bias_time, "time constant with which the bias of a jump decays"),
         odo::integer("min_satellites", 0, 100, &Gnss::min_satellites,
-                     "positions from fewer are ignored (where the number is known)"),
-        odo::boolean("height", &Gnss::height, "use the height too"),
-        odo::boolean("heading", &Gnss::heading, "tell the heading that rotates the walked path onto the positions"),
-        odo::real("hold_sigma", "rad", 0, 3.2, &Gnss::hold_sigma, "of the phone's direction against the walk's"),
+                     "positions from fewer are ignored (if the number is known)"),
+        odo::boolean("height", &Gnss::height, "use the height as well"),
+        odo::boolean("heading", &Gnss::heading, "emit the heading that rotates the walked path onto the positions"),
+        odo::real("hold_sigma", "rad", 0, 3.2, &Gnss::hold_sigma,
+                  "standard deviation of the phone's direction against the walk's"),
         odo::real("velocity_sigma", "m/s", 0.01, 100, &Gnss::velocity_sigma,
-                  "standard deviation of a satellite velocity between houses")};
+                  "standard deviation of a satellite velocity between buildings")};
   }
 
   void configured() { reset(); }
@@ -66,14 +65,15 @@ class Gnss {
   void on(const odo_pose& pose, odo::Output&) {
     constexpr uint32_t needed = ODO_POSE_POSITION | ODO_POSE_METRIC;
     if ((pose.header.flags & needed) != needed || (pose.header.flags & ODO_POSE_EXTRAPOLATED)) return;
-    if (!(std::hypot(pose.p_n[0], pose.p_n[1]) < kFarthest_m)) throw odo::Error(ODO_E_DISCARD, "p_n is no place in n");
+    if (!(std::hypot(pose.p_n[0], pose.p_n[1]) < kFarthest_m))
+      throw odo::Error(ODO_E_DISCARD, "p_n is out of range or not finite");
     error_->on_path(pose.header.t_ns, {pose.p_n[0], pose.p_n[1]}, std::sqrt(std::max(0.0, pose.covariance[14])));
   }
 
-  /// A compass goes astray between houses, and steps bend with it: the path is laid along the gyroscope's heading,
-  /// which is off by an angle and a drift.
+  /// Between buildings compass headings are wrong, and step headings with them. The path therefore follows the
+  /// gyroscope's heading, which has a constant offset and a drift.
   void on(const odo_imu& imu, odo::Output&) {
-    if (!Eigen::Vector3d(imu.gyro_b).allFinite()) throw odo::Error(ODO_E_DISCARD, "gyro_b is no number");
+    if (!Eigen::Vector3d(imu.gyro_b).allFinite()) throw odo::Error(ODO_E_DISCARD, "gyro_b is not finite");
     const double dt_s = odograph::seconds(imu.header.t_ns - gyro_.t_ns);
     if (attitude_ && dt_s > 0 && dt_s < kLongestStep_s) {
       const Eigen::Vector3d rate_b = Eigen::Vector3d(imu.gyro_b) - gyro_.bias_b;
@@ -86,17 +86,17 @@ class Gnss {
     const Eigen::Vector3d bias_b(attitude.gyro_bias_b);
     const Eigen::Quaterniond q = orientation(attitude);
     if (!bias_b.allFinite() || !q.coeffs().allFinite())
-      throw odo::Error(ODO_E_DISCARD, "q_n_b or gyro_bias_b is no number");
+      throw odo::Error(ODO_E_DISCARD, "q_n_b or gyro_bias_b is not finite");
     if (!attitude_) gyro_.bias_b = bias_b;
     attitude_ = attitude;
-    // The heading of the device however it is held: that of the rotation about the vertical alone.
+    // Heading of the device in any attitude: rotation about the vertical alone.
     gyro_.beyond_attitude_rad = std::remainder(gyro_.heading_rad - 2 * std::atan2(q.z(), q.w()), 2 * kPi);
   }
 
   void on(const odo_step& step, odo::Output&) {
     if ((step.header.flags & ODO_STEP_HEADING) == 0) return;
     if (!std::isfinite(step.length_m) || !std::isfinite(step.heading_rad))
-      throw odo::Error(ODO_E_DISCARD, "length_m or heading_rad is no number");
+      throw odo::Error(ODO_E_DISCARD, "length_m or heading_rad is not finite");
     path_->add_step(step.t_start_ns, step.t_end_ns, step.length_m, step.heading_rad + gyro_.beyond_attitude_rad);
   }
 
@@ -105,7 +105,7 @@ class Gnss {
     const bool on_earth = std::abs(sample.latitude_rad) <= EIGEN_PI / 2 &&
                           std::abs(sample.longitude_rad) <= 2 * EIGEN_PI &&
                           ((sample.header.flags & ODO_GNSS_HEIGHT) == 0 || std::abs(sample.height_m) < kFarthest_m);
-    if (!on_earth) throw odo::Error(ODO_E_DISCARD, "latitude_rad, longitude_rad or height_m is no place on the Earth");
+    if (!on_earth) throw odo::Error(ODO_E_DISCARD, "latitude_rad, longitude_rad or height_m is out of range");
     if (sample.satellites > 0 && sample.satellites < min_satellites) return;
     auto fix = odo::make<odo_fix>(sample.header.t_ns);
     fix.header.flags = ODO_FIX_GEODETIC | ODO_FIX_NORTH | ODO_FIX_EAST | ODO_FIX_COVARIANCE | ODO_FIX_INTEGRITY;
@@ -131,18 +131,19 @@ class Gnss {
   }
 
  private:
-  /// About the Earth's circumference: what is farther, or is as unsure, says nothing and would stay in the sums for
-  /// ever.
+  /// About the circumference of the Earth. Larger positions or sigmas carry no information and would stay in the sums
+  /// forever.
   static constexpr double kFarthest_m = 4e7;
   /// Horizontal part of the phone's top, 0 to 1, below which it counts as upright: 60 degrees from the horizontal.
   static constexpr double kUprightTop = 0.5;
   static constexpr double kLongestStep_s = 0.2;  ///< between samples of a gyroscope
 
-  /// The heading by the gyroscope alone, about the vertical of the attitude.
+  /// Heading by the gyroscope alone, about the attitude's vertical.
   struct Gyro {
     int64_t t_ns = 0;
     double heading_rad = 0, beyond_attitude_rad = 0;
-    Eigen::Vector3d bias_b = Eigen::Vector3d::Zero();  ///< as it was taken for at first, so that the rest is steady
+    Eigen::Vector3d bias_b =
+        Eigen::Vector3d::Zero();  ///< initial estimate, kept so that the remaining bias is constant
   };
 
   static Eigen::Quaterniond orientation(const odo_attitude& attitude) { return odograph::quaternion(attitude.q_n_b); }
@@ -159,7 +160,7 @@ class Gnss {
             std::remainder(sample.longitude_rad - longitude_rad_, 2 * kPi) * east_per_rad_};
   }
 
-  /// The heading by which the whole path fits all positions so far, where it has become better known.
+  /// Emits the heading that fits the whole path to all positions so far, if its uncertainty has decreased.
   void follow(const odo_gnss& sample, double sigma_m, odo::Output& output) {
     path_->add_position(sample.header.t_ns, seen_at(sample), sigma_m);
     if (sample.header.flags & ODO_GNSS_VELOCITY)
@@ -167,7 +168,7 @@ class Gnss {
     if (!attitude_) return;
     const auto yaw = path_->news();
     if (!yaw) return;
-    // Of a phone held upright the top has no heading, the back has.
+    // On a phone held upright the top has no heading, so the back is used.
     const Eigen::Quaterniond q_n_b = orientation(*attitude_);
     const bool upright = (q_n_b * Eigen::Vector3d::UnitY()).head<2>().norm() < kUprightTop;
     const Eigen::Vector3d axis_b = upright ? Eigen::Vector3d(-Eigen::Vector3d::UnitZ()) : Eigen::Vector3d::UnitY();
@@ -181,7 +182,7 @@ class Gnss {
     output.emit(fix);
   }
 
-  /// Takes a jump's bias off the fix and says with which variance it tells as much as an independent one.
+  /// Removes a jump's bias from the fix and sets the variance that gives correlated fixes their correct total weight.
   void apply_correlation(const odo_gnss& sample, double (&variance)[3], odo_fix& fix) {
     const Eigen::Vector2d seen = seen_at(sample);
     const double own = 0.5 * (variance[0] + variance[1]);

@@ -16,7 +16,7 @@ using Eigen::Vector3d;
 
 namespace {
 
-constexpr double kByMedian = 1.4826;  // standard deviation of a normal distribution by its median deviation
+constexpr double kByMedian = 1.4826;  // ratio of a normal distribution's sigma to its median absolute deviation
 
 float at(const cv::Mat& picture, double x, double y) {
   x = std::clamp(x, 0.0, picture.cols - 1.001), y = std::clamp(y, 0.0, picture.rows - 1.001);
@@ -49,7 +49,7 @@ Pyramid::Pyramid(const PlaneObject& object) : width_m_(object.width_m), height_m
 }
 
 float Pyramid::seen(const Vector2d& at_m, const Matrix2d& pixel_m, double sigma_px) const {
-  // Five by five samples out to two sigma, each from the level whose texel is as large as the distance between them.
+  // 5 x 5 samples out to two sigma, each from the level whose texel size matches the sample spacing.
   const double texels_x = width() / width_m_, texels_y = height() / height_m_;
   const double along = std::hypot(pixel_m(0, 0) * texels_x, pixel_m(1, 0) * texels_y);
   const double across = std::hypot(pixel_m(0, 1) * texels_x, pixel_m(1, 1) * texels_y);
@@ -88,11 +88,11 @@ struct Aligner::Sample {
   double expected;
 };
 
-/// Points spread evenly over the object, with what a pixel there would see.
+/// Samples spread evenly over the object, with the grey value expected for each pixel.
 std::vector<Aligner::Sample> Aligner::expected(const RollingLens& lens, const Pyramid& picture, const Pose& pose,
                                                double sigma_px) const {
   const double aspect = picture.width_m() / picture.height_m();
-  // No denser than pixels are.
+  // Not denser than the pixels.
   const auto middle = lens.project(pose * Vector3d(0, 0, 0));
   if (!middle) return {};
   const Eigen::Matrix<double, 2, 2> scale = middle->by_point * pose.R_c_o.leftCols<2>();
@@ -110,7 +110,7 @@ std::vector<Aligner::Sample> Aligner::expected(const RollingLens& lens, const Py
       if (!seen) continue;
       const Matrix2d px_by_m = seen->by_point * pose.R_c_o.leftCols<2>();
       if (std::abs(px_by_m.determinant()) < 1e-3) continue;
-      // Near its rim a blurred frame shows what is around the object.
+      // Near its rim a blurred frame mixes the object with its surroundings.
       const double rim_x_m = std::min(0.2 * picture.width_m(), p_.rim * sigma_px / px_by_m.col(0).norm());
       const double rim_y_m = std::min(0.2 * picture.height_m(), p_.rim * sigma_px / px_by_m.col(1).norm());
       if (std::abs(x_o.x()) > 0.5 * picture.width_m() - rim_x_m ||
@@ -121,7 +121,7 @@ std::vector<Aligner::Sample> Aligner::expected(const RollingLens& lens, const Py
   return samples;
 }
 
-/// Gain and offset by all that is seen: a pose must not be moved by the light.
+/// Gain and offset from all samples, so that illumination does not bias the pose.
 Aligner::Light Aligner::first_light(const cv::Mat& grey, const RollingLens& lens, const std::vector<Sample>& samples,
                                     const Pose& pose) {
   Correlation c;
@@ -140,7 +140,7 @@ struct Aligner::Equations {
   Eigen::Matrix<double, 10, 10> H = Eigen::Matrix<double, 10, 10>::Zero();
   Eigen::Matrix<double, 10, 1> g = Eigen::Matrix<double, 10, 1>::Zero();
   double cost = 0;                ///< weighted
-  std::vector<double> residuals;  ///< absolute, of the samples that are visible
+  std::vector<double> residuals;  ///< absolute, of the visible samples
 
   void add(const Eigen::Matrix<double, 10, 1>& J, double r, double most) {
     const double w = std::abs(r) <= most ? 1.0 : most / std::abs(r);
@@ -155,7 +155,7 @@ struct Aligner::Equations {
     damped.diagonal().array() += 1e-9;
     return -damped.ldlt().solve(g);
   }
-  /// Of the pose, the light being unknown.
+  /// Information of the pose, with the illumination marginalised.
   Eigen::Matrix<double, 6, 6> pose_information() const {
     return H.topLeftCorner<6, 6>() -
            H.topRightCorner<6, 4>() * H.bottomRightCorner<4, 4>().inverse() * H.bottomLeftCorner<4, 6>();
@@ -206,7 +206,7 @@ bool Aligner::refine(const Frame& frame, size_t level, const RollingLens& lens, 
     noise = std::max(p_.min_noise_grey, kByMedian * median(e.residuals));
     const Eigen::Matrix<double, 10, 1> step = e.step();
     if (!step.allFinite() || step.head<3>().norm() > p_.max_step_rad) return false;
-    // How far the object's corners move by it.
+    // Displacement of the object's corners by this step.
     const double depth = std::max(p_.nearest_m, a.pose.t_c_o.z());
     const double motion_px = lens.camera.focal() * (step.segment<3>(3).norm() / depth + step.head<3>().norm());
     a.pose = a.pose.moved(step.head<6>());
@@ -240,7 +240,7 @@ void Aligner::judge(const cv::Mat& grey, const cv::Mat& mask, const RollingLens&
   a.correlation = whole.value();
   int patterned = 0, agreeing = 0;
   for (const Correlation& part : parts) {
-    // Parts without a pattern, or whose pattern drowns in noise, say nothing.
+    // Parts without a pattern, or with one below the noise, carry no information.
     const bool pattern = part.n >= 6 && part.variance_x() > std::max(0.04 * whole.variance_x(), 9.0);
     patterned += pattern;
     agreeing += pattern && part.value() >= p_.part_correlation;

@@ -12,14 +12,14 @@ using Eigen::Vector3d;
 
 namespace {
 
-/// How far two poses are apart, as angles: of the rotation and of the place against the distance.
+/// Angular difference of two poses: of the rotation, and of the position over the distance.
 double apart_rad(const Pose& a, const Pose& b) {
   const double turned = Eigen::AngleAxisd(a.R_c_o.transpose() * b.R_c_o).angle();
   const Vector3d moved = a.R_c_o.transpose() * a.t_c_o - b.R_c_o.transpose() * b.t_c_o;  // of the camera, in o
   return std::max(turned, moved.norm() / std::max(0.1, a.t_c_o.norm()));
 }
 
-/// Whether an object is seen at places that do not overlap.
+/// True if an object is seen at positions that do not overlap.
 bool are_apart(const std::vector<Pose>& seen, const PlaneObject& object) {
   const double half_m = 0.5 * std::min(object.width_m, object.height_m);
   for (const Pose& a : seen)
@@ -30,7 +30,7 @@ bool are_apart(const std::vector<Pose>& seen, const PlaneObject& object) {
   return false;
 }
 
-/// Where the camera's motion has taken an object to.
+/// Pose of the object propagated by the camera's motion.
 Pose carried_on(const Pose& pose, const RollingLens& lens, int64_t by_ns) {
   const double s = seconds(by_ns);
   Eigen::Matrix<double, 6, 1> motion;
@@ -73,7 +73,7 @@ bool Finder::is_like(const Alignment& a) const {
   return a.correlation >= p_.twin_correlation && a.agreeing_part >= p_.twin_agreeing && a.side_px >= p_.min_side_px;
 }
 
-/// The pose reached from the best of the starts, and the other one of the plane there.
+/// Refines the best of the starts, and the second solution of the plane's pose from there.
 Finder::Look Finder::look_at(size_t object, const Aligner::Frame& frame, const RollingLens& lens,
                              const std::vector<Pose>& starts, bool fine) const {
   Sighting sighting;
@@ -98,7 +98,7 @@ Finder::Look Finder::look_at(size_t object, const Aligner::Frame& frame, const R
               [](const Alignment& a, const Alignment& b) { return a.cost < b.cost; });
   };
   order();
-  // The other pose of the plane: of the corners as the best one has them.
+  // The second solution of the plane: from the corners projected with the best pose.
   std::vector<cv::Point3d> corners_o;
   std::vector<cv::Point2d> seen;
   for (const Vector3d& corner : objects_[object].corners_o()) {
@@ -116,7 +116,7 @@ Finder::Look Finder::look_at(size_t object, const Aligner::Frame& frame, const R
   return {std::move(sighting), best};
 }
 
-/// Starts for each place in the frame where an object seems to be.
+/// Start poses for each candidate position of an object in the frame.
 std::vector<std::vector<Pose>> Finder::places_of(size_t object, const RollingLens& lens,
                                                  const std::vector<SeenTag>& tags,
                                                  const PictureSearch::Features* features) const {
@@ -169,7 +169,7 @@ std::vector<Sighting> Finder::find(int64_t t_ns, const cv::Mat& grey, const cv::
     if (!wanted(k)) continue;
     const bool searched = objects_[k].tag >= 0 || features;
     std::optional<Sighting> seen;
-    std::vector<Pose> like;  // every place that resembles it
+    std::vector<Pose> like;  // every position that resembles it
     for (const auto& starts : places_of(k, lens, tags, features ? &*features : nullptr)) {
       Look here = look_at(k, frame, lens, starts, false);
       if (here.like) like.push_back(*here.like);

@@ -13,37 +13,35 @@
 
 namespace odograph::known_object {
 
-/// An object in a frame. A plane seen with little perspective has two poses; which of them is right is not decided
-/// here.
+/// An object in a frame. A plane seen with little perspective has two poses; Judge decides between them.
 struct Sighting {
   size_t object = 0;
   int64_t t_ns = 0;
   std::vector<Alignment> poses;      ///< one or two, the better one first
-  std::array<bool, kSides> clear{};  ///< no copy of it hangs beside it on this side: the place was in the picture
+  std::array<bool, kSides> clear{};  ///< this side was in the frame and has no copy of the object
 };
 
-/// Finds known objects in frames: tags in each, pictures where a search is due, and from then on where they were. What
-/// is seen at two places at once is nowhere, and for a while after. One thread at a time.
+/// Finds known objects in frames: tags in every frame, pictures at each search, then by tracking. An object seen at two
+/// positions at once is rejected for a while. Not thread-safe.
 class Finder {
  public:
   struct Parameters {
-    double search_interval_s = 0.5;  ///< between two searches for pictures; a config's
-    int64_t follow_ns =
-        350'000'000;  ///< for which an object is looked for where it was: frames at 10 Hz, two of them lost
-    double min_correlation = 0.8;   ///< of the whole object; bench
-    double min_agreeing = 0.9;      ///< part of its parts; bench
-    double min_side_px = 18;        ///< root of its area: smaller ones have no pattern left; bench
-    double same_pose_rad = 0.01;    ///< two poses nearer than that are one
-    double max_oblique_rad = 1.22;  ///< 70 degrees
-    /// A second place whose picture agrees so far makes an object's place doubtful: halves of boards that are the same,
-    /// shadows and noise on a true copy; the object's other pose and other boards of its layout reach 0.4; bench
+    double search_interval_s = 0.5;   ///< between two searches for pictures; set by the config
+    int64_t follow_ns = 350'000'000;  ///< max age of a pose for tracking: two missed frames at 10 Hz
+    double min_correlation = 0.8;     ///< of the whole object; bench
+    double min_agreeing = 0.9;        ///< share of its parts; bench
+    double min_side_px = 18;          ///< square root of its area: smaller objects have no visible pattern; bench
+    double same_pose_rad = 0.01;      ///< two poses closer than this are one
+    double max_oblique_rad = 1.22;    ///< 70 degrees
+    /// Correlation above which a second position makes the object ambiguous: boards with the same half, and true copies
+    /// with shadow and noise; the object's other pose and other boards of its layout reach 0.4; bench
     double twin_correlation = 0.75, twin_agreeing = 0.5;
-    double twin_memory_s = 30;  ///< for so long such an object is not believed; judgement: to walk past both
+    double twin_memory_s = 30;  ///< time for which such an object is rejected; empirical: the time to walk past both
   };
   Finder(const Parameters& parameters, std::vector<PlaneObject> objects);
   ~Finder();
 
-  /// `grey` 8-bit of the lens's size; `mask` may be empty; `possible` says of each object whether it may be in view.
+  /// `grey` 8-bit of the lens's size; `mask` may be empty; `possible`: for each object, whether it may be in view.
   std::vector<Sighting> find(int64_t t_ns, const cv::Mat& grey, const cv::Mat& mask, const RollingLens& lens,
                              const std::vector<char>& possible);
   void forget();
@@ -53,9 +51,9 @@ class Finder {
   struct Followed {
     int64_t t_ns = INT64_MIN;
     Pose pose;
-    int64_t twins_ns = INT64_MIN;  ///< when it was last seen at two places
+    int64_t twins_ns = INT64_MIN;  ///< last time it was seen at two positions
   };
-  /// What `look_at` made of one place: a sighting, or what only resembles the object.
+  /// Result of `look_at` for one position: a sighting, or a mere resemblance.
   struct Look {
     std::optional<Sighting> sighting;
     std::optional<Pose> like;
@@ -64,7 +62,7 @@ class Finder {
                bool fine) const;
   bool is_good(const Alignment& alignment) const;
   bool is_like(const Alignment& alignment) const;
-  /// Whether the place of a sighting is the only one around; says which sides are clear.
+  /// True if there is no second copy around a sighting; also sets its clear sides.
   bool is_single(Sighting& sighting, const cv::Mat& grey, const cv::Mat& mask, const RollingLens& lens) const;
   std::vector<std::vector<Pose>> places_of(size_t object, const RollingLens& lens, const std::vector<SeenTag>& tags,
                                            const PictureSearch::Features* features) const;

@@ -16,7 +16,7 @@ using Vector6 = Eigen::Matrix<double, 6, 1>;
 
 namespace {
 
-/// What corners that are seen `pixel_sigma` off, each on its own, make of a pose.
+/// Covariance of a pose from independent corner errors of `pixel_sigma`.
 Matrix6 covariance_of_corners(const Pose& pose, const PlaneObject& object, const RollingLens& lens, double sigma_px) {
   Matrix6 H = 1e-6 * Matrix6::Identity();
   for (const Vector3d& corner : object.corners_o()) {
@@ -43,11 +43,11 @@ Judge::Candidate Judge::candidate(const Alignment& alignment, const PlaneObject&
   const Pose& seen = alignment.pose;
   const Matrix6 by_picture = (alignment.information + 1e-6 * Matrix6::Identity()).inverse() +
                              covariance_of_corners(seen, object, lens, p_.pixel_sigma);
-  // Gravity: where down is in c by the prior, against where the object's own down is.
+  // Gravity: the down direction in c by the prior against that of the object.
   const Matrix3d& R_n_o = object.place.R_n_o;
   const Vector3d down_o = R_n_o.transpose() * Vector3d::UnitZ();
   const Vector3d down_by_object = seen.R_c_o * down_o, down_by_prior = prior.q_n_c.conjugate() * Vector3d::UnitZ();
-  // A survey that leans, leans the object.
+  // Survey errors tilt the object.
   const double lean = object.sigma_m / std::min(object.width_m, object.height_m);
   const double sigma = std::hypot(std::max(p_.gravity_sigma_rad, prior.tilt_sigma_rad), lean);
   Eigen::Matrix<double, 3, 6> G = Eigen::Matrix<double, 3, 6>::Zero();
@@ -69,7 +69,7 @@ Judge::Candidate Judge::candidate(const Alignment& alignment, const PlaneObject&
   e.from_object_n = -(R_n_c * pose.t_c_o);
   e.p_n = object.place.p_n + e.from_object_n;
   e.correlation = alignment.correlation, e.oblique_rad = alignment.oblique_rad;
-  // The survey turns and shifts the object; the lens stretches the distance.
+  // Survey errors rotate and shift the object; a focal length error scales the distance.
   const double w = object.width_m, h = object.height_m, s = object.sigma_m;
   const Vector3d rotation(s / h, s / w, s / std::hypot(w, h));
   const Matrix3d by_rotation = R_n_o * rotation.cwiseAbs2().asDiagonal() * R_n_o.transpose();
@@ -88,7 +88,7 @@ bool Judge::can_be(const Estimate& e, const Prior& prior) const {
   const double own_variance = std::max(e.covariance_n(0, 0), e.covariance_n(1, 1));
   if (!prior.placed)
     return prior.loose_m <= 0 || off.head<2>().norm() < prior.loose_m + p_.gate_sigmas * std::sqrt(own_variance);
-  // Place and heading together: a smaller print some metres aside, seen at a slant, is at the edge of each alone.
+  // Position and heading jointly: a smaller print some metres aside, seen obliquely, is at the limit of each alone.
   const double drifted = p_.drift * std::max(0.0, prior.path_m - told_path_m_);
   const auto cost = [](double by, double prior_sigma, double step_sigma, double variance) {
     return by * by / (prior_sigma * prior_sigma + step_sigma * step_sigma + variance);
@@ -102,8 +102,8 @@ bool Judge::can_be(const Estimate& e, const Prior& prior) const {
          p_.max_prior_cost;
 }
 
-/// What is seen is not a copy that hangs beside the object: on each side either nobody hangs there, or the camera would
-/// be farther from where the prior has it.
+/// True if the sighting is not a neighbouring copy of the object: on each side the position of a copy was seen to be
+/// empty, or the prior excludes the camera position that a copy implies.
 bool Judge::is_alone(const Estimate& e, const PlaneObject& object, const Prior& prior,
                      const Encounter& encounter) const {
   const double drifted = p_.drift * std::max(0.0, prior.path_m - told_path_m_);
@@ -116,14 +116,14 @@ bool Judge::is_alone(const Estimate& e, const PlaneObject& object, const Prior& 
   const Vector3d off = e.p_n - prior.p_n;
   for (size_t side = 0; side < kSides; ++side) {
     if (encounter.clear[side]) continue;
-    // Seen on the right of the object, a copy puts the camera to the left of where it is.
+    // Taking a copy on the right for the object shifts the camera to the left.
     const Vector3d beside_o(kSideways[side][0] * object.width_m, kSideways[side][1] * object.height_m, 0);
     if (!prior.placed || cost(off - object.place.R_n_o * beside_o) - cost(off) < p_.unseen_copy) return false;
   }
   return true;
 }
 
-/// The walker has been in one place since some seconds.
+/// True if the walker has stood in one position for stand_s.
 bool Judge::is_steady(const Encounter& encounter, int64_t t_ns) const {
   Vector3d mean = Vector3d::Zero();
   size_t n = 0;
@@ -186,7 +186,7 @@ std::optional<Estimate> Judge::judge(const Sighting& sighting, const PlaneObject
   int64_t& told = estimate.standing ? encounter.told_standing_ns : encounter.told_ns;
   if (since(told) < p_.interval_s) return std::nullopt;
   if (!estimate.standing && since(encounter.told_standing_ns) < p_.hold_s) return std::nullopt;
-  // Fixes by one object err alike: together they tell as much as independent ones of so much more variance.
+  // The errors of fixes by one object are correlated: the factor gives them the information of independent ones.
   const double alike = std::max(1.0, 2 * p_.alike_s / std::max(p_.interval_s, since(told)));
   estimate.covariance_n *= alike;
   estimate.orientation_covariance_n *= alike;

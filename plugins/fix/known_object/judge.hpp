@@ -13,62 +13,63 @@
 
 namespace odograph::known_object {
 
-/// What is known of the camera at a frame's time without the object.
+/// Knowledge of the camera at a frame's time without the object.
 struct Prior {
   Eigen::Quaterniond q_n_c = Eigen::Quaterniond::Identity();
   Eigen::Vector3d p_n = Eigen::Vector3d::Zero();
   double tilt_sigma_rad = 0, yaw_sigma_rad = 0, horizontal_sigma_m = 0, vertical_sigma_m = 0;
-  double path_m = 0;    ///< walked so far
+  double path_m = 0;    ///< length of the path so far
   bool placed = false;  ///< position and heading are in the objects' frame
-  double loose_m = 0;   ///< where not placed: the position is good to this at best (satellites); 0: not at all
+  double loose_m = 0;   ///< if not placed: accuracy of the position (GNSS); 0: unknown
 };
 
-/// The camera's pose by an object.
+/// The camera's pose from an object.
 struct Estimate {
   size_t object = 0;
   int64_t t_ns = 0;
-  Eigen::Vector3d from_object_n;  ///< the camera's position less the object's middle, in n, m
-  Eigen::Vector3d p_n;            ///< the same with the object's place added, m
+  Eigen::Vector3d from_object_n;  ///< position of the camera minus the object's centre, in n, m
+  Eigen::Vector3d p_n;            ///< the same plus the object's position, m
   Eigen::Quaterniond q_n_c;
   Eigen::Matrix3d covariance_n;              ///< of the position, m^2
   Eigen::Matrix3d orientation_covariance_n;  ///< of the small rotation in n, rad^2
   double correlation = 0, oblique_rad = 0;
-  bool standing = false;  ///< the walker has stood before it
+  bool standing = false;  ///< the walker stood in front of the object
 };
 
-/// Decides what a sighting is worth: which pose of the plane is upright, whether the place can be, whether it is seen
-/// steadily, and when it is told. One thread at a time.
+/// Decides on a sighting: which pose of the plane is upright, whether the position is plausible, whether it is
+/// confirmed, and when it is emitted. Not thread-safe.
 class Judge {
  public:
   struct Parameters {
-    double interval_s = 0.5;           ///< between two fixes by the same object
-    double stand_s = 3;                ///< Antigny et al. 2019, section 3.5: "since a few seconds"
-    double hold_s = 10;                ///< after a fix in front: none by this object from walking
-    int confirmations = 3;             ///< sightings in a row that agree, twice as many without a prior
-    double gravity_sigma_rad = 0.017;  ///< least, of the prior's inclination
-    double pixel_sigma = 0.15;         ///< px, of each corner, common to a frame: interpolation, lens; bench
-    double focal_sigma = 0.003;        ///< relative, of the focal length: autofocus, calibration
-    double alike_s = 5;                ///< for so long fixes by one object err alike
-    double drift = 0.05;               ///< of the path since the last fix, that the prior may be off beyond its sigma
-    double max_horizontal_sigma_m = 1.0;  ///< worse ones are not told
-    double unseen_copy = 4;               ///< chi-square by which the prior must exclude a copy where nobody looked
-    double gate_sigmas = 3.5;             ///< of gravity, and of a place that is known to satellites alone
-    double max_prior_cost = 16.25;        ///< chi-square of place, height and heading: 0.3 % of true ones are refused
+    double interval_s = 0.5;              ///< min time between two fixes by the same object
+    double stand_s = 3;                   ///< Antigny et al. 2019, section 3.5: "since a few seconds"
+    double hold_s = 10;                   ///< after a fix in front of the object: no fix by it while walking
+    int confirmations = 3;                ///< consecutive agreeing sightings, twice as many without a prior
+    double gravity_sigma_rad = 0.017;     ///< lower bound, of the prior's inclination
+    double pixel_sigma = 0.15;            ///< px, of each corner, common to the frame: interpolation, lens; bench
+    double focal_sigma = 0.003;           ///< relative, of the focal length: autofocus, calibration
+    double alike_s = 5;                   ///< correlation time of the errors of fixes by one object
+    double drift = 0.05;                  ///< of the path since the last fix: error of the prior beyond its sigma
+    double max_horizontal_sigma_m = 1.0;  ///< fixes with a larger sigma are not emitted
+    double unseen_copy = 4;               ///< chi-square by which the prior must exclude a copy on an unseen side
+    double gate_sigmas = 3.5;             ///< for gravity, and for a position known from GNSS only
+    double max_prior_cost = 16.25;        ///< chi-square of position, height and heading: rejects 0.3 % of true ones
     double step_sigma_m = 0.3,
-           step_sigma_rad = 0.03;    ///< beside the prior's: surveys and priors err in steps; judgement
+           step_sigma_rad =
+               0.03;  ///< in addition to the prior's: errors of surveys and priors change in steps; empirical
     double max_speed_mps = 2.5;      ///< of a walker, between two sightings
-    double sway_m = 0.15;            ///< of whoever stands; judgement
-    int64_t gap_ns = 1'500'000'000;  ///< after which an object is met anew; judgement
-    size_t min_standing = 5;         ///< sightings of who stands; judgement
-    double ambiguous = 9;            ///< difference of the costs below which two poses are alike (chi-square)
+    double sway_m = 0.15;            ///< of a standing walker; empirical
+    int64_t gap_ns = 1'500'000'000;  ///< after which a new encounter with the object begins; empirical
+    size_t min_standing = 5;         ///< min sightings while standing; empirical
+    double ambiguous = 9;            ///< min difference of the costs of two poses (chi-square) to decide between them
   };
   explicit Judge(const Parameters& parameters) : p_(parameters) {}
 
-  /// Nothing where the sighting is refused, not confirmed yet, or not due.
+  /// Nothing if the sighting is rejected, not confirmed yet, or not due.
   std::optional<Estimate> judge(const Sighting& sighting, const PlaneObject& object, const RollingLens& lens,
                                 const Prior& prior);
   void forget();
-  /// Why sightings were refused, for tests and reports.
+  /// Counts of the reasons for rejection, for tests and reports.
   struct Refusals {
     uint64_t not_upright = 0, ambiguous = 0, elsewhere = 0, unsure = 0, beside = 0;
   };
@@ -82,7 +83,7 @@ class Judge {
   };
   struct Encounter {
     std::deque<Seen> seen;
-    std::array<bool, kSides> clear{};  ///< sides on which no copy hangs, by all that was seen
+    std::array<bool, kSides> clear{};  ///< sides without a copy, from all sightings
     int64_t told_ns = INT64_MIN, told_standing_ns = INT64_MIN;
   };
   struct Candidate {

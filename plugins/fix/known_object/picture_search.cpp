@@ -10,10 +10,10 @@
 namespace odograph::known_object {
 namespace {
 
-// A picture from in front, from the side (its width foreshortened) and from below.
+// Views from the front, from the side (foreshortened width) and from below.
 constexpr double kViews[][2] = {{1, 1}, {0.6, 1}, {0.36, 1}, {1, 0.6}};
 
-/// A picture as it is seen foreshortened, without aliases.
+/// A foreshortened picture, anti-aliased.
 cv::Mat foreshortened(const cv::Mat& picture, double along_x, double along_y) {
   const auto sigma = [](double part) { return part < 1 ? 0.8 * std::sqrt(1 / (part * part) - 1) : 0.01; };
   cv::Mat blurred, view;
@@ -33,7 +33,7 @@ std::vector<Pose> plane_poses(const std::vector<cv::Point3d>& points_o, const st
     cv::solvePnPGeneric(points_o, normalised, cv::Matx33d::eye(), cv::noArray(), rotations, translations, false,
                         cv::SOLVEPNP_IPPE);
   } catch (const cv::Exception&) {
-    return {};  // points on a line
+    return {};  // collinear points
   }
   for (size_t k = 0; k < rotations.size(); ++k) {
     cv::Matx33d R;
@@ -43,7 +43,7 @@ std::vector<Pose> plane_poses(const std::vector<cv::Point3d>& points_o, const st
       for (int j = 0; j < 3; ++j) pose.R_c_o(i, j) = R(i, j);
       pose.t_c_o[i] = translations[k].at<double>(i);
     }
-    const bool in_front = pose.t_c_o.z() > 0.1 && pose.R_c_o.col(2).dot(pose.t_c_o) > 0;  // and not from behind
+    const bool in_front = pose.t_c_o.z() > 0.1 && pose.R_c_o.col(2).dot(pose.t_c_o) > 0;  // and seen from its front
     if (pose.R_c_o.allFinite() && pose.t_c_o.allFinite() && in_front) poses.push_back(pose);
   }
   return poses;
@@ -92,7 +92,7 @@ std::vector<PictureSearch::Place> PictureSearch::find(size_t number, const Featu
   for (const auto& best : matches) {
     if (best.empty()) continue;
     const cv::Point2f place = known.points_m[static_cast<size_t>(best[0].trainIdx)];
-    float other = best.back().distance;  // as far as looked: the views of one place stand together
+    float other = best.back().distance;  // upper bound; the views of one position are consecutive
     for (const cv::DMatch& m : best)
       if (cv::norm(known.points_m[static_cast<size_t>(m.trainIdx)] - place) > apart_m) {
         other = m.distance;

@@ -23,7 +23,7 @@ void place_by_corners(const std::array<Vector3d, 4>& c, PlaneObject& object) {
   const Vector3d middle = 0.25 * (c[0] + c[1] + c[2] + c[3]);
   Eigen::Matrix3d axes;
   axes.col(2) = right.cross(down).normalized();
-  // Both sides bear the same part of what is not square about them.
+  // Distributes the deviation from orthogonality evenly between both sides.
   const Vector3d diagonal = (right.normalized() + down.normalized()).normalized();
   const Vector3d other = axes.col(2).cross(diagonal);
   axes.col(0) = (diagonal - other).normalized();
@@ -34,8 +34,9 @@ void place_by_corners(const std::array<Vector3d, 4>& c, PlaneObject& object) {
   const auto ideal = object.corners_o();
   for (size_t k = 0; k < 4; ++k)
     if ((axes * ideal[k] + middle - c[k]).norm() > max_m)
-      throw std::runtime_error("object '" + object.id +
-                               "': its corners (lower left, lower right, upper right, upper left) are no rectangle");
+      throw std::runtime_error(
+          "object '" + object.id +
+          "': its corners (lower left, lower right, upper right, upper left) do not form a rectangle");
 }
 
 }  // namespace odograph::known_object

@@ -21,29 +21,29 @@ using Eigen::Vector3d;
 
 constexpr double kDegree = std::numbers::pi / 180;
 
-/// What a config does not tell. Chosen by hand, and not tuned.
+/// Not configurable. Empirical, not tuned.
 struct PluginParameters {
-  int64_t keep_ns = 2'000'000'000;          ///< ns of poses
-  int64_t patience_ns = 1'000'000'000;      ///< ns with which a sighting waits for its pose
-  int64_t near_ns = 120'000'000;            ///< ns: a pose is good for a frame so far away, if none is nearer ...
-  size_t waiting = 3;                       ///< ... and more sightings than these wait
-  size_t max_waiting = 16;                  ///< sightings; more are dropped
-  double max_between_ns = 5e8;              ///< ns between two poses that one is interpolated between
-  double min_motion_s = 1e-3;               ///< s between two poses that tell the camera's motion, at least
-  double max_motion_s = 0.3;                ///< s, and at most
-  double satellites_m = 15;                 ///< m that satellites are off, beside ...
-  double satellite_sigmas = 4;              ///< ... so many of the receiver's own sigmas
-  double satellite_sigma_m = 10;            ///< m, of a receiver that tells none
-  int64_t fresh_ns = 10'000'000'000;        ///< ns for which a satellite position counts
-  double max_tilt_sigma_rad = 5 * kDegree;  ///< rad of the prior's inclination, which gravity tells after all
-  double off_m = 3;                         ///< m that the prior may be off, beside ...
-  double off_sigmas = 4;                    ///< ... so many of its own sigmas and the drift since the last fix
-  double integrity_standing = 0.001;        ///< risk of a fix from standing before the object (README, 6)
-  double integrity_walking = 0.01;          ///< risk of one from walking
+  int64_t keep_ns = 2'000'000'000;          ///< ns of stored poses
+  int64_t patience_ns = 1'000'000'000;      ///< ns that a sighting waits for its pose
+  int64_t near_ns = 120'000'000;            ///< ns: max age of a pose for a frame, if none is nearer ...
+  size_t waiting = 3;                       ///< ... and more sightings than these are waiting
+  size_t max_waiting = 16;                  ///< sightings; further ones are dropped
+  double max_between_ns = 5e8;              ///< max interval of poses for interpolation, ns
+  double min_motion_s = 1e-3;               ///< min interval of two poses for the camera's motion, s
+  double max_motion_s = 0.3;                ///< max interval, s
+  double satellites_m = 15;                 ///< error of GNSS positions, m, in addition to ...
+  double satellite_sigmas = 4;              ///< ... this many of the receiver's own sigmas
+  double satellite_sigma_m = 10;            ///< of a receiver that reports none, m
+  int64_t fresh_ns = 10'000'000'000;        ///< max age of a GNSS position, ns
+  double max_tilt_sigma_rad = 5 * kDegree;  ///< upper bound of the prior's inclination sigma, rad: gravity observes it
+  double off_m = 3;                         ///< error of the prior, m, in addition to ...
+  double off_sigmas = 4;                    ///< ... this many of its own sigmas and the drift since the last fix
+  double integrity_standing = 0.001;        ///< integrity risk of a fix while standing before the object (README, 6)
+  double integrity_walking = 0.01;          ///< of one while walking
 };
 constexpr PluginParameters kParameters;
 
-/// The camera's pose by objects of known picture, size and place: section 3.5 of Antigny et al. 2019.
+/// Camera pose from objects of known picture, size and position: Antigny et al. 2019, section 3.5.
 class KnownObject {
  public:
   std::string objects, prior = "after_first";
@@ -55,7 +55,7 @@ class KnownObject {
 
   static constexpr odo::Description description{
       "fix/known_object", "1.0.0",
-      "Position and orientation from pictures and tags of known place (Antigny et al. 2019)",
+      "Position and orientation from pictures and tags of known position (Antigny et al. 2019)",
       ODO_INTERFACE_ABSOLUTE_FIXER};
   static std::vector<odo::Parameter<KnownObject>> parameters() {
     using P = KnownObject;
@@ -65,29 +65,31 @@ class KnownObject {
         odo::reals("geodetic_origin", "", -1e5, 1e5, &P::geodetic_origin,
                    "latitude and longitude of n's origin in degrees, its ellipsoidal height in m"),
         odo::choice("prior", "after_first|always", &P::prior,
-                    "from when on the pose must agree with an object's place: after the first fix by one, or always"),
-        odo::real("interval", "s", 0, 3600, &P::interval, "time between two fixes by the same object at least"),
+                    "when the pose must agree with the object's position: after the first fix by an object, or always"),
+        odo::real("interval", "s", 0, 3600, &P::interval, "minimum time between two fixes by the same object"),
         odo::real("search_interval", "s", 0, 3600, &P::search_interval, "time between two searches for pictures"),
-        odo::real("stand", "s", 0.5, 60, &P::stand, "after so long in one place a fix counts as taken in front"),
-        odo::real("hold", "s", 0, 3600, &P::hold, "after such a fix there is none by this object from walking"),
-        odo::real("range", "m", 0.5, 200, &P::range, "farthest object that is looked for"),
-        odo::real("min_correlation", "", 0.3, 1, &P::min_correlation, "of the picture expected with the one seen"),
+        odo::real("stand", "s", 0.5, 60, &P::stand, "time in one position after which a fix counts as taken in front"),
+        odo::real("hold", "s", 0, 3600, &P::hold, "after such a fix: time without fixes by this object while walking"),
+        odo::real("range", "m", 0.5, 200, &P::range, "largest distance of an object that is searched for"),
+        odo::real("min_correlation", "", 0.3, 1, &P::min_correlation,
+                  "smallest correlation of the expected picture with the frame"),
         odo::real("min_agreement", "", 0.3, 1, &P::min_agreement,
-                  "part of an object's parts that must agree by themselves"),
-        odo::real("max_oblique", "rad", 0.1, 1.4, &P::max_oblique, "between the line of sight and the normal"),
+                  "share of an object's parts that must correlate individually"),
+        odo::real("max_oblique", "rad", 0.1, 1.4, &P::max_oblique,
+                  "largest angle between the line of sight and the normal"),
         odo::real("gravity_sigma", "rad", 0.0001, 0.5, &P::gravity_sigma,
-                  "least standard deviation of the pose's inclination"),
+                  "lower bound of the standard deviation of the pose's inclination"),
         odo::real("pixel_sigma", "", 0.001, 10, &P::pixel_sigma,
-                  "pixels by which a frame errs as a whole, at each corner: lens, interpolation"),
+                  "error common to a frame, at each corner, in pixels: lens, interpolation"),
         odo::real("focal_sigma", "", 0, 0.2, &P::focal_sigma, "relative standard deviation of the focal length"),
         odo::real("drift", "", 0, 1, &P::drift,
-                  "of the path since the last fix: what the pose may be off beyond its own sigma")};
+                  "of the path since the last fix: error of the pose beyond its own sigma")};
   }
 
   void configured(odo::Output& host) {
     if (objects.empty()) throw odo::Error(ODO_E_CONFIG, "objects: expected a file of objects");
     const auto file = host.asset(objects);
-    if (!file) throw odo::Error(ODO_E_CONFIG, "objects: no file '" + objects + "' where the config lies");
+    if (!file) throw odo::Error(ODO_E_CONFIG, "objects: no file '" + objects + "' beside the config");
     Finder::Parameters f;
     f.search_interval_s = search_interval, f.min_correlation = min_correlation, f.min_agreeing = min_agreement;
     f.max_oblique_rad = max_oblique;
@@ -111,7 +113,7 @@ class KnownObject {
     poses_.clear(), waiting_.clear();
     calibrated_ = false;
     camera_ = {};
-    // Places of local objects, and of others where the origin is known, are in n from the start.
+    // The positions are in n from the start for local objects, and for geodetic ones if the origin is known.
     map_known_ = !any_geodetic_ || geodetic;
     placed_ = prior == "always" && map_known_;
     n_from_map_.setZero();
@@ -173,8 +175,8 @@ class KnownObject {
     double loose_m;
   };
 
-  /// Objects on the Earth get places on a map: n where its origin is known, otherwise north, east, down about the first
-  /// of them.
+  /// Converts geodetic objects to positions on a map: n if its origin is known, otherwise north, east, down about the
+  /// first of them.
   void lay_out(std::vector<PlaneObject>& all) {
     any_geodetic_ = false;
     for (const PlaneObject& o : all) {
@@ -185,7 +187,8 @@ class KnownObject {
     if (geodetic) datum_ = {geodetic_origin[0] * kDegree, geodetic_origin[1] * kDegree, geodetic_origin[2]};
     for (PlaneObject& o : all) {
       if (any_geodetic_ && !o.place.geodetic && !geodetic)
-        throw std::runtime_error("object '" + o.id + "' has a place in n, others on the Earth: give geodetic_origin");
+        throw std::runtime_error("object '" + o.id +
+                                 "' has its position in n, others have geodetic positions: set geodetic_origin");
       if (o.place.geodetic) o.place.p_n = on_map(o.place.latitude_rad, o.place.longitude_rad, o.place.height_m);
     }
   }
@@ -196,7 +199,7 @@ class KnownObject {
     return {(latitude_rad - datum_[0]) * metres.north_m, east_rad * metres.east_m, datum_[2] - height_m};
   }
 
-  /// Where n lies on the map of objects whose origin nobody told: as the first pose after a fix has it.
+  /// Determines n on the map of objects without a known origin, from the first pose after a fix.
   void learn_map(const odo_pose& pose) {
     if (!told_map_ || !(pose.header.flags & ODO_POSE_METRIC) || !(pose.header.flags & ODO_POSE_POSITION)) return;
     if (!map_known_) n_from_map_ = Vector3d(pose.p_n) - *told_map_;
@@ -204,7 +207,7 @@ class KnownObject {
     told_map_.reset();
   }
 
-  /// The camera's rotation rate and velocity, by the two newest poses.
+  /// Angular rate and velocity of the camera, from the two newest poses.
   void move(RollingLens& lens) const {
     lens.rate_c.setZero(), lens.velocity_c.setZero();
     if (poses_.size() < 2) return;
@@ -238,7 +241,7 @@ class KnownObject {
     return p;
   }
 
-  /// The prior at a frame's time: at that time, between two poses, or near enough where none will come any more.
+  /// Prior at a frame's time: a pose at that time, or interpolated between two poses.
   std::optional<Prior> prior_at(int64_t t_ns) const {
     for (size_t k = poses_.size(); k-- > 0;) {
       const odo_pose& b = poses_[k];
@@ -299,7 +302,7 @@ class KnownObject {
                        ODO_FIX_ORIENTATION_COVARIANCE | ODO_FIX_LEVER | ODO_FIX_INTEGRITY | ODO_FLAG_QUALITY;
     fix.header.quality = static_cast<float>(std::clamp(e.correlation, 0.0, 1.0));
     const Quaterniond q_n_b = (e.q_n_c * q_b_c_.conjugate()).normalized();
-    Vector3d::Map(fix.lever_b) = p_b_c_;  // it is the camera's position
+    Vector3d::Map(fix.lever_b) = p_b_c_;  // position of the camera
     if (object.place.geodetic && !geodetic) {
       fix.header.flags |= ODO_FIX_GEODETIC;
       const RadianLengths metres(object.place.latitude_rad);
@@ -327,7 +330,7 @@ class KnownObject {
   int64_t line_time_ns_ = 0;
   Quaterniond q_b_c_ = odograph::rear_camera_mount();
   Vector3d p_b_c_ = Vector3d::Zero(), n_from_map_ = Vector3d::Zero();
-  std::array<double, 3> datum_ = {0, 0, 0};  // latitude and longitude in rad, height in m, of the map's zero
+  std::array<double, 3> datum_ = {0, 0, 0};  // latitude and longitude in rad, height in m, of the map's origin
   std::deque<odo_pose> poses_;
   std::deque<Waiting> waiting_;
   std::optional<Vector3d> told_map_;

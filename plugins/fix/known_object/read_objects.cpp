@@ -65,8 +65,8 @@ void place_on_earth(const Corners& corners, PlaneObject& object) {
   place_by_corners(local, object);
 }
 
-/// A board that stands upright: its middle, size, and the direction from which it is read (degrees, from north to
-/// east: a board on a north wall's outside faces 0).
+/// An upright board: its centre, size, and the direction it faces (degrees, from north to east: a board on the outside
+/// of a north wall faces 0).
 void place_upright(const json& properties, const Vector3d& latitude_longitude_height, PlaneObject& object) {
   if (!properties.contains("facing_deg") || !properties.contains("width") || !properties.contains("height"))
     fail("a point needs facing_deg, width and height");
@@ -81,7 +81,7 @@ void place_upright(const json& properties, const Vector3d& latitude_longitude_he
   place_by_corners({y - x, y + x, x - y, -x - y}, object);
 }
 
-/// What a picture or a tag is, the same in both formats.
+/// The properties common to both formats.
 PlaneObject named(const json& map, const std::filesystem::path& folder) {
   PlaneObject object;
   object.id = text(map, "id", "");
@@ -113,7 +113,7 @@ PlaneObject of_feature(const json& feature, const std::filesystem::path& folder)
   } else if (type == "Polygon") {
     const bool ring = coordinates.is_array() && coordinates.size() == 1 && coordinates[0].is_array() &&
                       coordinates[0].size() == 5 && coordinates[0][0] == coordinates[0][4];
-    if (!ring) fail("coordinates: expected one ring of four corners, the first of them again at its end");
+    if (!ring) fail("coordinates: expected one ring of four corners with the first repeated at the end");
     Corners corners;
     for (size_t k = 0; k < 4; ++k) corners[k] = turned(triple(coordinates[0][k], "coordinates"));
     place_on_earth(corners, object);
@@ -145,7 +145,7 @@ std::vector<PlaneObject> read_objects(const std::filesystem::path& file) {
   std::string content(kMaxBytes + 1, '\0');
   stream.read(content.data(), static_cast<std::streamsize>(content.size()));
   content.resize(static_cast<size_t>(stream.gcount()));
-  if (content.empty()) fail(file.string() + ": empty, or it cannot be read");
+  if (content.empty()) fail(file.string() + ": empty or unreadable");
   if (content.size() > kMaxBytes) fail(file.string() + ": larger than 1 MiB");
   const bool geojson = file.extension() == ".json" || file.extension() == ".geojson";
   std::string where = file.string() + ": ";
@@ -164,7 +164,7 @@ std::vector<PlaneObject> read_objects(const std::filesystem::path& file) {
       const json& entry = (*list)[k];
       if (!entry.is_object()) fail("expected a map");
       objects.push_back(geojson ? of_feature(entry, file.parent_path()) : of_map(entry, file.parent_path()));
-      if (!names.insert(objects.back().id).second) fail("the id '" + objects.back().id + "' is there twice");
+      if (!names.insert(objects.back().id).second) fail("the id '" + objects.back().id + "' occurs twice");
     }
     return objects;
   } catch (const std::exception& error) {

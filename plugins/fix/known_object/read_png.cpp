@@ -19,10 +19,10 @@ cv::Mat read_png(const std::filesystem::path& file) {
   };
   if (!png_image_begin_read_from_file(&image, file.c_str())) throw fail(image.message);
   if (uint64_t{image.width} * image.height > kMaxPixels) throw fail("more than 16 million pixels");
-  if (image.width < 16 || image.height < 16) throw fail("less than 16 pixels a side");
+  if (image.width < 16 || image.height < 16) throw fail("fewer than 16 pixels on a side");
   image.format = PNG_FORMAT_GRAY;
   cv::Mat grey(static_cast<int>(image.height), static_cast<int>(image.width), CV_8U);
-  const png_color white = {255, 255, 255};  // behind what is transparent
+  const png_color white = {255, 255, 255};  // background of transparent pixels
   if (!png_image_finish_read(&image, &white, grey.data, static_cast<png_int_32>(grey.step), nullptr))
     throw fail(image.message);
   return grey;

@@ -19,7 +19,7 @@ std::optional<RollingLens::Seen> RollingLens::project(const Vector3d& p_c) const
   Vector3d p = p_c;
   if (p.z() < 1e-3 || normalised(p).norm() > kWidest) return {};
   Vector2d pixel = camera.project(normalised(p));
-  if (line_time_s > 0) {  // twice: the row decides the time, and the time the row
+  if (line_time_s > 0) {  // twice: time and row depend on each other
     for (int pass = 0; pass < 2; ++pass) {
       const double after_s = (pixel.y() - 0.5 * (height - 1)) * line_time_s;
       p = p_c - after_s * (rate_c.cross(p_c) + velocity_c);

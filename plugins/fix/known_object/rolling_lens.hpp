@@ -19,20 +19,20 @@ struct Pose {
   Pose moved(const Eigen::Matrix<double, 6, 1>& theta_delta) const;
 };
 
-/// A lens whose rows are exposed one after the other by a camera that moves meanwhile.
+/// A rolling-shutter lens on a moving camera.
 struct RollingLens {
   CameraModel camera;
   int width = 0, height = 0;
   double line_time_s = 0;
-  Eigen::Vector3d rate_c = Eigen::Vector3d::Zero();      ///< rad/s, of the camera, in its axes
-  Eigen::Vector3d velocity_c = Eigen::Vector3d::Zero();  ///< m/s, likewise
+  Eigen::Vector3d rate_c = Eigen::Vector3d::Zero();      ///< rad/s, of the camera, in c
+  Eigen::Vector3d velocity_c = Eigen::Vector3d::Zero();  ///< m/s, of the camera, in c
 
   struct Seen {
     Eigen::Vector2d pixel;
     Eigen::Matrix<double, 2, 3> by_point;  ///< derivative by the point in c at the middle row's time
   };
-  /// Where a point of c, as it is at the middle row's time, appears; nothing behind the camera or further than 75
-  /// degrees from its axis.
+  /// Projects a point given in c at the middle row's time; nothing behind the camera or more than 75 degrees off its
+  /// axis.
   std::optional<Seen> project(const Eigen::Vector3d& p_c) const;
   bool is_inside(const Eigen::Vector2d& pixel, double margin_px) const {
     return pixel.x() >= margin_px && pixel.y() >= margin_px && pixel.x() <= width - 1 - margin_px &&

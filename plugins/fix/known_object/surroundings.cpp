@@ -12,7 +12,7 @@ using Eigen::Vector3d;
 
 namespace {
 
-/// Correlation of the object with the part of `flat` that is valid and lies under it with its corner at (x, y).
+/// Correlation of the object with the valid part of `flat` under it, its corner at (x, y).
 struct Likeness {
   double value = 0, part = 0;
 };
@@ -66,7 +66,7 @@ cv::Mat Surroundings::flattened(const cv::Mat& values, const cv::Mat& valid, dou
 std::optional<Surroundings::Flat> Surroundings::lay_flat(const Known& known, const cv::Mat& grey, const cv::Mat& mask,
                                                          const RollingLens& lens, const Pose& pose) const {
   const cv::Mat& object = known.flat;
-  // On each side room for a copy beyond the widest gap.
+  // Room for a copy beyond the widest gap on each side.
   const cv::Point reach(static_cast<int>(std::lround((1 + p_.max_gap + p_.reach) * object.cols)),
                         static_cast<int>(std::lround((1 + p_.max_gap + p_.reach) * object.rows)));
   const cv::Size size(object.cols + 2 * reach.x, object.rows + 2 * reach.y);
@@ -131,7 +131,7 @@ Surroundings::Seen Surroundings::look(size_t number, const cv::Mat& grey, const 
   for (int dy = -1; dy <= 1; ++dy)
     for (int dx = -1; dx <= 1; ++dx) result.self = std::max(result.self, likeness(dx, dy).value);
   if (result.self < p_.min_likeness) return result;
-  // Its own lines of text resemble one another: copies do not overlap it.
+  // Copies do not overlap the object, whose own lines of text resemble one another.
   flat->valid(cv::Rect(flat->object, object.size())).setTo(0);
   const std::array<bool, kSides> open = look_beside(known, *flat, result);
   result.twin = result.second > p_.twin_likeness * result.self;

@@ -20,7 +20,7 @@ class Family {
     if (name == "36h11") family_ = tag36h11_create();
     if (name == "25h9") family_ = tag25h9_create();
     if (name == "16h5") family_ = tag16h5_create();
-    if (!family_) throw std::runtime_error("family '" + name + "' is not known; expected 36h11, 25h9 or 16h5");
+    if (!family_) throw std::runtime_error("family '" + name + "' is unknown; expected 36h11, 25h9 or 16h5");
   }
   ~Family() {
     if (name_ == "36h11") tag36h11_destroy(family_);
@@ -42,7 +42,7 @@ cv::Mat tag_picture(const std::string& name, int tag) {
   constexpr int kCell_px = 16;
   const Family family(name);
   if (tag < 0 || tag >= static_cast<int>(family.get()->ncodes))
-    throw std::runtime_error("the family " + name + " has no tag " + std::to_string(tag));
+    throw std::runtime_error("family " + name + " has no tag " + std::to_string(tag));
   image_u8_t* image = apriltag_to_image(family.get(), tag);
   const int white = (family.get()->total_width - family.get()->width_at_border) / 2;
   const int side = family.get()->width_at_border;

@@ -10,21 +10,21 @@
 
 namespace odograph::known_object {
 
-/// A tag in a picture.
+/// A detected tag.
 struct SeenTag {
   std::string family;
   int number = 0;
   std::array<cv::Point2f, 4> corners;  ///< lower left, lower right, upper right, upper left of the black border, px
 };
 
-/// AprilTag's detector (Wang & Olson, IROS 2016) for the families 36h11, 25h9 and 16h5. One thread at a time.
+/// AprilTag's detector (Wang & Olson, IROS 2016) for the families 36h11, 25h9 and 16h5. Not thread-safe.
 class TagDetector {
  public:
   struct Parameters {
-    int wrong_bits = 1;     ///< of a tag at most
-    float min_margin = 25;  ///< of a bit's grey against black and white, as AprilTag's own advice has it
+    int wrong_bits = 1;     ///< max per tag
+    float min_margin = 25;  ///< of a bit's grey value against black and white, as AprilTag recommends
   };
-  /// Throws std::runtime_error for a family that is not known.
+  /// Throws std::runtime_error for an unknown family.
   explicit TagDetector(const std::vector<std::string>& families);
   ~TagDetector();
   TagDetector(const TagDetector&) = delete;

@@ -17,7 +17,7 @@ using nlohmann::json;
 
 constexpr size_t kDeepest = 64, kMaxNodes = 100'000;
 
-/// Builds the tree event by event, so that nothing is made of a text that goes too deep or refers to itself.
+/// Builds the tree from parser events, so that texts nested too deeply or with aliases are rejected early.
 class Builder : public YAML::EventHandler {
  public:
   json result;
@@ -25,10 +25,10 @@ class Builder : public YAML::EventHandler {
   void OnDocumentStart(const YAML::Mark&) override {}
   void OnDocumentEnd() override {}
   void OnNull(const YAML::Mark& mark, YAML::anchor_t) override { put(mark, nullptr); }
-  void OnAlias(const YAML::Mark& mark, YAML::anchor_t) override { fail(mark, "aliases are not read"); }
+  void OnAlias(const YAML::Mark& mark, YAML::anchor_t) override { fail(mark, "aliases are not supported"); }
   void OnScalar(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t, const std::string& text) override {
     if (!stack_.empty() && stack_.back().is_object() && !has_key_) {
-      if (stack_.back().contains(text)) fail(mark, "the key '" + text + "' is there twice");
+      if (stack_.back().contains(text)) fail(mark, "the key '" + text + "' occurs twice");
       key_ = text, has_key_ = true;
       keys_.back() = key_;
       return;

@@ -31,7 +31,7 @@ void declare_tags(TIFF* tiff) {
   TIFFMergeFieldInfo(tiff, fields, sizeof fields / sizeof *fields);
 }
 
-/// A height as the file stores it.
+/// Decodes a height.
 double value_at(const uint8_t* data, size_t index, uint16_t bits, uint16_t format) {
   const auto as = [&](auto value) {
     std::memcpy(&value, data + index * sizeof value, sizeof value);
@@ -53,7 +53,7 @@ Keys keys_of(TIFF* tiff, const std::string& file) {
   const uint16_t* values = nullptr;
   if (!TIFFGetField(tiff, kGeoKeys, &count, &values)) return keys;
   for (uint16_t k = 4; k + 3 < count; k = static_cast<uint16_t>(k + 4)) {
-    if (values[k + 1] != 0) continue;  // a text or a number elsewhere
+    if (values[k + 1] != 0) continue;  // not stored inline: a text or a double
     const uint16_t value = values[k + 3];
     if (values[k] == kRasterType) keys.point = value == kPixelIsPoint;
     if (values[k] == kModelType) keys.reference.geographic = value == kModelGeographic;
@@ -101,7 +101,7 @@ Terrain read_geotiff(const std::string& file) {
   TIFFSetErrorHandler(nullptr);
   TIFFSetTagExtender(declare_tags);
   const std::unique_ptr<TIFF, void (*)(TIFF*)> tiff(TIFFOpen(file.c_str(), "r"), TIFFClose);
-  if (!tiff) refuse(file, "is no TIFF");
+  if (!tiff) refuse(file, "is not a TIFF file");
   uint32_t columns = 0, rows = 0;
   TIFFGetField(tiff.get(), TIFFTAG_IMAGEWIDTH, &columns);
   TIFFGetField(tiff.get(), TIFFTAG_IMAGELENGTH, &rows);
@@ -110,14 +110,15 @@ Terrain read_geotiff(const std::string& file) {
   const double* values = nullptr;
   if (TIFFGetField(tiff.get(), kTransformation, &count, &values)) refuse(file, "a rotated grid is not supported");
   if (!TIFFGetField(tiff.get(), kPixelScale, &count, &values) || count < 2 || !(values[0] > 0 && values[1] > 0))
-    refuse(file, "does not say where it lies (ModelPixelScale)");
+    refuse(file, "has no georeference (ModelPixelScale)");
   Grid grid;
   grid.columns = columns, grid.rows = rows;
   grid.cell_east_m = values[0], grid.cell_north_m = values[1];
   if (!TIFFGetField(tiff.get(), kTiepoint, &count, &values) || count < 6)
-    refuse(file, "does not say where it lies (ModelTiepoint)");
+    refuse(file, "has no georeference (ModelTiepoint)");
   const Keys keys = keys_of(tiff.get(), file);
-  const double half = keys.point ? 0.0 : 0.5;  // a tie point is a corner of its pixel, unless pixels are points
+  const double half =
+      keys.point ? 0.0 : 0.5;  // a tie point refers to the corner of its pixel, unless pixels are points
   grid.east_m = values[3] + (half - values[0]) * grid.cell_east_m;
   const double north_m = values[4] - (half - values[1]) * grid.cell_north_m;  // of the first row
   grid.north_m = north_m - static_cast<double>(rows - 1) * grid.cell_north_m;

@@ -7,8 +7,8 @@
 
 namespace odograph::terrain {
 
-/// One band of heights whose columns run east and rows run south (ModelPixelScale and ModelTiepoint, OGC 19-008r4).
-/// Rotated grids are refused. Throws std::runtime_error with the file's name.
+/// Reads one band of heights with columns to the east and rows to the south (ModelPixelScale and ModelTiepoint, OGC
+/// 19-008r4). Rejects rotated grids. Throws std::runtime_error with the file's name.
 Terrain read_geotiff(const std::string& file);
 
 }  // namespace odograph::terrain

@@ -24,7 +24,7 @@ Placement::Placement(const Parameters& parameters, const Reference& reference) :
   const auto projection = reference.geographic ? Projection::of(kWgs84) : Projection::of(reference.epsg);
   if (!projection)
     throw std::runtime_error("geodetic_origin: the model's projection (EPSG " + std::to_string(reference.epsg) +
-                             ") is not known; give model_origin in its coordinates");
+                             ") is not supported; set model_origin in its coordinates");
   earth_.reset(new Earth{GeographicLib::LocalCartesian(o[0], o[1], o[2]), *projection});
 }
 

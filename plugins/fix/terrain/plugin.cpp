@@ -14,7 +14,7 @@ namespace {
 
 using namespace odograph::terrain;
 
-/// Heights from the ground's: eq. (4) of Antigny et al. 2019.
+/// Heights from the ground: Antigny et al. 2019, eq. (4).
 class TerrainFixer {
  public:
   std::string model;
@@ -24,7 +24,7 @@ class TerrainFixer {
   double interval = 1, correlation = 1, max_horizontal_sigma = 100;
 
   static constexpr odo::Description description{"fix/terrain", "1.0.0",
-                                                "Heights from a terrain model and how high a phone is held",
+                                                "Heights from a terrain model and the height at which a phone is held",
                                                 ODO_INTERFACE_ABSOLUTE_FIXER};
   static std::vector<odo::Parameter<TerrainFixer>> parameters() {
     using P = TerrainFixer;
@@ -34,25 +34,25 @@ class TerrainFixer {
                    "easting, northing and height of n's origin in the model"),
         odo::real("grid_north", "rad", -3.2, 3.2, &P::grid_north, "the model's north, from true north to the east"),
         odo::boolean("geodetic", &P::geodetic,
-                     "geodetic_origin stands for model_origin; the model is geographic, UTM or RD New"),
+                     "geodetic_origin replaces model_origin; the model is geographic, UTM or RD New"),
         odo::reals("geodetic_origin", "", -1e5, 1e5, &P::geodetic_origin,
                    "latitude and longitude of n's origin in degrees, its ellipsoidal height in m"),
         odo::real("geoid_height", "m", -200, 200, &P::geoid_height, "ellipsoidal height of the model's zero height"),
-        odo::real("height", "m", 0.5, 2.5, &P::height, "the walker's"),
-        odo::real("hand", "", 0, 1.5, &P::hand, "how high the phone is held, as a part of the walker's height"),
-        odo::real("hand_sigma", "m", 0.01, 2, &P::hand_sigma, "standard deviation of that: hands move"),
+        odo::real("height", "m", 0.5, 2.5, &P::height, "height of the walker"),
+        odo::real("hand", "", 0, 1.5, &P::hand, "height of the phone as a fraction of the walker's height"),
+        odo::real("hand_sigma", "m", 0.01, 2, &P::hand_sigma, "standard deviation of the phone's height: hands move"),
         odo::real("model_sigma", "m", 0.001, 100, &P::model_sigma, "standard deviation of the model's heights"),
-        odo::real("interval", "s", 0.05, 3600, &P::interval, "time between two fixes at least"),
+        odo::real("interval", "s", 0.05, 3600, &P::interval, "minimum time between two fixes"),
         odo::real("correlation", "s", 0, 3600, &P::correlation,
-                  "a fix's error stays alike for that long; its variance is raised accordingly"),
+                  "correlation time of a fix's error; its variance is increased accordingly"),
         odo::real("max_horizontal_sigma", "m", 0.01, 1e6, &P::max_horizontal_sigma,
-                  "the prior's horizontal standard deviation is taken as at most this")};
+                  "upper limit of the prior's horizontal standard deviation")};
   }
 
   void configured(odo::Output& host) {
     if (model.empty()) throw odo::Error(ODO_E_CONFIG, "model: expected a terrain model");
     const auto file = host.asset(model);
-    if (!file) throw odo::Error(ODO_E_CONFIG, "model: no file '" + model + "' where the config lies");
+    if (!file) throw odo::Error(ODO_E_CONFIG, "model: no file '" + model + "' beside the config");
     try {
       terrain_.emplace(read_terrain(*file));
       placement_.emplace(Placement::Parameters{model_origin, grid_north, geodetic_origin, geodetic, geoid_height},
@@ -64,7 +64,7 @@ class TerrainFixer {
 
   void reset() { last_ns_ = INT64_MIN; }
 
-  /// The ground for anchors that stand above it.
+  /// Ground height, for anchors that stand above the ground.
   const void* extension(std::string_view id) const {
     return id == ODO_EXTENSION_TERRAIN && terrain_ ? &ground_ : nullptr;
   }
@@ -83,7 +83,8 @@ class TerrainFixer {
     auto fix = odo::make<odo_fix>(pose.header.t_ns);
     fix.header.flags = ODO_FIX_DOWN | ODO_FIX_COVARIANCE | ODO_FIX_INTEGRITY;
     fix.p_n[2] = down - held_m;
-    // Many fixes whose errors are alike for tau tell as much as white ones of 2 tau / interval times the variance.
+    // Fixes with errors correlated over tau carry the information of white ones with 2 tau / interval times the
+    // variance.
     const double alike = std::max(1.0, 2 * correlation / std::max(interval, std::min(since_s, correlation)));
     fix.covariance_n[8] = alike * (hand_sigma * hand_sigma + model_sigma * model_sigma + by_place * by_place);
     fix.integrity = 0.01;
@@ -99,7 +100,7 @@ class TerrainFixer {
     return self.placement_->ground_at(*self.terrain_, north_m, east_m, near_down_m, *down_m) ? ODO_OK : ODO_E_NOT_FOUND;
   }
 
-  /// What being elsewhere does to the height: the ground a standard deviation away in four directions.
+  /// Height sigma from a horizontal position error: rms difference of the ground one sigma away in four directions.
   double rise_within(double north, double east, double down, double sigma_m) const {
     double squares = 0;
     int n = 0;
@@ -108,7 +109,7 @@ class TerrainFixer {
       if (!placement_->ground_at(*terrain_, north + dn * sigma_m, east + de * sigma_m, down, other)) continue;
       squares += (other - down) * (other - down), ++n;
     }
-    return n > 0 ? std::sqrt(2 * squares / n) : sigma_m;  // both axes; where the model ends nothing is known
+    return n > 0 ? std::sqrt(2 * squares / n) : sigma_m;  // for both axes; unknown beyond the model
   }
 
   std::optional<Terrain> terrain_;

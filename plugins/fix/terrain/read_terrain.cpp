@@ -26,7 +26,7 @@ std::string lower(std::string text) {
   return text;
 }
 
-/// Words of a text file, one after the other.
+/// The words of a text file, in order.
 class Words {
  public:
   Words(const std::string& file, std::istream& in) : file_(file), in_(in) {}
@@ -78,11 +78,11 @@ Terrain read_ascii_grid(const std::string& file, std::istream& in) {
     else if (key == "nodata_value")
       missing = value;
     else
-      refuse(file, "'" + key + "' is no key of an ESRI ASCII grid");
+      refuse(file, "'" + key + "' is not a key of an ESRI ASCII grid");
   }
   if (!(columns >= 2 && rows >= 2 && columns * rows <= static_cast<double>(kMaxNodes)))
-    refuse(file, "needs ncols and nrows from 2 on, and not more than 100 million nodes");
-  if (!(cell > 0) || !has_first) refuse(file, "needs a cellsize above 0 and heights");
+    refuse(file, "expected ncols and nrows of at least 2, and at most 100 million nodes");
+  if (!(cell > 0) || !has_first) refuse(file, "expected a cellsize above 0, and heights");
   Grid grid;
   grid.columns = static_cast<size_t>(columns), grid.rows = static_cast<size_t>(rows);
   grid.cell_east_m = grid.cell_north_m = cell;
@@ -97,7 +97,7 @@ Terrain read_ascii_grid(const std::string& file, std::istream& in) {
   return Terrain(std::move(grid));
 }
 
-/// `v x y z` and `f a b c ...`, whose corners may carry `/texture/normal` and count from the end when negative.
+/// `v x y z` and `f a b c ...`; corners may have `/texture/normal`, and count from the end if negative.
 Terrain read_obj(const std::string& file, std::istream& in) {
   std::vector<Eigen::Vector3d> vertices;
   std::vector<std::array<uint32_t, 3>> triangles;
@@ -116,7 +116,7 @@ Terrain read_obj(const std::string& file, std::istream& in) {
         const double index = words.number_of(words.word().substr(0, words.word().find('/')));
         const double from_start = index < 0 ? static_cast<double>(vertices.size()) + index : index - 1;
         if (!(from_start >= 0 && from_start < static_cast<double>(vertices.size())))
-          refuse(file, "a face names a vertex that there is not");
+          refuse(file, "a face refers to a vertex that does not exist");
         corners.push_back(static_cast<uint32_t>(from_start));
       }
       if (triangles.size() + corners.size() > kMaxVertices) refuse(file, "has more than 20 million triangles");
@@ -134,7 +134,7 @@ Terrain read_obj(const std::string& file, std::istream& in) {
 
 Terrain read_terrain(const std::string& file) {
   std::error_code error;
-  if (!std::filesystem::is_regular_file(file, error)) refuse(file, "is no file");
+  if (!std::filesystem::is_regular_file(file, error)) refuse(file, "is not a file");
   if (std::filesystem::file_size(file, error) > kLargest_bytes) refuse(file, "is larger than 2 GB");
   const std::string end = lower(std::filesystem::path(file).extension().string());
   if (end == ".tif" || end == ".tiff") return read_geotiff(file);

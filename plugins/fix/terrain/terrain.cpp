@@ -12,9 +12,9 @@
 namespace odograph::terrain {
 namespace {
 
-constexpr double kSteepest = 0.1;        // vertical part of a triangle's normal: what is steeper is a wall
+constexpr double kSteepest = 0.1;        // vertical component of a triangle's normal: steeper ones are walls
 constexpr size_t kMaxCells = 1'000'000;  // of the mesh's search grid
-constexpr double kEdge = 1e-9;           // part of a triangle by which a point on its edge may miss it
+constexpr double kEdge = 1e-9;           // tolerance at the edges, as a part of a triangle
 
 bool height_of(const Grid& grid, double east_m, double north_m, double& height_m) {
   const double x = (east_m - grid.east_m) / grid.cell_east_m, y = (north_m - grid.north_m) / grid.cell_north_m;
@@ -36,11 +36,11 @@ Mesh::Mesh(std::vector<Eigen::Vector3d> vertices, const std::vector<std::array<u
     : vertices_(std::move(vertices)) {
   for (const auto& t : triangles) {
     for (const uint32_t index : t)
-      if (index >= vertices_.size()) throw std::runtime_error("a face names a vertex that there is not");
+      if (index >= vertices_.size()) throw std::runtime_error("a face refers to a vertex that does not exist");
     const Eigen::Vector3d normal = (vertices_[t[1]] - vertices_[t[0]]).cross(vertices_[t[2]] - vertices_[t[0]]);
     if (std::abs(normal.z()) > kSteepest * normal.norm()) triangles_.push_back(t);
   }
-  if (triangles_.empty()) throw std::runtime_error("no triangle that could be ground");
+  if (triangles_.empty()) throw std::runtime_error("no ground: all triangles are upright");
   Eigen::Vector2d high = low_ = vertices_[triangles_[0][0]].head<2>();
   for (const auto& t : triangles_)
     for (const uint32_t index : t) {

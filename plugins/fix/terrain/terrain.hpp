@@ -19,13 +19,13 @@ struct Grid {
   std::vector<float> height_m;  ///< from the south to the north, each row from the west to the east; NaN: unknown
 };
 
-/// Triangles of a surface, found by the cell of a square grid in which a point lies.
+/// Triangles of a surface, indexed by a square grid.
 class Mesh {
  public:
-  /// Vertices (east, north, up; m) and three of them for each triangle. Upright triangles are no ground and left out.
-  /// Throws std::runtime_error for an index that is no vertex's and where nothing is left.
+  /// Vertices (east, north, up; m) and their indices, three per triangle. Upright triangles are not ground and are
+  /// dropped. Throws std::runtime_error for an index out of range, and if no triangle remains.
   Mesh(std::vector<Eigen::Vector3d> vertices, const std::vector<std::array<uint32_t, 3>>& triangles);
-  /// Heights of all surfaces over or under a place, in no order.
+  /// Heights of all surfaces at a position, in no particular order.
   std::vector<double> heights_at(double east_m, double north_m) const;
 
  private:
@@ -39,19 +39,19 @@ class Mesh {
   size_t columns_ = 0, rows_ = 0;
 };
 
-/// How a file's coordinates lie on the Earth, as far as the file says.
+/// Coordinate reference of a file, as far as the file gives it.
 struct Reference {
-  int epsg = 0;             ///< 0: it does not say
+  int epsg = 0;             ///< 0: not given
   bool geographic = false;  ///< degrees instead of metres
 };
 
-/// The ground's height above a model's datum. Immutable, so any thread may ask.
+/// Height of the ground above the datum of a model. Immutable, thread-safe.
 class Terrain {
  public:
   explicit Terrain(Grid grid, Reference reference = {}) : surface_(std::move(grid)), reference_(reference) {}
   explicit Terrain(Mesh mesh) : surface_(std::move(mesh)) {}
-  /// Height at a place in the model's coordinates, m; of several surfaces (a bridge, a floor) the one nearest to
-  /// `expected_m`. False where the model has no ground.
+  /// Height at a position in the model's coordinates, m; of several surfaces (a bridge, a floor) the one nearest to
+  /// `expected_m`. False if the model has no ground there.
   bool height_at(double east, double north, double expected_m, double& height_m) const;
   const Reference& reference() const { return reference_; }
 
@@ -60,8 +60,8 @@ class Terrain {
   Reference reference_;
 };
 
-/// By the name's end: ESRI ASCII grid (.asc), Wavefront OBJ (.obj; x east, y north, z up), GeoTIFF (.tif, .tiff; one
-/// band of integers or floats). Throws std::runtime_error with the file's name and what is wrong.
+/// Format by the file extension: ESRI ASCII grid (.asc), Wavefront OBJ (.obj; x east, y north, z up), GeoTIFF (.tif,
+/// .tiff; one band of integers or floats). Throws std::runtime_error with the file's name and the reason.
 Terrain read_terrain(const std::string& file);
 
 }  // namespace odograph::terrain

@@ -5,17 +5,18 @@
 
 namespace {
 
-/// Fixes from places that the user confirmed to be at (a tap on a map, a surveyed mark).
+/// Fixes at positions confirmed by the user (a tap on a map, a surveyed mark).
 class Waypoint {
  public:
   std::string use = "first";
   double min_sigma = 0.1;
 
   static constexpr odo::Description description{
-      "fix/waypoint", "1.0.0", "Position fixes from places that the user confirmed", ODO_INTERFACE_ABSOLUTE_FIXER};
+      "fix/waypoint", "1.0.0", "Position fixes at positions confirmed by the user", ODO_INTERFACE_ABSOLUTE_FIXER};
   static std::vector<odo::Parameter<Waypoint>> parameters() {
-    return {odo::choice("use", "first|all", &Waypoint::use, "first: only where the track begins; all: every waypoint"),
-            odo::real("min_sigma", "m", 0.001, 100, &Waypoint::min_sigma, "smallest standard deviation believed")};
+    return {
+        odo::choice("use", "first|all", &Waypoint::use, "first: only at the start of the track; all: every waypoint"),
+        odo::real("min_sigma", "m", 0.001, 100, &Waypoint::min_sigma, "lower bound of the standard deviation")};
   }
 
   void on(const odo_waypoint& waypoint, odo::Output& output) {

@@ -5,8 +5,8 @@
 
 namespace {
 
-/// The comparison of Antigny et al. 2019, Table 5: one step length for a body height, one walking speed for all phases
-/// in which the pedestrian walks, zero where he stands.
+/// The comparison in Antigny et al. 2019, Table 5: one step length by body height and one walking speed whenever the
+/// pedestrian walks, zero while standing.
 class FixedStep {
  public:
   double walker_height = 1.70, length_by_height = 0.41, cadence = 1.8;
@@ -18,8 +18,8 @@ class FixedStep {
     using P = FixedStep;
     return {odo::real("walker_height", "m", 0.5, 2.5, &P::walker_height, "body height"),
             odo::real("length_by_height", "", 0.1, 1, &P::length_by_height,
-                      "step length as a part of the height (pedometers' rule of thumb)"),
-            odo::real("cadence", "Hz", 0.5, 4, &P::cadence, "steps a second, usual for adults")};
+                      "step length as a fraction of the body height (pedometers' rule of thumb)"),
+            odo::real("cadence", "Hz", 0.5, 4, &P::cadence, "step frequency, typical for adults")};
   }
 
   void on(const odo_motion_mode& mode, odo::Output&) {

@@ -52,15 +52,15 @@ void InertialScale::use(const Motion& m) {
     const Quaterniond gyro_c0_c1 = q_n_c0.conjugate() * q_n_b_ * mount_.q_b_c;
     y_n_ += q_n_c0 * m.p_c0_c1;
     beta_n_ += q_n_c0 * log_rotation(m.q_c0_c1 * gyro_c0_c1.conjugate()).cross(Vector3d::UnitZ());
-  } else {  // a window begins with this motion's later frame
+  } else {  // a window starts with the later frame of this motion
     window_.clear();
     alpha_n_.setZero(), rate_n_.setZero(), y_n_.setZero(), beta_n_.setZero();
   }
   add_frame(m.t_ns);
 }
 
-/// The gyroscope's orientation follows the host's slowly, so that an error of the host's in one frame tilts no
-/// acceleration. False where the host's has jumped.
+/// Aligns the gyroscope's orientation slowly with the host's, so that an error of the host's in a single frame does not
+/// tilt the acceleration. False if the host's orientation has jumped.
 bool InertialScale::orient(const Motion& m) {
   const Vector3d off_n = log_rotation(m.q_n_c0 * mount_.q_b_c.conjugate() * q_n_b_.conjugate());
   if (!(off_n.norm() < p_.jump_rad)) return false;
@@ -69,10 +69,10 @@ bool InertialScale::orient(const Motion& m) {
   return true;
 }
 
-/// Orientation and the doubly integrated acceleration in n, by the IMU; false where samples lack. Between samples both
-/// rates are linear, after the newest one constant.
+/// Integrates the IMU to orientation and twice integrated acceleration in n; false if samples are missing. Rates are
+/// linear between samples and constant after the newest one.
 bool InertialScale::integrate(int64_t from_ns, int64_t to_ns) {
-  size_t i = 0;  // of the newest sample that is not after the start
+  size_t i = 0;  // index of the newest sample at or before the start
   while (i < samples_.size() && samples_.back(i).t_ns > from_ns) ++i;
   if (i == samples_.size()) return false;
   for (int64_t t_ns = from_ns; t_ns < to_ns;) {
@@ -105,7 +105,7 @@ void InertialScale::add_frame(int64_t t_ns) {
   last_ns_ = INT64_MIN;  // the next window shares no frame with this one
 }
 
-/// The log-scale walks with the path and with time while standing; r = 1/scale by r times as much.
+/// Random walk of the log-scale with the path, and with time while standing; sigma of r = 1/scale is r times as large.
 void InertialScale::predict(const Motion& m, double dt_s) {
   if (variance_ < 0) return;
   const double r = std::max(inverse_scale_, std::sqrt(variance_));
@@ -115,7 +115,7 @@ void InertialScale::predict(const Motion& m, double dt_s) {
 }
 
 void InertialScale::update(const WindowScale& window) {
-  // The scale's mean over the window stands for that at its end.
+  // The window's mean scale serves as the scale at its end.
   const double r = std::abs(window.inverse_scale), innovation = window.inverse_scale - inverse_scale_;
   const double noise = squared(window.sigma) + squared(p_.scale_walk) * r * window.path / 3;
   const bool fits = variance_ >= 0 && squared(innovation) <= p_.gate * (variance_ + noise);

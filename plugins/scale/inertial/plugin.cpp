@@ -9,24 +9,23 @@
 
 namespace {
 
-/// Scale of a scale group from the IMU, for a front-end that has not used it.
+/// Scale of a scale group from the IMU, for a front-end that does not use the IMU.
 class Inertial {
  public:
   double window = 4, start_sigma = 0.15, scale_walk = 0.03, common_sigma = 0.03;
 
   static constexpr odo::Description description{"scale/inertial", "1.0.0",
-                                                "Scale from the IMU, for a front-end without inertia of its own",
+                                                "Scale from the IMU, for a front-end that does not use the IMU",
                                                 ODO_INTERFACE_SCALE_SOURCE};
   static constexpr uint32_t extra_inputs[] = {ODO_TYPE_IMU, ODO_TYPE_CALIBRATION};
   static std::vector<odo::Parameter<Inertial>> parameters() {
-    return {
-        odo::real("window", "s", 2, 10, &Inertial::window, "of motion in one regression"),
-        odo::real("start_sigma", "", 0.01, 0.5, &Inertial::start_sigma,
-                  "relative standard deviation of the scale at which it is emitted for the first time"),
-        odo::real("scale_walk", "", 0, 1, &Inertial::scale_walk,
-                  "relative, by how much the odometry's scale changes over 1 m; over d metres by sqrt(d) times that"),
-        odo::real("common_sigma", "", 0.01, 0.2, &Inertial::common_sigma,
-                  "relative standard deviation that all windows share: accelerometer, rolling shutter")};
+    return {odo::real("window", "s", 2, 10, &Inertial::window, "duration of motion in one regression"),
+            odo::real("start_sigma", "", 0.01, 0.5, &Inertial::start_sigma,
+                      "relative standard deviation of the scale below which it is first emitted"),
+            odo::real("scale_walk", "", 0, 1, &Inertial::scale_walk,
+                      "relative change of the odometry's scale over 1 m; over d metres sqrt(d) times that"),
+            odo::real("common_sigma", "", 0.01, 0.2, &Inertial::common_sigma,
+                      "relative standard deviation common to all windows: accelerometer, rolling shutter")};
   }
   void configured() {
     odograph::inertial_scale::Parameters p;
@@ -45,21 +44,21 @@ class Inertial {
     if ((imu.header.flags & needed) != needed) return;
     const Eigen::Vector3d gyro_b(imu.gyro_b), accel_b(imu.accel_b);
     if (!(gyro_b.norm() < odograph::SensorRange::rate_radps && accel_b.norm() < odograph::SensorRange::force_mps2))
-      throw odo::Error(ODO_E_DISCARD, "gyro_b or accel_b is beyond any phone's sensor");
+      throw odo::Error(ODO_E_DISCARD, "gyro_b or accel_b exceeds the range of any phone's sensor");
     scale_.add_imu(imu.header.t_ns, gyro_b, accel_b);
   }
 
   void on(const odo_vo_motion& motion, odo::Output& output) {
     if ((motion.header.flags & ODO_VO_METRIC) != 0) {
       if (!std::exchange(reported_, true))
-        output.report(ODO_SEVERITY_INFO, "metric", "the odometry's displacements are in metres: no scale is computed");
+        output.report(ODO_SEVERITY_INFO, "metric", "the odometry is metric: no scale is computed");
       return;
     }
     const Eigen::Vector3d p_c0_c1(motion.p_c0_c1);
     const bool translates =
         odograph::scalable(motion) && (motion.header.flags & ODO_VO_ROTATION) != 0 && motion.state != ODO_LOST;
     if (translates && !(p_c0_c1.norm() < kMaxDisplacement))
-      throw odo::Error(ODO_E_DISCARD, "p_c0_c1 is no motion between two frames");
+      throw odo::Error(ODO_E_DISCARD, "p_c0_c1 is out of range for a motion between two frames");
     if (const auto mount = mounts_.find(motion.camera); mount != mounts_.end()) scale_.set_camera(mount->second);
     scale_.add_motion({motion.t_from_ns, motion.header.t_ns, odograph::raw_quaternion(motion.q_n_c0),
                        odograph::raw_quaternion(motion.q_c0_c1), p_c0_c1, motion.scale_group, translates});
@@ -74,7 +73,7 @@ class Inertial {
   }
 
  private:
-  static constexpr double kMaxDisplacement = 1e9;  // up to scale; would stay in the sums for ever
+  static constexpr double kMaxDisplacement = 1e9;  // up to scale; larger values would stay in the sums forever
   odograph::inertial_scale::InertialScale scale_;
   std::map<uint32_t, odograph::inertial_scale::Mount> mounts_;  // of each camera
   bool reported_ = false;

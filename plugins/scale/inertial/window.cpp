@@ -11,7 +11,7 @@ namespace odograph::inertial_scale {
 using Eigen::Vector3d;
 using Eigen::Vector4d;
 
-/// 1, t, t^2, t^3 at the frames, made orthonormal: P = I - B B'.
+/// Orthonormal basis B of 1, t, t^2, t^3 at the frames: P = I - B B'.
 Window::Basis Window::basis() const {
   Basis basis;
   Eigen::Matrix4d G = Eigen::Matrix4d::Zero();

@@ -6,7 +6,7 @@
 
 namespace {
 
-/// Scale from slant distances to the roofs of a city model: eq. (4) to (6) of Gakne & O'Keefe 2018.
+/// Scale from slant distances to the roofs of a city model: Gakne & O'Keefe 2018, eq. (4) to (6).
 class SlantDistance {
  public:
   std::string formula = "baseline";
@@ -17,14 +17,14 @@ class SlantDistance {
                                                 ODO_INTERFACE_SCALE_SOURCE};
   static std::vector<odo::Parameter<SlantDistance>> parameters() {
     return {odo::choice("formula", "baseline|gakne2018", &SlantDistance::formula,
-                        "the line through fixes, or eq. (5) letter for letter, which is no scale"),
-            odo::real("window", "s", 1, 3600, &SlantDistance::window, "fixes of this time count"),
+                        "the line through fixes, or eq. (5) literally, which is not a scale"),
+            odo::real("window", "s", 1, 3600, &SlantDistance::window, "time span of the fixes used"),
             odo::real("min_displacement", "m", 0.1, 1000, &SlantDistance::min_displacement,
-                      "no scale before the fixes lie this far apart"),
+                      "smallest extent of the fixes for a scale"),
             odo::real("scale_drift", "", 0, 1, &SlantDistance::scale_drift,
-                      "by how much of itself the odometry's scale changes within a window"),
+                      "relative change of the odometry's scale within a window"),
             odo::real("initial_scale", "m", 0, 1000, &SlantDistance::initial_scale,
-                      "scale until slant distances tell; 0: none is given")};
+                      "scale until slant distances give one; 0: none")};
   }
   void configured() { scale_ = odograph::slant_scale::SlantScale(window, min_displacement, scale_drift); }
 
@@ -33,10 +33,10 @@ class SlantDistance {
     if ((fix.header.flags & needed) != needed) return;
     const Eigen::Vector3d to_landmark = Eigen::Vector3d(fix.landmark_n) - Eigen::Vector3d(fix.p_n);
     if (!(fix.slant_distance_m > 0) || to_landmark.norm() < 1e-6) return;
-    // P_3DBM: back from the roof point by the slant distance.
+    // P_3DBM: from the roof point back by the slant distance.
     const Eigen::Vector3d place = Eigen::Vector3d(fix.landmark_n) - fix.slant_distance_m * to_landmark.normalized();
     if (!(place.norm() < kMaxDisplacement))
-      throw odo::Error(ODO_E_DISCARD, "landmark_n or slant_distance_m is no place in n");
+      throw odo::Error(ODO_E_DISCARD, "landmark_n or slant_distance_m is out of range or not finite");
     literal_.add_place(place, fix.slant_distance_m);
     scale_.add_place(fix.header.t_ns, place.head<2>(),
                      std::max(1e-6, 0.5 * (fix.covariance_n[0] + fix.covariance_n[4])));
@@ -45,7 +45,8 @@ class SlantDistance {
   void on(const odo_vo_motion& motion, odo::Output& output) {
     if (!odograph::scalable(motion)) return;
     const Eigen::Vector3d d_n = odograph::displacement_n(motion);
-    if (!(d_n.norm() < kMaxDisplacement)) throw odo::Error(ODO_E_DISCARD, "p_c0_c1 is no motion between two frames");
+    if (!(d_n.norm() < kMaxDisplacement))
+      throw odo::Error(ODO_E_DISCARD, "p_c0_c1 is out of range for a motion between two frames");
     scale_.add_motion(motion.t_from_ns, motion.header.t_ns, d_n, motion.scale_group);
     literal_.add_motion(d_n, motion.scale_group);
     auto scale = odograph::scale_of(motion);
@@ -64,7 +65,7 @@ class SlantDistance {
   }
 
  private:
-  /// Metres, or up to scale: what lies farther is no pedestrian's or vehicle's, and would stay in the sums for ever.
+  /// Metres, or up to scale: larger than for any pedestrian or vehicle, and would stay in the sums forever.
   static constexpr double kMaxDisplacement = 1e9;
   static constexpr double kLiteralSigma = 0.5;  // relative; the paper gives none
   odograph::slant_scale::LiteralScale literal_;

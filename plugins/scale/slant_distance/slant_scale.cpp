@@ -43,7 +43,7 @@ double SlantScale::RunningMedian::median() const {
   return sorted[n / 2];
 }
 
-/// Until fixes tell the new scale the vehicle goes on as fast as before, as the motions of the first second have it.
+/// Until fixes give the new scale the speed is assumed unchanged, and compared with the motions of the first second.
 void SlantScale::guess(double dt, double distance) {
   if (dt <= 0) return;
   if (known_) return speed_mps_.add(scale_->scale * distance / dt);
@@ -63,8 +63,8 @@ void SlantScale::add_place(int64_t t_ns, const Vector2d& p_n, double variance) {
   fit();
 }
 
-/// model = a + s R(angle) vo: the heading is the coupling's business, and a line through its errors would be too short,
-/// so the angle is fitted with the scale and then forgotten.
+/// model = a + s R(angle) vo. The angle is fitted with the scale and discarded: heading is the coupling's task, and its
+/// errors would make the line too short.
 void SlantScale::fit() {
   if (pairs_.size() < 3) return;
   std::vector<double> weights(pairs_.size(), 1.0);
@@ -99,8 +99,8 @@ void SlantScale::fit() {
     }
     sigma = std::sqrt(std::max(1.0, chi / std::max(1.0, n - 4)) / vv);
   }
-  if (2 * spread_m.norm() < min_displacement_m_) return;  // nearly standing: the line has no direction
-  // A scale does not double within a window: the fixes are of another place that looks alike, unless they insist.
+  if (2 * spread_m.norm() < min_displacement_m_) return;  // nearly standing: the direction of the line is undefined
+  // A scale that doubles within a window is rejected as fixes of a similar place, unless it persists.
   const bool leaps = known_ && std::abs(std::log(s / scale_->scale)) > p_.leap;
   leaps_ = leaps ? leaps_ + 1 : 0;
   if (leaps && leaps_ < p_.insist) return;

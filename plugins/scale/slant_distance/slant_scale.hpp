@@ -14,32 +14,32 @@ struct Scale {
   double scale, sigma;
 };
 
-/// Scale from slant distances to known roof points: eq. (4) to (6) of Gakne & O'Keefe 2018.
+/// Scale from slant distances to known roof points: Gakne & O'Keefe 2018, eq. (4) to (6).
 ///
-/// Eq. (5) divides the slant distance by ||P_3DBM - P_VO||, that is, one length in metres by the same one of the
+/// Eq. (5) divides the slant distance by ||P_3DBM - P_VO||, that is, a length in metres by the same length in the
 /// odometry. Here the length is the distance between two fixes: in metres the difference of the slant vectors to the
-/// roof points, P_3DBM = X - d_slant u; up to scale the sum of eq. (6)'s displacements, with their directions. The
-/// scale is the robust least-squares line through the fixes of the window, so that no single pair of them rules.
+/// roof points, P_3DBM = X - d_slant u; up to scale the sum of the displacements of eq. (6), with their directions. The
+/// scale is the robust least-squares line through the fixes of the window, so that no single pair dominates.
 class SlantScale {
  public:
-  /// Chosen by hand, and not tuned.
+  /// Empirical, not tuned.
   struct Parameters {
-    double huber = 1.5;         ///< standard deviations of a place, from where on it counts linearly
-    double leap = 0.7;          ///< of the scale's logarithm within a window, a factor of two: another place, alike
-    int insist = 20;            ///< fixes in a row that say so: then they are right
-    double guess = 0.3;         ///< relative sigma of a scale that rests on the speed before
-    double guess_s = 1;         ///< of motions, from which it is made
-    double standing_mps = 0.5;  ///< slower, the speed before says nothing
+    double huber = 1.5;         ///< standard deviations of a position beyond which the loss is linear
+    double leap = 0.7;          ///< change of the log-scale within a window, a factor of two: a similar place
+    int insist = 20;            ///< consecutive fixes that confirm the change
+    double guess = 0.3;         ///< relative sigma of a scale from the previous speed
+    double guess_s = 1;         ///< of motions from which it is computed
+    double standing_mps = 0.5;  ///< below it the previous speed carries no information
   };
 
-  /// `scale_drift`: by how much of itself the odometry's scale changes within a window.
+  /// `scale_drift`: relative change of the odometry's scale within a window.
   SlantScale(double window_s, double min_displacement_m, double scale_drift)
       : window_s_(window_s), min_displacement_m_(min_displacement_m), scale_drift_(scale_drift) {}
 
-  /// A motion's displacement in n, up to scale. A new group forgets what had the old one's scale, and
-  /// begins with the speed that the old one ended with.
+  /// A motion's displacement in n, up to scale. A new group drops everything in the old scale, and starts with the
+  /// final speed of the old group.
   void add_motion(int64_t from_ns, int64_t t_ns, const Eigen::Vector3d& d_n, uint32_t group);
-  /// The vehicle's place by the city model, m, and the variance of one axis, m^2.
+  /// The vehicle's position by the city model, m, and the variance per axis, m^2.
   void add_place(int64_t t_ns, const Eigen::Vector2d& p_n, double variance);
   const std::optional<Scale>& scale() const { return scale_; }
 
@@ -56,7 +56,7 @@ class SlantScale {
   void fit();
   void guess(double dt_s, double distance);
 
-  /// Median of the latest values: a picture misunderstood makes one motion of any length.
+  /// Median of the latest values: robust against a single wrong motion.
   class RunningMedian {
    public:
     void clear() { count_ = 0; }
@@ -76,21 +76,21 @@ class SlantScale {
   std::optional<uint32_t> group_;
   std::optional<Scale> scale_;
   int leaps_ = 0;
-  bool known_ = false;       ///< by fixes, not by the speed before
-  RunningMedian speed_mps_;  ///< of the latest motions whose scale was known
-  RunningMedian guessed_;    ///< scale, by the first motions of a new group
+  bool known_ = false;       ///< from fixes, not from the previous speed
+  RunningMedian speed_mps_;  ///< of the latest motions with a known scale
+  RunningMedian guessed_;    ///< scale, from the first motions of a new group
   double guess_s_ = 0;
 };
 
-/// Eq. (4) to (6) and Algorithm 1 letter for letter: s_g = d_slant / ||P_3DBM - P_VO||, P_VO being the previous
-/// position by the odometry alone, up to scale, from the same origin. What that is worth: docs/slant_distance.md.
+/// Eq. (4) to (6) and Algorithm 1 literally: s_g = d_slant / ||P_3DBM - P_VO||, with P_VO the previous position by the
+/// odometry alone, up to scale, from the same origin. For its value see docs/slant_distance.md.
 class LiteralScale {
  public:
-  /// A motion's displacement in n, up to scale: eq. (6)'s positions. A new group begins where the last place was.
+  /// A motion's displacement in n, up to scale: the positions of eq. (6). A new group starts at the last position.
   void add_motion(const Eigen::Vector3d& d_n, uint32_t group);
-  /// The place by the city model and the slant distance from there, m.
+  /// The position by the city model and the slant distance from there, m.
   void add_place(const Eigen::Vector3d& p_n, double slant_distance_m);
-  /// Nothing before the first place.
+  /// Nothing before the first position.
   std::optional<double> scale() const { return scale_; }
 
  private:

@@ -4,17 +4,18 @@
 
 namespace {
 
-/// One scale for a whole scale group, from all of its steps.
+/// One scale for a whole scale group, from all its steps.
 class StepFitPlugin {
  public:
   double drift = 0.004, common = 0.06;
 
   static constexpr odo::Description description{
-      "scale/step_fit", "1.0.0", "Scale from all steps of a scale group, for odometries whose scale is steady",
+      "scale/step_fit", "1.0.0", "Scale from all steps of a scale group, for odometries with a steady scale",
       ODO_INTERFACE_SCALE_SOURCE};
   static std::vector<odo::Parameter<StepFitPlugin>> parameters() {
-    return {odo::real("drift", "", 0, 1, &StepFitPlugin::drift, "of the scale, relative, from one step to the next"),
-            odo::real("common", "", 0, 1, &StepFitPlugin::common, "what all steps err by together, relative")};
+    return {
+        odo::real("drift", "", 0, 1, &StepFitPlugin::drift, "relative drift of the scale from one step to the next"),
+        odo::real("common", "", 0, 1, &StepFitPlugin::common, "relative error common to all steps")};
   }
   void configured() { fit_ = odograph::step_fit::StepFit(drift, common); }
 

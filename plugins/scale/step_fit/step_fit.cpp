@@ -28,8 +28,8 @@ std::optional<Eigen::Vector2d> StepFit::at(int64_t t_ns) const {
   return std::nullopt;
 }
 
-/// A hand that moves while its owner stands makes steps too, but goes nowhere: three steps in a row that the odometry
-/// saw alike and straight on are a walk.
+/// A standing person's moving hand produces steps as well, but no displacement: a walk is three consecutive steps with
+/// similar odometry displacements in a straight line.
 bool StepFit::walks() const {
   if (recent_count_ < recent_.size()) return false;
   double shortest = 1e300, longest = 0, sum = 0;
@@ -50,7 +50,7 @@ bool StepFit::add_step(int64_t start_ns, int64_t end_ns, double length_m, double
   recent_[recent_count_++ % recent_.size()] = {*end - *start, length_m, sigma_m / length_m};
   if (!walks()) return false;
   if (walked) return take(recent_[(recent_count_ - 1) % recent_.size()]);
-  for (const Step& step : recent_) take(step);  // those before are believed with it
+  for (const Step& step : recent_) take(step);  // the earlier ones are accepted with it
   return true;
 }
 

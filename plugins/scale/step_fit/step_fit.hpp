@@ -16,27 +16,27 @@ struct Scale {
   double scale, relative_sigma;
 };
 
-/// The scale of a scale group from all steps in it: a Kalman filter of its logarithm, one measurement a
-/// step (the step's length over the odometry's horizontal displacement between its two contacts), for odometries whose
-/// scale drifts slowly. Where Antigny et al. 2019 scale each frame on its own, the odometry's own lengths are kept
-/// here, and what steps err by one by one averages out. No allocation.
+/// Scale of a scale group from all its steps, for odometries whose scale drifts slowly: a Kalman filter of the
+/// log-scale with one measurement per step (the step's length over the odometry's horizontal displacement between its
+/// two contacts). Antigny et al. 2019 scale each frame separately; here the odometry's own lengths are kept, and the
+/// independent errors of the steps average out. Does not allocate.
 class StepFit {
  public:
-  /// "by hand": chosen so, not tuned.
+  /// "Empirical": chosen, not tuned.
   struct Parameters {
-    double timing = 0.12;   ///< relative: contacts are timed to 70 ms of a step of half a second, neighbours share them
-    double huber = 1.5;     ///< standard deviations, from where on an innovation counts linearly; by hand
-    double alike = 2;       ///< longest to shortest of three displacements of a walk; by hand
-    double straight = 0.8;  ///< of their sum, that the three lead somewhere; by hand
-    int64_t pause_ns = 1'000'000'000;  ///< between two steps: longer ones are not of one walk; by hand
+    double timing = 0.12;   ///< relative: contacts are timed to 70 ms in a step of half a second, shared by neighbours
+    double huber = 1.5;     ///< standard deviations beyond which the loss is linear; empirical
+    double alike = 2;       ///< max ratio of three displacements of a walk; empirical
+    double straight = 0.8;  ///< min net displacement of the three over their sum; empirical
+    int64_t pause_ns = 1'000'000'000;  ///< max interval between two steps of one walk; empirical
   };
 
-  /// `drift`: of the scale, relative, from step to step. `common`: what all steps err by together, relative.
+  /// `drift`: of the scale, relative, from step to step. `common`: relative error common to all steps.
   StepFit(double drift, double common) : drift_(drift), common_(common) {}
 
-  /// A motion's horizontal displacement in n, up to scale. Another group begins anew.
+  /// A motion's horizontal displacement in n, up to scale. Another group restarts the filter.
   void add_motion(int64_t from_ns, int64_t to_ns, const Eigen::Vector2d& d_n, uint32_t group);
-  /// False when the odometry does not cover the step, or does not see a walk in it.
+  /// False if the odometry does not cover the step, or does not show a walk.
   bool add_step(int64_t start_ns, int64_t end_ns, double length_m, double sigma_m);
   std::optional<Scale> scale() const;
 
@@ -60,7 +60,7 @@ class StepFit {
   std::array<Step, 3> recent_{};
   size_t recent_count_ = 0;
   int64_t last_end_ns_ = 0;
-  double log_scale_ = 0, variance_ = -1;  // below 0: not known
+  double log_scale_ = 0, variance_ = -1;  // negative: unknown
 };
 
 }  // namespace odograph::step_fit

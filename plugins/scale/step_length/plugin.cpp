@@ -4,7 +4,7 @@
 
 namespace {
 
-/// Scale of each frame's displacement from pedestrian step lengths: eq. (5) to (7) of Antigny et al. 2019.
+/// Scale of each frame's displacement from pedestrian step lengths: Antigny et al. 2019, eq. (5) to (7).
 class StepLength {
  public:
   double hold = 1.6;
@@ -15,7 +15,7 @@ class StepLength {
   static std::vector<odo::Parameter<StepLength>> parameters() {
     return {odo::real(
         "hold", "", 1, 5, &StepLength::hold,
-        "without a new step the walker stands after this many step durations; covers the delay of detection")};
+        "number of step durations without a new step after which the walker stands; covers the detection delay")};
   }
   void configured() { steps_ = odograph::step_scale::StepInterpolation(hold); }
 

@@ -17,7 +17,7 @@ void StepInterpolation::add_step(int64_t t_start_ns, int64_t t_end_ns, double le
 std::optional<Displacement> StepInterpolation::between(int64_t t0_ns, int64_t t1_ns) const {
   if (steps_.empty()) return std::nullopt;
   Displacement sum{0.0, 0.0};
-  for (size_t i = steps_.size(); i-- > 0;) {  // the oldest first
+  for (size_t i = steps_.size(); i-- > 0;) {  // oldest first
     const Step& step = steps_.back(i);
     int64_t until = step.t_end_ns + nanoseconds(hold_ * step.duration_s);
     if (i > 0) until = std::min(until, steps_.back(i - 1).t_end_ns);

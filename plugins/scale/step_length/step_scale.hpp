@@ -15,18 +15,19 @@ struct Displacement {
 };
 
 /// D_step of Antigny et al. 2019, eq. (6): the metric displacement between two images, interpolated linearly in time
-/// from step lengths. While step k+1 is under way the speed is that of step k, step_k / dt_step_k; an interval that
+/// from step lengths. During step k+1 the speed is that of step k, step_k / dt_step_k; over an interval that touches
+/// several steps the parts add up. Does not allocate.
 /// touches several steps is the sum of its parts. No allocation.
 class StepInterpolation {
  public:
-  /// `hold` times a step's duration after its end the walker is taken to stand, unless another step came.
+  /// Without another step the walker is assumed to stand `hold` step durations after the end of a step.
   explicit StepInterpolation(double hold) : hold_(hold) {}
 
   void add_step(int64_t t_start_ns, int64_t t_end_ns, double length_m, double sigma_m);
-  /// From here on the walker stands, until the next step.
+  /// The walker stands from here on, until the next step.
   void stand(int64_t t_ns) { standing_since_ns_ = t_ns; }
 
-  /// Displacement from t0 to t1, or nothing before the first step is known.
+  /// Displacement from t0 to t1; nothing before the first step.
   std::optional<Displacement> between(int64_t t0_ns, int64_t t1_ns) const;
 
  private:

@@ -8,7 +8,7 @@
 
 namespace odograph {
 
-/// Intrinsics of a camera: pixels to rays and back.
+/// Intrinsics of a camera.
 struct CameraModel {
   enum class Distortion { radial_tangential, kannala_brandt };
   Distortion distortion = Distortion::radial_tangential;
@@ -17,7 +17,7 @@ struct CameraModel {
 
   /// Pixels to normalized image coordinates (x/z, y/z) of an ideal pinhole. `normalized` is resized.
   void undistort(const std::vector<cv::Point2f>& pixels, std::vector<cv::Point2d>& normalized) const;
-  /// Normalized image coordinates to pixels: exactly the model, also where its polynomial means nothing any more.
+  /// Normalized image coordinates to pixels: the exact model, also outside the range in which its polynomial is valid.
   Eigen::Vector2d project(const Eigen::Vector2d& normalized) const;
   double focal() const { return 0.5 * (fx + fy); }
   bool operator==(const CameraModel&) const = default;

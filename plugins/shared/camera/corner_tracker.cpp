@@ -7,7 +7,7 @@
 namespace odograph {
 
 void CornerTracker::follow(const cv::Mat& grey, const std::vector<cv::Point2f>& expected) {
-  grey.copyTo(latest_);  // the borrowed pixels end with the call; new corners are looked for later in this one
+  grey.copyTo(latest_);  // the borrowed pixels are invalid after the call; new corners are detected in this copy
   const cv::Size window(p_.window_px, p_.window_px);
   cv::buildOpticalFlowPyramid(latest_, next_pyramid_, window, p_.levels);
   if (!pyramid_.empty() && !tracks_.empty()) {
@@ -73,7 +73,7 @@ CornerTracker CornerTracker::snapshot() const {
   copy.latest_ = latest_.clone();
   copy.next_pyramid_.clear();
   for (cv::Mat& level : copy.pyramid_) {
-    // A level is a window into a larger picture; the margin comes along.
+    // A level is a view into a larger picture; the margin is copied with it.
     cv::Size whole;
     cv::Point corner;
     level.locateROI(whole, corner);

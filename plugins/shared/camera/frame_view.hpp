@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What every plugin that looks at frames does first.
+// Common preprocessing of frames for plugins.
 #pragma once
 
 #include <optional>
@@ -25,11 +25,11 @@ inline CameraModel camera_of(const odo_calibration& c) {
   return camera;
 }
 
-/// The camera as its calibrations and its frames tell it. Pixels.
+/// The camera as described by its calibrations and frames. Pixels.
 class ToldCamera {
  public:
-  /// Takes a calibration. True where it is another camera than before; a phone that focuses or stabilises tells its own
-  /// lens again and again.
+  /// Takes a calibration. True if it is a different camera; a phone with autofocus or stabiliser sends its own lens
+  /// repeatedly.
   bool take(const odo_calibration& c) {
     const bool same = told_ && told_->header.source == c.header.source && told_->model == c.model &&
                       told_->width == c.width && told_->height == c.height;
@@ -42,8 +42,8 @@ class ToldCamera {
     return told_ ? cv::Size(static_cast<int>(told_->width), static_cast<int>(told_->height)) : cv::Size();
   }
 
-  /// The lens that took a frame: its calibration's, with the frame's own focal length and centre where it tells them.
-  /// Throws odo::Error (discard) where the frame does not belong to the calibration.
+  /// The lens of a frame: that of the calibration, with the frame's own focal length and principal point if given.
+  /// Throws odo::Error (discard) if the frame does not belong to the calibration.
   CameraModel lens_of(const odo_frame& frame) const {
     const auto discard = [](const std::string& text) { throw odo::Error(ODO_E_DISCARD, text); };
     if (!told_ || frame.header.source != told_->header.source)
@@ -63,7 +63,7 @@ class ToldCamera {
   std::optional<odo_calibration> told_;
 };
 
-/// The grey picture of a frame, without a copy where the format has a grey plane.
+/// Grey picture of a frame, without a copy if the format has a grey plane.
 inline cv::Mat grey_of(const odo_frame& frame, cv::Mat& converted) {
   const int rows = static_cast<int>(frame.height), columns = static_cast<int>(frame.width);
   auto* data = const_cast<uint8_t*>(frame.planes[0].data);
@@ -87,14 +87,14 @@ inline cv::Mat grey_of(const odo_frame& frame, cv::Mat& converted) {
   }
 }
 
-/// The frame's mask (0 = do not use), empty where it has none.
+/// The frame's mask (0 = do not use); empty if it has none.
 inline cv::Mat mask_of(const odo_frame& frame) {
   if ((frame.header.flags & ODO_FRAME_MASK) == 0 || !frame.mask.data) return {};
   return {static_cast<int>(frame.height), static_cast<int>(frame.width), CV_8UC1, const_cast<uint8_t*>(frame.mask.data),
           static_cast<size_t>(frame.mask.row_stride)};
 }
 
-/// The event of a motion that ends with a frame: all but the motion itself and the state.
+/// The event of a motion that ends with a frame, without the motion itself and the state.
 inline odo_vo_motion motion_event(const odo_frame& frame, int64_t from_ns, bool rotation, bool translation,
                                   uint32_t tracked, uint32_t inliers) {
   auto event = odo::make<odo_vo_motion>(frame.header.t_ns);
@@ -117,7 +117,7 @@ inline void put_state(Tracking tracking, FailureReason failure, odo_vo_motion& e
                                                           : ODO_REASON_INITIALISING;
 }
 
-/// Writes a motion and its uncertainty, the same in all directions, into an event.
+/// Writes a motion and its isotropic uncertainty into an event.
 inline void put_motion(const Eigen::Quaterniond& q_c0_c1, const Eigen::Vector3d& p_c0_c1, double rotation_sigma_rad,
                        double position_sigma, odo_vo_motion& event) {
   put_quaternion(q_c0_c1, event.q_c0_c1);

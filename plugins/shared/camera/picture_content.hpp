@@ -5,18 +5,18 @@
 
 namespace odograph {
 
-/// What there is to be seen in a picture: in a pocket it is the sensor's noise, whose corners can be followed for a few
-/// frames and whose motion is fiction.
+/// Visual content of a picture. In a pocket there is only sensor noise, whose corners can be tracked for a few frames
+/// but yield a meaningless motion.
 struct PictureContent {
   struct Parameters {
-    double dark_grey = 8;         ///< mean, of 0 to 255, below which there is nothing; by hand
-    double min_contrast = 1;      ///< grey levels, standard deviation of what is not noise; by hand
-    double min_over_noise = 0.6;  ///< variance of that over the noise's, in means of 4 x 4 pixels: 0 +- 0.05 in a
-                                  ///< pocket, 2 to 4 in a street by night (simulated)
+    double dark_grey = 8;         ///< mean, of 0 to 255, below which the picture is dark; empirical
+    double min_contrast = 1;      ///< grey levels, standard deviation without the noise; empirical
+    double min_over_noise = 0.6;  ///< ratio of that variance to the noise variance, in means of 4 x 4 pixels: 0 +- 0.05
+                                  ///< in a pocket, 2 to 4 in a street at night (simulated)
   };
   double mean_grey = 0;
-  double contrast2 = 0;  ///< variance of the means of 4 x 4 pixels, less what independent noise makes of it
-  double noise2 = 0;     ///< and that: a fifteenth of the variance within them
+  double contrast2 = 0;  ///< variance of the means of 4 x 4 pixels, minus the contribution of independent noise
+  double noise2 = 0;     ///< that contribution: a fifteenth of the variance within the blocks
 
   bool shows_something(const Parameters& p) const {
     return mean_grey >= p.dark_grey && contrast2 > p.min_contrast * p.min_contrast &&
@@ -24,7 +24,7 @@ struct PictureContent {
   }
 };
 
-/// Of an 8-bit grey picture.
+/// Evaluates an 8-bit grey picture.
 PictureContent content_of(const cv::Mat& grey);
 
 }  // namespace odograph

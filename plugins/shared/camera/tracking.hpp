@@ -3,7 +3,7 @@
 
 namespace odograph {
 
-/// How an odometry that follows points fares, and why it fails.
+/// Tracking state of a feature-based odometry, and the reason for a failure.
 enum class Tracking { tracking, degraded, lost };
 enum class FailureReason { none, initialising, too_dark, few_features, no_parallax };
 

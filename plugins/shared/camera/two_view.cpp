@@ -60,7 +60,7 @@ void refine(TwoView& view, const std::vector<cv::Point2d>& first, const std::vec
   }
 }
 
-/// Depths by a pair have the sign that most of them have in front of both cameras.
+/// Chooses the sign of the translation that puts most points in front of both cameras.
 void face_forward(TwoView& view, const std::vector<cv::Point2d>& first, const std::vector<cv::Point2d>& second) {
   int sign = 0;
   for (size_t i = 0; i < first.size(); ++i) {
@@ -82,7 +82,7 @@ double bounded_cost(const TwoView& view, const std::vector<cv::Point2d>& first, 
   return sum;
 }
 
-/// Which matches agree with a refined pair, and their parallax; false without any.
+/// Inliers of a refined pair and their parallax; false without any.
 bool measure(TwoView& result, const std::vector<cv::Point2d>& first, const std::vector<cv::Point2d>& second,
              double threshold) {
   const Eigen::Matrix3d E_refined = skew(result.t_1_0) * result.R_1_0;
@@ -108,7 +108,7 @@ std::optional<PureRotation> pure_rotation(const std::vector<cv::Point2d>& first,
   std::vector<double> residuals(n, 0.0);
   PureRotation result{Eigen::Matrix3d::Identity(), 0.0};
   double limit = 1e9;
-  for (int iteration = 0; iteration < 4; ++iteration) {  // least squares on the better half of the matches, repeatedly
+  for (int iteration = 0; iteration < 4; ++iteration) {  // repeated least squares on the better half of the matches
     Eigen::Matrix3d H = Eigen::Matrix3d::Zero();
     for (size_t i = 0; i < n; ++i)
       if (residuals[i] <= limit) H += ray(second[i]) * ray(first[i]).transpose();

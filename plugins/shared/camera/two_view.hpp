@@ -20,26 +20,25 @@ struct Sighting {
 struct TwoView {
   Eigen::Matrix3d R_1_0;           ///< takes vectors from the first camera to the second
   Eigen::Vector3d t_1_0;           ///< unit length; x_1 = R_1_0 x_0 + t_1_0
-  std::vector<char> inliers;       ///< of the matches, also in front of both cameras
+  std::vector<char> inliers;       ///< of the matches; in front of both cameras
   int count = 0;                   ///< of inliers
-  double median_parallax_rad = 0;  ///< angle between the rays after taking out the rotation
+  double median_parallax_rad = 0;  ///< angle between the rays after rotation compensation
 };
 
-/// Thresholds of what follows, chosen by hand and not tuned.
+/// Thresholds of the two-view estimation; empirical, not tuned.
 struct TwoViewParameters {
-  size_t min_matches = 12;       ///< and inliers: five are needed, fewer than twelve agree by chance
-  double confidence = 0.9999;    ///< of the RANSAC: that it has met a sample without outliers
-  double farthest = 1e5;         ///< baselines: points beyond do not say which of the four poses is right
-  double huber_part = 0.5;       ///< of the threshold, from where on errors count linearly in the refinement
-  double first_bound = 4;        ///< thresholds, of the matches that a direction that is tried is refined by at first,
-  double second_bound = 1.5;     ///< and then
-  double same_direction = 0.94;  ///< cosine of 20 degrees: nearer ones are one direction
-  double ambiguous_ratio =
-      1.15;  ///< of another direction's cost to the best one's: from here on they can be told apart
+  size_t min_matches = 12;        ///< also of inliers: five are needed, fewer than twelve may agree by chance
+  double confidence = 0.9999;     ///< of RANSAC: probability of a sample without outliers
+  double farthest = 1e5;          ///< baselines: farther points do not distinguish the four poses
+  double huber_part = 0.5;        ///< of the threshold, beyond which the loss is linear in the refinement
+  double first_bound = 4;         ///< thresholds, for the matches of a candidate direction in the first
+  double second_bound = 1.5;      ///< and second refinement
+  double same_direction = 0.94;   ///< cosine of 20 degrees: directions closer than that are the same
+  double ambiguous_ratio = 1.15;  ///< ratio of another direction's cost to the best: below it the result is ambiguous
 };
 
-/// The rotation alone that best explains the matches, and the median angle that it leaves over: what parallax there is.
-/// Unlike an essential matrix it is well defined without parallax. Nothing when there are too few matches.
+/// Pure rotation that best explains the matches, and the median residual angle, that is, the parallax. Unlike an
+/// essential matrix it is well defined without parallax. Nothing with too few matches.
 struct PureRotation {
   Eigen::Matrix3d R_1_0;
   double median_residual_rad;
@@ -47,19 +46,18 @@ struct PureRotation {
 std::optional<PureRotation> pure_rotation(const std::vector<cv::Point2d>& first, const std::vector<cv::Point2d>& second,
                                           const TwoViewParameters& parameters = {});
 
-/// Nothing when there are too few matches. `threshold` in normalized coordinates.
+/// Nothing with too few matches. `threshold` in normalized coordinates.
 std::optional<TwoView> two_view(const std::vector<cv::Point2d>& first, const std::vector<cv::Point2d>& second,
                                 double threshold, int trials = 1000, const TwoViewParameters& parameters = {});
 
-/// The same where there is little parallax and the rotation is nearly known: besides the RANSAC's result several
-/// directions of the translation are tried, each refined together with the rotation, over all matches with a bounded
-/// loss. Nothing either when a quite different direction explains the matches nearly as well: what is seen is ambiguous
-/// yet.
+/// The same for little parallax and an approximately known rotation: besides the RANSAC result several directions of
+/// the translation are tried, each refined with the rotation over all matches with a bounded loss. Also nothing if a
+/// clearly different direction explains the matches nearly as well, that is, the motion is still ambiguous.
 std::optional<TwoView> two_view_near(const std::vector<cv::Point2d>& first, const std::vector<cv::Point2d>& second,
                                      const Eigen::Matrix3d& R_1_0, double threshold, int trials,
                                      const TwoViewParameters& parameters = {});
 
-/// The point nearest to all rays, refined by two Gauss-Newton steps of the reprojection error; nothing when it lies
+/// The point nearest to all rays, refined by two Gauss-Newton steps on the reprojection error; nothing if it lies
 /// behind a camera, its largest error exceeds `threshold`, or the rays are less than `min_parallax_rad` apart.
 std::optional<Eigen::Vector3d> triangulate(const std::vector<Sighting>& sightings, double threshold,
                                            double min_parallax_rad);

@@ -12,7 +12,7 @@
 
 namespace odograph::gait {
 
-/// A detected step with everything that length models want.
+/// A detected step with the inputs of the length models.
 struct Step {
   DetectedStep detected;
   double frequency_hz;
@@ -21,7 +21,7 @@ struct Step {
   Carrying carrying;
 };
 
-/// Signal, detector, frequency and heading in one: what every step estimator of this folder begins with.
+/// Signal, detector, frequency and heading: the common front part of the step estimators.
 class Gait {
  public:
   Gait(const GaitSignal::Parameters& signal, const StepDetector::Parameters& detector, const Eigen::Vector3d& forward_b)

@@ -9,7 +9,7 @@
 namespace odograph::gait {
 namespace {
 
-/// Time of the top of a parabola through three samples of which the middle one is the highest.
+/// Time of the maximum of a parabola through three samples, of which the middle one is the largest.
 int64_t top(int64_t t0, double y0, int64_t t1, double y1, int64_t t2, double y2) {
   const double a = static_cast<double>(t1 - t0), b = static_cast<double>(t2 - t1);
   if (a <= 0 || b <= 0) return t1;

@@ -23,7 +23,7 @@ double StepFrequency::estimate(double expected_hz) const {
   if (count_ < 50) return expected_hz;
   const int64_t now = samples_[(count_ - 1) % samples_.size()].t_ns;
   const double low = std::max(kLowest_hz, expected_hz / 1.35), high = std::min(kHighest_hz, expected_hz * 1.35);
-  // Each sample's phasor is turned on from one frequency of the grid to the next: two sines a sample, not one a term.
+  // Advances each sample's phasor from one grid frequency to the next: two sines per sample instead of one per term.
   struct Phasor {
     std::complex<double> value, phase;
   };

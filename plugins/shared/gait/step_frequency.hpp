@@ -7,19 +7,19 @@
 
 namespace odograph::gait {
 
-/// Step frequency by a short-time Fourier transform of the gait signal, independent of the step detector, as Renaudin,
-/// Susi & Lachapelle (Sensors 2012) propose. The window is a Hann window over the last seconds; the transform is
-/// evaluated on a grid of frequencies, which needs no equal spacing of the samples. No allocation.
+/// Step frequency by a short-time Fourier transform of the gait signal, independent of the step detector, as proposed
+/// by Renaudin, Susi & Lachapelle (Sensors 2012). A Hann window covers the last seconds; the transform is evaluated on
+/// a frequency grid and does not need equally spaced samples. Does not allocate.
 class StepFrequency {
  public:
-  static constexpr double kWindow_s = 3.0;  ///< a few steps of the slowest; judgement
-  /// From a stroll to a run, judgement; a grid of an eighth of the window's resolution.
+  static constexpr double kWindow_s = 3.0;  ///< a few of the slowest steps; empirical
+  /// From a stroll to a run, empirical; the grid is an eighth of the window's resolution.
   static constexpr double kLowest_hz = 1.0, kHighest_hz = 3.4, kGrid_hz = 0.04;
 
   void add(int64_t t_ns, double value);
 
-  /// Dominant frequency in Hz near `expected_hz` (a factor of 1.35 either way, so that a limp's half frequency and a
-  /// double bounce are not taken for it); `expected_hz` itself where there is no clear peak or too little signal.
+  /// Dominant frequency in Hz near `expected_hz` (within a factor of 1.35, to exclude the half frequency of a limp and
+  /// a double bounce); `expected_hz` itself if there is no clear peak or too little signal.
   double estimate(double expected_hz) const;
 
  private:

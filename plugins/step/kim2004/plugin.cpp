@@ -16,8 +16,7 @@ class Kim2004 : public odograph::StepPlugin<Kim2004> {
   static std::vector<odo::Parameter<Kim2004>> parameters() {
     using P = Kim2004;
     return {odo::real("k", "", 0.05, 2, &P::k, "K, for the smoothed norm of the specific force; see the README"),
-            odo::real("relative_sigma", "", 0.001, 1, &P::relative_sigma,
-                      "standard deviation of a length, as a part of it"),
+            odo::real("relative_sigma", "", 0.001, 1, &P::relative_sigma, "relative standard deviation of a length"),
             forward_axis_parameter()};
   }
 

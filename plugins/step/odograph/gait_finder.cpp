@@ -27,7 +27,7 @@ void GaitFinder::add(const WalkSample& sample) {
   }
 }
 
-/// A step whose greater part the other finder has had is the same step.
+/// A step that overlaps for the most part with one of the other finder is the same step.
 void GaitFinder::take(const FoundStep& step) {
   if (last_end_ns_ > step.t_start_ns + (step.t_end_ns - step.t_start_ns) / 2 || found_count_ == found_.size()) return;
   FoundStep& kept = found_[found_count_++] = step;

@@ -71,12 +71,12 @@ void Walker::on_fix(const Vector2d& p_n, double sigma_m) {
   if (!has_anchor_) return anchor_here();
   const double fix_sigma = std::hypot(sigma_m, anchor_sigma_m_);
   const Vector2d path = path_ + gentle_ratio_ * gentle_path_;
-  // A path teaches when the fixes' own errors do not drown it.
+  // A path is informative if it exceeds the errors of the fixes.
   if (path.norm() < std::max(p_.min_path_m, p_.fix_sigmas * fix_sigma)) return;
   const Vector2d seen = p_n - anchor_;
   const double hand_m2 = p_.gentle_hand_rad * p_.gentle_hand_rad * p_.gentle_hand_m * gentle_m_;  // across the path
   if (!has_rotation_) {
-    // The first path tells the rotation; its length the factor.
+    // The first path gives the rotation; its length gives the factor.
     rotation_rad_ = std::remainder(std::atan2(seen.y(), seen.x()) - std::atan2(path.y(), path.x()), kTwoPi);
     P_.row(2).setZero(), P_.col(2).setZero();
     P_(2, 2) = (fix_sigma * fix_sigma + hand_m2) / path.squaredNorm();
@@ -87,8 +87,8 @@ void Walker::on_fix(const Vector2d& p_n, double sigma_m) {
   const Eigen::Rotation2Dd rotation(rotation_rad_);
   const Vector2d rotated = rotation * path, across = Vector2d(-rotated.y(), rotated.x());
   Eigen::Matrix<double, 2, 3> H;
-  H.col(0) = rotated;                              // by the factor
-  H.col(1) = factor_ * (rotation * gentle_path_);  // by the gentle steps' own
+  H.col(0) = rotated;                              // derivative by the factor
+  H.col(1) = factor_ * (rotation * gentle_path_);  // by the gentle ratio
   H.col(2) = factor_ * across;                     // by the rotation
   const Eigen::Matrix2d own = (fix_sigma * fix_sigma + own_variance_m2_) * Eigen::Matrix2d::Identity() +
                               hand_m2 / path.squaredNorm() * across * across.transpose();
@@ -96,7 +96,7 @@ void Walker::on_fix(const Vector2d& p_n, double sigma_m) {
   const Vector2d innovation = seen - factor_ * rotated;
   const Eigen::Matrix2d inverse = S.inverse();
   if (innovation.dot(inverse * innovation) > p_.gate) {
-    // Either this fix is wrong or the anchor was: the path stays open, and after some more begins anew from here.
+    // Either this fix or the anchor is wrong: keeps the path, and restarts from here after some more rejections.
     if (++doubted_ >= p_.believe_after) anchor_here(), has_rotation_ = false;
     return;
   }

@@ -34,12 +34,12 @@ class OdographSteps {
 
   static std::vector<odo::Parameter<OdographSteps>> parameters() {
     using P = OdographSteps;
-    return {odo::real("factor", "", 0.5, 2, &P::factor, "the walker's own, on the model's lengths, where it is known"),
+    return {odo::real("factor", "", 0.5, 2, &P::factor, "the walker's own factor on the model's lengths, if known"),
             odo::real("factor_sigma", "", 0.005, 0.5, &P::factor_sigma,
-                      "its standard deviation; the default is that of people of whom nothing is known"),
-            odo::boolean("learn", &P::learn, "learn the factor from the displacement between position fixes"),
+                      "its standard deviation; the default is that among walkers"),
+            odo::boolean("learn", &P::learn, "estimate the factor from the displacement between position fixes"),
             odo::reals("forward_axis", "", -1, 1, &P::forward_axis,
-                       "body axis that points where the walker goes; the default suits a phone held upright or flat in "
+                       "body axis in the direction of walking; the default suits a phone held upright or flat in "
                        "front")};
   }
 
@@ -49,7 +49,7 @@ class OdographSteps {
     new_walker();
   }
 
-  /// As after configure: what was learnt is forgotten too, unless it is loaded again.
+  /// As after configure: the estimated walker is discarded too, unless it is loaded again.
   void reset() {
     resampler_ = Resampler();
     finder_.reset(), carry_.reset(), direction_.reset(), stairs_.reset();
@@ -66,7 +66,7 @@ class OdographSteps {
 
   std::vector<uint8_t> save() const { return walker_->save(); }
   void load(const uint8_t* data, size_t size) {
-    if (!walker_->load(data, size)) throw odo::Error(ODO_E_DATA, "not what step/odograph saved");
+    if (!walker_->load(data, size)) throw odo::Error(ODO_E_DATA, "not data saved by step/odograph");
   }
 
   void on(const odo_attitude& a, odo::Output&) {
@@ -80,7 +80,7 @@ class OdographSteps {
   void on(const odo_imu& imu, odo::Output& output) {
     const Vector3d accel(imu.accel_b), gyro(imu.gyro_b);
     if (!accel.allFinite() || !gyro.allFinite()) return;
-    // Without an attitude the norm stands in for the vertical.
+    // Without an attitude the norm replaces the vertical component.
     const Vector3d force = has_attitude_ ? Vector3d(q_n_b_ * accel) : Vector3d(0, 0, -accel.norm());
     const Vector2d horizontal = force.head<2>(), tilting = Vector3d(q_n_b_ * gyro).head<2>();
     resampler_.push(
@@ -102,7 +102,8 @@ class OdographSteps {
   }
 
  private:
-  static constexpr double kKnownDirection_rad = 0.25;  ///< standard deviation, less than a phone's axis has on a leg
+  static constexpr double kKnownDirection_rad =
+      0.25;  ///< standard deviation; less than that of a phone's axis on a leg
 
   struct Heading {
     int64_t t_ns = 0;
@@ -122,8 +123,7 @@ class OdographSteps {
     finder_.add(s);
     for (const FoundStep& step : finder_.found()) emit(step, s.t_ns, output);
     const bool stopped = std::exchange(walking_, finder_.walking()) && !walking_;
-    // Standing begins with the last step, not when the next one is found to be missing; what the hand does is judged
-    // from then on.
+    // Standing starts with the last step, not when the next one is found missing; hand motion is judged from there.
     if (stopped) hand_ = StillnessDetector(), stopped_ns_ = finder_.since_ns();
     if (!walking_) {
       const bool still = hand_.is_still(finder_.signal(), s.t_ns);
@@ -143,7 +143,7 @@ class OdographSteps {
     auto event = odo::make<odo_step>(now_ns);
     event.t_start_ns = step.t_start_ns, event.t_end_ns = step.t_end_ns;
     event.frequency_hz = 1e9 / static_cast<double>(std::max<int64_t>(1, step.t_end_ns - step.t_start_ns));
-    const bool treads = mode == ODO_MODE_STAIRS;  // there the stairs say how far a step goes, not the walker
+    const bool treads = mode == ODO_MODE_STAIRS;  // on stairs the tread length applies, not the walker's
     event.length_m = treads ? stairs_.parameters().tread_m : learnt * model_length;
     event.sigma_m =
         treads ? stairs_.parameters().tread_sigma_m : walker_->sigma_m(event.length_m, own_sigma, step.gentle);
@@ -154,7 +154,7 @@ class OdographSteps {
     if (const Vector2d f = heading_of(step); f.norm() > 0) {
       event.heading_rad = std::atan2(f.y(), f.x());
       direction_.add(step.surge_n, event.heading_rad);
-      // A leg's phone points anywhere; elsewhere its own axis is the better guess (README).
+      // On a leg the phone's axis is arbitrary; elsewhere it is the better estimate (README).
       if (carry_.on_leg() && direction_.sigma_rad() < kKnownDirection_rad)
         event.heading_rad = std::remainder(event.heading_rad + direction_.offset_rad(), 2 * M_PI);
       event.header.flags |= ODO_STEP_HEADING;
@@ -164,14 +164,14 @@ class OdographSteps {
     output.emit(event);
   }
 
-  /// When the mode of a step began, beside how the phone is carried.
+  /// Start of a step's mode, in addition to the carrying mode.
   int64_t since_ns(uint32_t mode, const FoundStep& step) const {
     if (mode_ == ODO_MODE_STATIC || mode_ == ODO_MODE_HANDLING) return step.t_start_ns;
     return (mode_ == ODO_MODE_STAIRS) != (mode == ODO_MODE_STAIRS) ? stairs_.since_ns() : 0;
   }
 
-  /// Where the phone pointed, averaged over a stride about the step's middle, over which the body's turning to the left
-  /// and the right cancels: from half a step before it to half a step after, as far as the samples go.
+  /// Heading of the forward axis, averaged over a stride about the step's middle, over which the body's left and right
+  /// rotation cancels: from half a step before to half a step after it, as far as samples are available.
   Vector2d heading_of(const FoundStep& step) const {
     const int64_t length_ns = step.t_end_ns - step.t_start_ns,
                   newest_ns = headings_[(heading_count_ - 1) % headings_.size()].t_ns;
@@ -184,7 +184,7 @@ class OdographSteps {
 
   void set_mode(uint32_t mode, int64_t since_ns, odo::Output& output) {
     if (mode == mode_) return;
-    auto event = odo::make<odo_motion_mode>(std::max(since_ns, mode_since_ns_));  // in order of time
+    auto event = odo::make<odo_motion_mode>(std::max(since_ns, mode_since_ns_));  // in chronological order
     mode_since_ns_ = event.header.t_ns;
     event.mode = mode_ = mode;
     output.emit(event);

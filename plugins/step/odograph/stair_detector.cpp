@@ -33,14 +33,14 @@ void StairDetector::add(int64_t t_ns, double pressure_pa) {
   const bool ascended = ascends_;
   ascends_ =
       ascends_ ? std::abs(slope) > p_.end_mps : std::abs(slope) > std::max(p_.begin_mps, p_.clear_sigmas * sigma);
-  // What the height alone has not shown, the last steps have.
+  // A change that the slope did not cause is due to the last steps.
   const int64_t middle_ns = t_ns - static_cast<int64_t>(0.5e9 * span_s);
   judge(ascends_ != ascended ? middle_ns : std::max(middle_ns, step_ns_));
 }
 
 void StairDetector::add_step(int64_t t_start_ns, int64_t t_end_ns, double length_m) {
   if (t_end_ns <= t_start_ns) return;
-  // A barometer that has fallen silent says no more of a climb.
+  // A barometer without new samples gives no climb.
   if (!heights_.empty() && t_end_ns - heights_.back(0).t_ns > nanoseconds(p_.window_s)) reset();
   const double speed_mps = length_m * 1e9 / static_cast<double>(t_end_ns - t_start_ns);
   const bool begins = t_start_ns - step_ns_ > nanoseconds(p_.pause_s);

@@ -26,7 +26,7 @@ StepFinder::Parameters StepFinder::Parameters::of_gentle_steps() {
   p.kept_peaks = 16;
   p.weak = 0.4;
   p.min_alternating_part = 0.05;
-  p.strides_to_begin = kMaxPeaks + 1;  // the other finder's part
+  p.strides_to_begin = kMaxPeaks + 1;  // never: strides are the task of the other finder
   return p;
 }
 
@@ -46,7 +46,7 @@ void StepFinder::update(const WalkSignal& signal) {
   }
   if (here > before && here >= after && here > 0) {
     const double swing = here - std::min(low_, here);
-    // The smoothing takes more of a quicker step.
+    // Smoothing attenuates quicker steps more.
     const double kept =
         p_.gentle ? std::min(1.0, signal.gain(1 / std::max(since_peak_s, p_.quickest_s)) / signal.gain(p_.gentle_hz))
                   : 1.0;
@@ -106,7 +106,7 @@ void StepFinder::go_on(const WalkSignal& signal) {
   if (!stray) emit(signal, peaks_[peak_count_ - 2], best_);
 }
 
-/// A slow step's second harmonic has peaks of its own.
+/// Retries without weak peaks, which may be second harmonics of slow steps.
 void StepFinder::begin_without_weak(const WalkSignal& signal) {
   const auto all = peaks_;
   const size_t count = peak_count_;
@@ -157,7 +157,7 @@ double StepFinder::stood_s(const Run& run) const {
   return (peaks_[run.first].t_ns - static_cast<double>(since_ns_)) * 1e-9;
 }
 
-/// Whoever has walked and stopped a moment ago goes on as before, if only for a few steps.
+/// After a recent walk a few similar steps are enough.
 bool StepFinder::like_before(const WalkSignal& signal, const Run& run) const {
   if (p_.gentle || walked_ < kResume.after_steps || stood_s(run) > kResume.within_s) return false;
   return run.longest_s < kResume.interval * typical_s_ && run.shortest_s > typical_s_ / kResume.interval &&
@@ -165,11 +165,11 @@ bool StepFinder::like_before(const WalkSignal& signal, const Run& run) const {
          may_be_walk(signal, run.mean_swing, run.first, peak_count_ - 1);
 }
 
-/// The walk begins when the last peaks are alike.
+/// Starts a walk when the last peaks are alike.
 void StepFinder::begin(const WalkSignal& signal) {
   if (peak_count_ >= kResume.peaks)
     if (const Run few = run_from(peak_count_ - kResume.peaks); like_before(signal, few))
-      return start(signal, few, typical_repetition_);  // three peaks have no repetition of their own
+      return start(signal, few, typical_repetition_);  // three peaks are too few for a repetition
   if (peak_count_ < p_.to_begin) return;
   const Run steps = run_from(peak_count_ - p_.to_begin);
   if (steps_alike(signal, steps)) return start(signal, steps, stride_repetition(signal, steps.mean_s, 1));
@@ -178,7 +178,7 @@ void StepFinder::begin(const WalkSignal& signal) {
   if (strides_alike(signal, strides)) start(signal, strides, stride_repetition(signal, strides.mean_s, 1));
 }
 
-/// Peaks before the run, which were weaker or slower because somebody set out, belong to it too.
+/// Includes the peaks before the run that were weaker or slower because the walker was starting.
 void StepFinder::start(const WalkSignal& signal, const Run& run, double repetition) {
   const size_t last = peak_count_ - 1;
   const double mean_s = run.mean_s;
@@ -199,7 +199,7 @@ void StepFinder::start(const WalkSignal& signal, const Run& run, double repetiti
            peaks_[i].value - peaks_[i].low > p_.weakest * typical_swing_;
   };
   while (first > 0 && belongs(first - 1)) --first;
-  // The first peak of all is the first foot's fall; or, when it is weak, the push with which the walker set out.
+  // The very first peak is the first foot's contact or, if it is weak, the push-off.
   Peak from = peaks_[first];
   const bool push = peaks_[first].value - std::min(peaks_[first].low, 0.0) < p_.push * typical_swing_;
   from.t_ns -= mean_s * 1e9;
@@ -214,7 +214,7 @@ bool StepFinder::hand_moves(const WalkSignal& signal, double swing_mps2, double 
   return tilting > p_.max_tilting_radps && swing_mps2 < p_.swing_per_tilting * tilting;
 }
 
-/// Whether a foot may be what moves the phone up and down like that, and not its hand.
+/// True if the vertical motion may come from a foot rather than from the hand.
 bool StepFinder::may_be_walk(const WalkSignal& signal, double swing_mps2, size_t first, size_t last) const {
   if (p_.gentle)
     return !hand_moves(signal, swing_mps2, p_.part_over_s) && !hand_moves(signal, swing_mps2, p_.gentle_over_s) &&

@@ -9,7 +9,7 @@
 
 namespace odograph::steps {
 
-/// What a sample of the phone says about walking, at a steady rate.
+/// A sample at a constant rate.
 struct WalkSample {
   int64_t t_ns = 0;
   double vertical = 0;                                     ///< up, without gravity, m/s^2
@@ -18,7 +18,7 @@ struct WalkSample {
   Eigen::Vector2d horizontal_n = Eigen::Vector2d::Zero();  ///< acceleration, m/s^2
   Eigen::Vector2d tilting_n = Eigen::Vector2d::Zero();     ///< rotation rate about horizontal axes, rad/s
 
-  /// Adds `weight` of the value between `a` and `b` at the fraction `x`.
+  /// Adds `weight` times the value interpolated between `a` and `b` at the fraction `x`.
   void add(double weight, const WalkSample& a, const WalkSample& b, double x) {
     vertical += weight * (a.vertical + (b.vertical - a.vertical) * x);
     level += weight * (a.level + (b.level - a.level) * x);
@@ -28,21 +28,21 @@ struct WalkSample {
   }
 };
 
-/// Brings samples of any rate, regular or not, to a steady 50 Hz: the mean of what was interpolated linearly over each
-/// cell of 20 ms. A gap of more than a quarter of a second begins anew. No allocation.
+/// Resamples any, also irregular, rate to a constant 50 Hz: the mean of the linear interpolation over each cell of 20
+/// ms. Restarts after a gap of more than a quarter of a second. Does not allocate.
 class Resampler {
  public:
   static constexpr int64_t kCell_ns = 20'000'000;
   static constexpr int64_t kGap_ns = 250'000'000;
 
-  /// Calls take(const WalkSample&) for each cell that is now complete and gap() where the signal broke off.
+  /// Calls take(const WalkSample&) for each completed cell, and gap() at an interruption.
   template <class Take, class Gap>
   void push(const WalkSample& s, Take&& take, Gap&& gap) {
     if (!started_ || s.t_ns - last_.t_ns > kGap_ns) {
       if (started_) gap();
       started_ = true;
       last_ = s;
-      cell_ns_ = s.t_ns - s.t_ns % kCell_ns + kCell_ns;  // the first whole one
+      cell_ns_ = s.t_ns - s.t_ns % kCell_ns + kCell_ns;  // the first whole cell
       sum_ = {};
       return;
     }
@@ -75,8 +75,8 @@ class Resampler {
   WalkSample sum_;
 };
 
-/// The last seconds of the steady samples, and the vertical acceleration smoothed without delay in time: a Gaussian
-/// about an instant half its length ago, less the mean of the last two and a half seconds. No allocation.
+/// The last seconds of the resampled signal, and the vertical acceleration with zero-phase smoothing: a Gaussian
+/// centred half its length ago, minus the mean of the last two and a half seconds. Does not allocate.
 class WalkSignal {
  public:
   static constexpr double kRate_hz = 50.0;
@@ -84,44 +84,43 @@ class WalkSignal {
   static constexpr size_t kKept = 256;  ///< a power of two; five seconds
   static constexpr size_t kMean = 125;  ///< samples of the mean
 
-  /// `sigma_s` of the Gaussian, which has `half` samples on either side of its middle, at most kMaxHalf. A tapered
-  /// mean (Hann) does not ripple while a vivid walk leaves its window; it lags by half the window.
+  /// `sigma_s` of the Gaussian, with `half` samples on either side of its centre, at most kMaxHalf. A tapered mean
+  /// (Hann) does not ripple while a vivid walk leaves its window; it lags by half the window.
   explicit WalkSignal(double sigma_s = 0.06, size_t half = 10, bool tapered = false);
   void add(const WalkSample& sample);
   void reset() { *this = WalkSignal(sigma_s_, half_, tapered_); }
   size_t half() const { return half_; }
-  /// What the Gaussian leaves of an oscillation.
+  /// Gain of the Gaussian at a frequency.
   double gain(double frequency_hz) const;
 
-  /// Smoothed values so far; the newest has index smooth_count() - 1.
+  /// Number of smoothed values so far; the newest has index smooth_count() - 1.
   size_t smooth_count() const { return smooth_count_; }
   double smooth(size_t i) const { return smooth_[i % kKept]; }
   int64_t smooth_ns(size_t i) const { return raw_[i % kKept].t_ns; }
-  /// Of the last `seconds` of what add() was given.
+  /// Over the last `seconds` of the input of add().
   double spread(double seconds) const;     ///< standard deviation of the vertical, m/s^2
   double gyro_norm(double seconds) const;  ///< mean norm, rad/s
-  /// The part of the acceleration's power that is vertical, over the last `seconds`: 0 to 1, a third if it is no
-  /// direction's.
+  /// Vertical part of the acceleration's power over the last `seconds`: 0 to 1; a third if isotropic.
   double vertical_part(double seconds) const;
   /// The same between two smoothed values.
   double gyro_between(size_t from, size_t to) const;
-  /// Root mean square of the smoothed rotation rate about horizontal axes over the last `seconds`, less its mean: how
-  /// much a hand tilts to and fro, whatever it turns to look at. rad/s.
+  /// Rms of the smoothed angular rate about horizontal axes over the last `seconds`, mean removed: tilting to and fro
+  /// of a hand, independent of its turning. rad/s.
   double tilting(double seconds) const;
-  /// The vertical part of the power of the acceleration over the last `seconds`, its mean taken off: 0 to 1. Unlike
-  /// vertical_part() no error of the inclination counts.
+  /// Vertical part of the power of the alternating acceleration over the last `seconds`: 0 to 1. Unlike vertical_part()
+  /// it is independent of an inclination error.
   double alternating_part(double seconds) const;
-  /// The same between two smoothed values: of one step neither setting out nor a bend of the path counts.
+  /// The same between two smoothed values: within one step neither starting nor a bend of the path has an effect.
   double vertical_part_between(size_t from, size_t to) const;
-  /// How far the vertical acceleration between two smoothed values, one period of it, carries: integrated twice, its
-  /// mean and the velocity's taken off; highest less lowest, m.
+  /// Displacement range from the vertical acceleration between two smoothed values, one period: integrated twice, with
+  /// the means of acceleration and velocity removed; maximum minus minimum, m.
   double rise_between(size_t from, size_t to) const;
-  /// Of the horizontal acceleration between two smoothed values, one period of it, the part that leads the vertical one
-  /// by that phase, over the vertical one's amplitude.
+  /// Component of the horizontal acceleration between two smoothed values, one period, at that phase lead over the
+  /// vertical one, divided by the vertical amplitude.
   Eigen::Vector2d surge_between(size_t from, size_t to, double lead_rad) const;
-  /// How much the smoothed signal repeats itself after `lag` samples, over the last `window` ones: -1 to 1.
+  /// Autocorrelation of the smoothed signal at `lag` samples over the last `window` ones: -1 to 1.
   double regularity(size_t lag, size_t window) const;
-  /// The same of all three axes together, each without its mean: how a walk repeats itself from stride to stride,
+  /// The same for all three axes together, each with its mean removed: regularity of a walk from stride to stride,
   /// wherever the phone is.
   double repetition(size_t lag, size_t window) const;
 
@@ -132,7 +131,7 @@ class WalkSignal {
   size_t half_;
   bool tapered_;
   std::array<double, 2 * kMaxHalf + 1> weights_{};
-  std::array<double, kMean> mean_weights_{};  // the oldest first
+  std::array<double, kMean> mean_weights_{};  // oldest first
   std::array<WalkSample, kKept> raw_{};
   std::array<double, kKept> smooth_{};
   std::array<Eigen::Vector2d, kKept> smooth_horizontal_{}, smooth_tilting_{};

@@ -18,10 +18,9 @@ class Renaudin2012 : public odograph::StepPlugin<Renaudin2012> {
     return {odo::real("walker_height", "m", 0.5, 2.5, &P::walker_height, "body height h"),
             odo::real("a", "s", -1, 1, &P::a,
                       "slope over the step frequency; universal value, see the README for its source"),
-            odo::real("b", "", -2, 2, &P::b, "part that is proportional to the height; universal value"),
+            odo::real("b", "", -2, 2, &P::b, "part proportional to the height; universal value"),
             odo::real("c", "m", -2, 2, &P::c, "constant part; universal value"),
-            odo::real("relative_sigma", "", 0.001, 1, &P::relative_sigma,
-                      "standard deviation of a length, as a part of it"),
+            odo::real("relative_sigma", "", 0.001, 1, &P::relative_sigma, "relative standard deviation of a length"),
             forward_axis_parameter()};
   }
 

@@ -17,13 +17,12 @@ class Scarlett2007 : public odograph::StepPlugin<Scarlett2007> {
   static std::vector<odo::Parameter<Scarlett2007>> parameters() {
     using P = Scarlett2007;
     return {odo::real("k", "m", 0.05, 10, &P::k, "K; see the README for its source"),
-            odo::real("relative_sigma", "", 0.001, 1, &P::relative_sigma,
-                      "standard deviation of a length, as a part of it"),
+            odo::real("relative_sigma", "", 0.001, 1, &P::relative_sigma, "relative standard deviation of a length"),
             forward_axis_parameter()};
   }
 
   double length_m(const odograph::gait::Step& step) const {
-    // Counted from the smallest value, as the note does, so that gravity plays no part.
+    // Relative to the smallest value, as in the note, so that gravity cancels.
     const double low = step.detected.peak_mps2 - step.detected.swing_mps2, swing = step.detected.swing_mps2;
     return swing > 0 ? k * std::max(0.0, step.detected.mean_mps2 - low) / swing : 0.0;
   }

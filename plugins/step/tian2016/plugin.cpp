@@ -17,9 +17,8 @@ class Tian2016 : public odograph::StepPlugin<Tian2016> {
   static std::vector<odo::Parameter<Tian2016>> parameters() {
     using P = Tian2016;
     return {odo::real("walker_height", "m", 0.5, 2.5, &P::walker_height, "body height h"),
-            odo::real("k", "s^(1/2)", 0.05, 2, &P::k, "K, for either sex together; see the README"),
-            odo::real("relative_sigma", "", 0.001, 1, &P::relative_sigma,
-                      "standard deviation of a length, as a part of it"),
+            odo::real("k", "s^(1/2)", 0.05, 2, &P::k, "K, for both sexes; see the README"),
+            odo::real("relative_sigma", "", 0.001, 1, &P::relative_sigma, "relative standard deviation of a length"),
             forward_axis_parameter()};
   }
 

@@ -18,8 +18,7 @@ class Weinberg2002 : public odograph::StepPlugin<Weinberg2002> {
     using P = Weinberg2002;
     return {odo::real("k", "", 0.05, 2, &P::k,
                       "K, for the smoothed norm of the specific force; see the README for its source"),
-            odo::real("relative_sigma", "", 0.001, 1, &P::relative_sigma,
-                      "standard deviation of a length, as a part of it"),
+            odo::real("relative_sigma", "", 0.001, 1, &P::relative_sigma, "relative standard deviation of a length"),
             forward_axis_parameter()};
   }
 

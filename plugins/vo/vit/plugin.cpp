@@ -43,7 +43,7 @@ class Vit {
     if (const auto file = host.asset(library)) library = *file;
     if (!config.empty()) {
       const auto file = host.asset(config);
-      if (!file) throw odo::Error(ODO_E_CONFIG, "config: no file '" + config + "' where the config lies");
+      if (!file) throw odo::Error(ODO_E_CONFIG, "config: no file '" + config + "' beside the config");
       config = *file;
     }
     try {
