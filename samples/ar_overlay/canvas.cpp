@@ -22,7 +22,7 @@ Canvas::Canvas(const cv::Mat& picture, const odo_calibration& lens, int factor) 
   cv::resize(colour, picture_, cv::Size(), factor, factor, cv::INTER_CUBIC);
 }
 
-/// Pinhole with radial-tangential distortion; a fisheye's picture is to be undistorted before.
+/// Pinhole with radial-tangential distortion; undistort a fisheye picture first.
 cv::Point Canvas::pixel(const Point& p) const {
   const double x = p.x / p.z, y = p.y / p.z, r2 = x * x + y * y;
   const double* k = lens_.distortion;
@@ -37,7 +37,7 @@ cv::Point Canvas::pixel(const Point& p) const {
   return {to(lens_.fx, x * radial + dx, lens_.cx), to(lens_.fy, y * radial + dy, lens_.cy)};
 }
 
-/// The part before the camera; false where there is none.
+/// Clips a line to the part in front of the camera; false if there is none.
 bool Canvas::clip(Point& a, Point& b) const {
   if (a.z < kNear_m && b.z < kNear_m) return false;
   if (a.z < kNear_m) a = b + (a - b) * ((b.z - kNear_m) / (b.z - a.z));

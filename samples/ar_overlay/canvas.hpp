@@ -10,32 +10,32 @@
 
 #include "geometry.hpp"
 
-/// A picture that things of the camera's space are drawn over, the farthest first: what is nearer hides what is behind.
-/// All points are in the camera's axes, m; colours are blue, green, red.
+/// Draws objects over a picture, farthest first, so that near ones occlude far ones. Points are in the camera's axes,
+/// m; colours are blue, green, red.
 class Canvas {
  public:
-  static constexpr double kNear_m = 0.15;  // what is nearer is cut off
+  static constexpr double kNear_m = 0.15;  // near clipping distance
 
-  /// The picture is enlarged by a whole factor, so that lines and letters are finer than its pixels.
+  /// The picture is enlarged by an integer factor, so that lines and letters are finer than its pixels.
   Canvas(const cv::Mat& picture, const odo_calibration& lens, int factor);
 
   void line(const Point& a, const Point& b, const cv::Scalar& colour, double opacity, int width_px);
   void polygon(const std::vector<Point>& corners, const cv::Scalar& colour, double opacity);
-  /// A ring of that radius around a point on the ground, `up` being the direction away from it.
+  /// A ring of the given radius around a point on the ground, `up` being the direction away from the ground.
   void ring(const Point& centre, const Point& up, double radius_m, const cv::Scalar& colour, double opacity);
-  /// Two lines of text on a plate that stands over a point, with a stem down to it.
+  /// Two lines of text on a plate above a point, with a stem down to it.
   void label(const Point& at, const std::string& text, const std::string& below, const cv::Scalar& colour);
-  /// Draws all of it. Nothing else may be added then.
+  /// Draws everything. Nothing may be added afterwards.
   void finish();
-  /// On top of everything: a round map in the upper right corner, what lies ahead being up. Points in m from the phone,
-  /// right and ahead; the path as a line, marks as dots in their colours.
+  /// Overlay: a round map in the upper right corner with the direction ahead up. Points in m from the phone, right and
+  /// ahead; the path as a line, marks as dots in their colours.
   struct Mark {
     cv::Point2d at;
     cv::Scalar colour;
   };
   void map(const std::vector<cv::Point2d>& path, const std::vector<Mark>& marks, double radius_m,
            const cv::Scalar& path_colour);
-  /// On top of everything: a line of text along the lower edge, with a light in a colour.
+  /// Overlay: a line of text along the lower edge, with an indicator in a colour.
   void status(const std::string& text, const cv::Scalar& colour);
   const cv::Mat& picture() const { return picture_; }
 

@@ -5,17 +5,18 @@
 
 #include <opencv2/core.hpp>
 
-/// A place in metres: in n (north, east, down) or in the camera's axes (right, down, forward), as the name says.
+/// A point in metres: in n (north, east, down) or in the camera's axes (right, down, forward), by the name of the
+/// variable.
 using Point = cv::Point3d;
 
-/// Turns vectors as a quaternion w, x, y, z does.
+/// Rotates a vector by a quaternion w, x, y, z.
 inline Point rotate(const double* q, const Point& v) {
   const Point u(q[1], q[2], q[3]);
   const Point t = 2.0 * u.cross(v);
   return v + q[0] * t + u.cross(t);
 }
 
-/// The same backwards.
+/// The inverse rotation.
 inline Point rotate_back(const double* q, const Point& v) {
   const double inverse[4] = {q[0], -q[1], -q[2], -q[3]};
   return rotate(inverse, v);

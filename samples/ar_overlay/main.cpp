@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Augmented reality through the C API alone: a metre grid on the ground, the path walked, and anchors with names and
-// distances, drawn over the pictures of a recording or of a camera, as a video and as pictures.
+// Augmented reality with the C API: a metre grid on the ground, the path walked, and anchors with names and distances,
+// drawn over the pictures of a recording or a camera, as a video and as pictures.
 //
 //   ar_overlay samples/configs/walk.yaml walk.odo -o walk.mp4 --drop "9:Bakery:2.2,-0.6,8" --picture 14:street.png
 #include <chrono>
@@ -18,7 +18,7 @@
 
 namespace {
 
-/// Pushes pictures and shows what belongs on them.
+/// Pushes pictures and draws the overlay on them.
 class App {
  public:
   App(odo_session* session, const Options& options)
@@ -26,7 +26,7 @@ class App {
 
   void calibrate(const odo_calibration& lens) { lens_ = lens; }
 
-  /// The app lends the picture for the call; the library copies it, because it cannot keep it.
+  /// The app lends the picture for the call only, so the library copies it.
   bool show(const cv::Mat& picture, odo_frame frame) {
     frame.format = picture.channels() == 1 ? ODO_FORMAT_GREY8 : ODO_FORMAT_RGB8;
     cv::Mat rgb = picture;
@@ -65,7 +65,7 @@ class App {
     return seconds < options_.for_s;
   }
 
-  /// The video begins with the second picture, whose distance from the first is its rate.
+  /// The video starts with the second picture, whose interval from the first gives the frame rate.
   void film(const cv::Mat& picture, int64_t t_ns) {
     if (!video_.isOpened() && last_ns_ != INT64_MIN && t_ns > last_ns_)
       video_.open(options_.video, cv::VideoWriter::fourcc('m', 'p', '4', 'v'),
@@ -117,14 +117,14 @@ bool replay(odo_session* session, const Options& options, App& app) {
   return true;
 }
 
-/// A camera without an inertial sensor: the path has no metre unless the config's front-end or steps give one.
+/// A camera without an inertial sensor: no metric scale unless the config's front-end or steps give one.
 bool live(const Options& options, App& app) {
   cv::VideoCapture camera(options.camera, cv::CAP_V4L2);
   if (!camera.isOpened()) return std::fprintf(stderr, "ar_overlay: no camera %d\n", options.camera), false;
   odo_calibration lens{};
   lens.width = static_cast<uint32_t>(camera.get(cv::CAP_PROP_FRAME_WIDTH));
   lens.height = static_cast<uint32_t>(camera.get(cv::CAP_PROP_FRAME_HEIGHT));
-  lens.fx = lens.fy = 0.8 * lens.width;  // a webcam's as a rule; the config's camera.yaml stands above it
+  lens.fx = lens.fy = 0.8 * lens.width;  // typical for a webcam; the config's camera.yaml takes precedence
   lens.cx = (lens.width - 1) / 2.0, lens.cy = (lens.height - 1) / 2.0;
   app.calibrate(lens);
   cv::Mat picture;

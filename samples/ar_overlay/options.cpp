@@ -9,13 +9,13 @@ namespace {
 
 constexpr const char* kUsage =
     "usage: ar_overlay CONFIG.yaml (RECORDING.odo | --camera N) [options]\n"
-    "  -o FILE.mp4                     the whole as a video\n"
-    "  --picture SECONDS:FILE.png      one picture of it; may be given again\n"
-    "  --drop SECONDS:NAME:X,Y,Z       puts something there: right, down and ahead of the camera, m\n"
-    "  --place NAME:LAT,LON,HEIGHT     a place on the Earth: degrees, metres above the ellipsoid\n"
-    "  --for SECONDS                   no more than that\n"
-    "  --height METRES                 of the phone above the ground (1.45)\n"
-    "  --factor N                      size of the picture over the camera's (2)\n";
+    "  -o FILE.mp4                     write a video\n"
+    "  --picture SECONDS:FILE.png      write one picture; may be repeated\n"
+    "  --drop SECONDS:NAME:X,Y,Z       place an object right, down and ahead of the camera, m\n"
+    "  --place NAME:LAT,LON,HEIGHT     a geodetic position: degrees, metres above the ellipsoid\n"
+    "  --for SECONDS                   stop after this time\n"
+    "  --height METRES                 height of the phone above the ground (1.45)\n"
+    "  --factor N                      enlargement of the picture (2)\n";
 
 std::vector<std::string> split(const std::string& text, char by, size_t most) {
   std::vector<std::string> parts;
@@ -72,7 +72,7 @@ bool read_options(int argc, char** argv, Options& options) {
     if (word[0] != '-') {
       (options.config.empty() ? options.config : options.recording) = word;
     } else if (i + 1 >= argc || !take(word, argv[i + 1], options)) {
-      return std::fprintf(stderr, "ar_overlay: %s: expected another value\n%s", word.c_str(), kUsage), false;
+      return std::fprintf(stderr, "ar_overlay: %s: invalid value\n%s", word.c_str(), kUsage), false;
     } else {
       ++i;
     }

@@ -4,15 +4,15 @@
 #include <string>
 #include <vector>
 
-/// What is to be shown, from the command line.
+/// The command line's options.
 struct Options {
-  /// Something that is put before the camera at a time, at a place in its axes, m.
+  /// An object placed in front of the camera at a time, at a position in its axes, m.
   struct Drop {
     double at_s;
     std::string name;
     double p[3];
   };
-  /// A place on the Earth: degrees, and metres above the ground, the ellipsoid or the geoid.
+  /// A geodetic position: degrees, and metres above the ground, the ellipsoid or the geoid.
   struct Place {
     std::string name;
     double latitude_deg, longitude_deg, height_m;
@@ -25,11 +25,11 @@ struct Options {
   int camera = -1;         ///< number of a V4L2 camera, instead of a recording
   double for_s = 1e9;      ///< of the recording, or of the camera
   double height_m = 1.45;  ///< of the phone above the ground
-  int factor = 2;          ///< the picture's size over the camera's
+  int factor = 2;          ///< enlargement of the picture
   std::vector<Drop> drops;
   std::vector<Place> places;
   std::vector<Picture> pictures;
 };
 
-/// False after a message where something is wrong with them.
+/// False, after a message, if they are invalid.
 bool read_options(int argc, char** argv, Options& options);

@@ -11,7 +11,7 @@ constexpr double kPath_m = 0.5, kPathWidth_m = 0.32;
 constexpr size_t kMaxPath = 800;     // of the session's 1024 anchors
 constexpr double kMap_m = 20;        // radius
 constexpr double kGrid_m = 9;        // from the phone
-constexpr double kGroundTau = 0.02;  // the ground follows the phone's mean height, per picture
+constexpr double kGroundTau = 0.02;  // the ground tracks the phone's mean height, per picture
 const cv::Scalar kColours[] = {{80, 190, 255}, {120, 220, 120}, {255, 170, 90}, {200, 130, 255}, {90, 235, 235}};
 const cv::Scalar kPathColour(250, 190, 60), kGridColour(255, 255, 255);
 
@@ -90,7 +90,7 @@ void Scene::draw(Canvas& canvas, int64_t t_ns) const {
   const bool known = odo_session_get_smooth_pose(session_, t_ns, &pose) == ODO_OK && has_position(pose);
   if (known) {
     draw_grid(canvas, pose, ground_down_);
-    canvas.finish();  // the ground is under everything
+    canvas.finish();  // the ground is below everything else
     const auto path = path_points(t_ns);
     draw_path(canvas, pose, path);
     canvas.finish();
@@ -101,7 +101,7 @@ void Scene::draw(Canvas& canvas, int64_t t_ns) const {
   draw_state(canvas, pose, known);
 }
 
-/// Lines of n's whole metres around the phone, fading with the distance; every fifth is stronger.
+/// Grid lines at integer metres of n around the phone, fading with the distance; every fifth is stronger.
 void Scene::draw_grid(Canvas& canvas, const odo_pose& pose, double ground_down) const {
   const int north = static_cast<int>(std::floor(pose.p_n[0])), east = static_cast<int>(std::floor(pose.p_n[1]));
   const int reach = static_cast<int>(kGrid_m);
@@ -119,7 +119,7 @@ void Scene::draw_grid(Canvas& canvas, const odo_pose& pose, double ground_down) 
   }
 }
 
-/// Where the anchors along the path are now, in n.
+/// Present positions of the anchors along the path, in n.
 std::vector<Point> Scene::path_points(int64_t t_ns) const {
   std::vector<Point> points;
   for (const uint64_t id : path_) {

@@ -9,13 +9,13 @@
 #include "canvas.hpp"
 #include "options.hpp"
 
-/// What stands in the street: the anchors of the options, the path walked, and a grid on the ground. Everything that
-/// must stay in its place is an anchor of the session; the grid belongs to where the phone is now.
+/// The virtual objects: the anchors of the options, the path walked, and a grid on the ground. Objects fixed to the
+/// world are anchors of the session; the grid follows the phone.
 class Scene {
  public:
   Scene(odo_session* session, const Options& options) : session_(session), options_(options) {}
 
-  /// Asked once for every picture, after it has been pushed; `seconds` since the recording's begin.
+  /// Call once per picture, after pushing it; `seconds` since the start of the recording.
   void put_up(int64_t t_ns, double seconds);
   void draw(Canvas& canvas, int64_t t_ns) const;
 

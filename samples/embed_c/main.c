@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
- * The smallest app: a session made from a YAML file, IMU samples pushed in, poses and steps out. It feeds itself twenty
- * seconds of a phone that bobs twice a second, as if somebody walked with it.
+ * The smallest app: creates a session from a YAML file, pushes IMU samples and prints poses and steps. The samples are
+ * twenty seconds of a phone that bobs twice a second, as in a walk.
  *
  *   embed_c pipeline.yaml
  */
@@ -36,7 +36,7 @@ int main(int argc, char** argv) {
   }
   memset(&options, 0, sizeof options);
   options.struct_size = sizeof options;
-  options.run = ODO_RUN_REPLAY; /* an app on a phone takes ODO_RUN_LIVE */
+  options.run = ODO_RUN_REPLAY; /* an app on a phone uses ODO_RUN_LIVE */
   options.config_path.data = argv[1];
   options.config_path.size = strlen(argv[1]);
   memset(&error, 0, sizeof error);

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The fleet's table and its report.
 
-  report.py OUT CONFIG ...   the first config is the one that the others are compared with
+  report.py OUT CONFIG ...   the others are compared with the first config
 
 An interval is the 95 % percentile bootstrap of a mean over walks, 2000 draws; that of a difference draws walks, not rows, so that an
 easy walk is easy for both configs. The draws are seeded: the same rows give the same report.

@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""One row of the fleet's table: a config on a recording, its errors, and what it was made with.
+"""One row of the fleet's table: a config on a recording, its errors, and its provenance.
 
   row.py ODOGRAPH CONFIG RECORDING NAME DATA_SET
 
-What the program finds wrong with config, recording or plugin (status 2 to 4) is a result and stands in the row. Anything else, a
-killed process say, ends with a status of its own, and the engine tries again.
+An error in config, recording or plugin (status 2 to 4) is a result and is stored in the row. Any other failure, for example a
+killed process, ends with its own status, and the engine retries.
 """
 import glob
 import hashlib
@@ -36,7 +36,7 @@ row = {"config": name, "data_set": data_set, "walk": walk, "config_sha256": sha2
 with tempfile.TemporaryDirectory() as work:
     folder = f"{work}/{data_set}"
     os.mkdir(folder)
-    for path in glob.glob(glob.escape(recording.rsplit("_accelerometer", 1)[0]) + "*"):  # with the counts of Oxford's walks beside them
+    for path in glob.glob(glob.escape(recording.rsplit("_accelerometer", 1)[0]) + "*"):  # including the step counts of Oxford's walks
         os.symlink(os.path.abspath(path), f"{folder}/{os.path.basename(path)}")
     run = called("run", "-c", config, "-i", recording, "-o", f"{work}/run", "--json")
     bench = called("bench", "steps", "--data", folder, "-c", config, "--each", "--json", "--fresh", "--keep", f"{work}/keep")

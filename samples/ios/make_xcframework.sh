@@ -1,8 +1,9 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# On a Mac with Xcode: Odograph with three plugins and all that they need as one static library, for phones and the simulator.
-#   make_xcframework.sh ODOGRAPH PREFIX_PHONE PREFIX_SIMULATOR
-# The prefixes have the dependencies that README.md lists, built for each of the two.
+# For a Mac with Xcode: builds Odograph with three plugins and all dependencies as one static library, for phones and
+# the simulator.
+# make_xcframework.sh ODOGRAPH PREFIX_PHONE PREFIX_SIMULATOR
+# The prefixes contain the dependencies listed in README.md, built for each of the two.
 set -eu
 odograph=$1
 here=$(cd "$(dirname "$0")" && pwd)

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
- * A live app as a phone has it, in C99: gyroscope at 200 Hz and accelerometer at 104 Hz apart, a camera that starts a
- * second late and whose autofocus moves, pictures that are lent and not copied, a camera that fails for two seconds,
- * poses asked 30 ms ahead for the screen, reports for the user, what was learnt kept for the next time.
+ * A live app as on a phone, in C99: separate gyroscope at 200 Hz and accelerometer at 104 Hz, a camera that starts a
+ * second late, moves its autofocus and fails for two seconds, borrowed pictures without copies, poses predicted 30 ms
+ * ahead for the screen, reports for the user, and estimates saved for the next run.
  *
- *   live pipeline.yaml [recording.odo]     # the second: everything that was pushed is recorded there too
+ *   live pipeline.yaml [recording.odo]     # the second: records everything that is pushed
  */
 #include <math.h>
 #include <pthread.h>
@@ -23,7 +23,7 @@ static int steps, reports; /* written on the library's thread, read after a flus
 static int lent;           /* under the lock */
 static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
 
-/* Comes on the library's own thread. */
+/* Called on the library's own thread. */
 static void on_event(void* user, const odo_header* event) {
   (void)user;
   if (event->type == ODO_TYPE_STEP) ++steps;
@@ -34,7 +34,7 @@ static void on_event(void* user, const odo_header* event) {
   }
 }
 
-/* A picture of the camera's pool; the library gives it back on any thread. */
+/* A picture of the camera's pool; the library returns it on any thread. */
 struct picture {
   int holds;
   uint8_t pixels[WIDTH * HEIGHT];
@@ -92,13 +92,13 @@ static void push_frame(odo_session* session, odo_recorder* recorder, int64_t t_n
   frame.width = WIDTH, frame.height = HEIGHT;
   frame.planes[0].data = picture->pixels;
   frame.planes[0].row_stride = WIDTH, frame.planes[0].pixel_stride = 1;
-  frame.fx = frame.fy = 60 * (1 + 0.03 * sin(0.2 * number)); /* as ARCore and ARKit give them */
+  frame.fx = frame.fy = 60 * (1 + 0.03 * sin(0.2 * number)); /* per frame, as from ARCore and ARKit */
   frame.cx = 31.5, frame.cy = 23.5;
   frame.loan.owner = picture;
   frame.loan.retain = retain;
   frame.loan.release = release;
   push(session, recorder, &frame.header);
-  release(picture); /* the app's own hold */
+  release(picture); /* the app's own reference */
 }
 
 static void push_calibration(odo_session* session, odo_recorder* recorder, int64_t t_ns) {
@@ -113,7 +113,7 @@ static void push_calibration(odo_session* session, odo_recorder* recorder, int64
   push(session, recorder, &calibration.header);
 }
 
-/* What a session has learnt, in memory of its own; the app keeps it in a file for each user. */
+/* Saves what the session has estimated to memory; the app keeps it in a file for each user. */
 static void* learnt(odo_session* session, int64_t* size) {
   void* data;
   *size = odo_session_save(session, NULL, 0);
@@ -122,8 +122,8 @@ static void* learnt(odo_session* session, int64_t* size) {
   return data;
 }
 
-/* Puts up the app's sign, 2 m above the ground at a place on the Earth, unless odo_session_load brought it back.
- * Returns how many anchors there are. */
+/* Places the app's sign 2 m above the ground at a geodetic position, unless odo_session_load restored it.
+ * Returns the number of anchors. */
 static int64_t put_up_sign(odo_session* session) {
   uint64_t ids[8], id;
   const int64_t count = odo_anchor_list(session, ids, 8);
@@ -150,23 +150,24 @@ static int64_t put_up_sign(odo_session* session) {
 static int run(odo_session* session, odo_recorder* recorder) {
   int64_t t_ns, next_gyro = 0, next_accel = 0, next_frame = 1000000000; /* the camera starts late */
   int frames = 0, poses = 0;
-  for (t_ns = 0; t_ns < SECONDS * (int64_t)1000000000; t_ns += 1000000) { /* an app is called by its sensors here */
+  for (t_ns = 0; t_ns < SECONDS * (int64_t)1000000000; t_ns += 1000000) { /* in an app the sensors call */
     const double t = 1e-9 * (double)t_ns;
     if (t_ns >= next_gyro) push_inertial(session, recorder, t_ns, ODO_IMU_GYRO, t), next_gyro += 5000000;
     if (t_ns >= next_accel) push_inertial(session, recorder, t_ns, ODO_IMU_ACCEL, t), next_accel += 9615385;
     if (t_ns >= next_frame) {
-      const int failed = t > 6 && t < 8; /* somebody else has taken the camera */
+      const int failed = t > 6 && t < 8; /* another app uses the camera */
       if (frames == 0) push_calibration(session, recorder, t_ns);
       if (!failed) push_frame(session, recorder, t_ns, frames++);
       next_frame += 33333333;
     }
-    if (t_ns % 16000000 == 0) { /* the screen */
+    if (t_ns % 16000000 == 0) { /* screen refresh */
       odo_pose pose;
       memset(&pose, 0, sizeof pose);
       pose.header.struct_size = sizeof pose;
       if (odo_session_get_smooth_pose(session, t_ns + 30000000, &pose) == ODO_OK) ++poses;
     }
-    if (t_ns % 500000000 == 0) odo_session_flush(session); /* here time does not pass: a live app never needs this */
+    if (t_ns % 500000000 == 0)
+      odo_session_flush(session); /* simulated time does not wait: a live app never needs this */
   }
   odo_session_flush(session);
   printf("%d frames, %d poses for the screen, %d steps, %d reports\n", frames, poses, steps, reports);
@@ -203,9 +204,9 @@ int main(int argc, char** argv) {
   if (put_up_sign(session) != 1) good = 0;
   state = learnt(session, &size);
   odo_session_destroy(session);
-  if (state && odo_session_create(&options, &session, &error) == ODO_OK) { /* the next time */
+  if (state && odo_session_create(&options, &session, &error) == ODO_OK) { /* the next run */
     if (odo_session_load(session, state, (uint64_t)size) != ODO_OK) good = 0;
-    if (put_up_sign(session) != 1) good = 0; /* it was saved */
+    if (put_up_sign(session) != 1) good = 0; /* it was restored */
     odo_session_destroy(session);
   }
   free(state);

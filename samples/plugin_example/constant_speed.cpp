@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// A whole plugin: scales each motion as if the camera always moved at one speed.
+// A complete plugin: scales each motion to a constant speed of the camera.
 #include <cmath>
 
 #include <odograph/plugin.hpp>
@@ -10,11 +10,11 @@ namespace {
 struct ConstantSpeed {
   double speed = 1.3;
 
-  static constexpr odo::Description description{"example/constant_speed", "1.0.0", "Scale from one known speed",
+  static constexpr odo::Description description{"example/constant_speed", "1.0.0", "Scale from a known speed",
                                                 ODO_INTERFACE_SCALE_SOURCE};
 
   static std::vector<odo::Parameter<ConstantSpeed>> parameters() {
-    return {odo::real("speed", "m/s", 0.0, 50.0, &ConstantSpeed::speed, "of the camera")};
+    return {odo::real("speed", "m/s", 0.0, 50.0, &ConstantSpeed::speed, "speed of the camera")};
   }
 
   void on(const odo_vo_motion& motion, odo::Output& output) {

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
- * An app with its plugins inside, as on iOS and in a browser: three plugins of ours are linked in and registered, the
- * config is a text, and no file lies beside the program. It walks for twenty seconds and prints every pose.
+ * An app with statically linked plugins, as on iOS and in a browser: three plugins are linked in and registered, the
+ * config is a string, and the program needs no files. It simulates a walk of twenty seconds and prints every pose.
  *
- *   static_c                  the plugins that are linked in
+ *   static_c                  the linked plugins
  *   static_c PLUGIN_FOLDER    the same plugins as shared libraries: the same poses to the last digit
  */
 #include <math.h>
@@ -47,7 +47,7 @@ static void walk(odo_session* session) {
     const double accel[3] = {0.0, 9.81 + 2.0 * sin(6.2832 * 2.0 * t), 0.3};
     const int64_t t_ns = 1000000000 + (int64_t)i * 10000000;
     odo_session_push_imu(session, t_ns, gyro, accel);
-    if (i % 500 == 250) { /* the user confirms a place */
+    if (i % 500 == 250) { /* the user confirms a position */
       odo_waypoint place;
       memset(&place, 0, sizeof place);
       place.header.struct_size = sizeof place;
@@ -72,7 +72,7 @@ int main(int argc, char** argv) {
   error.struct_size = sizeof error;
   memset(&options, 0, sizeof options);
   options.struct_size = sizeof options;
-  options.run = ODO_RUN_REPLAY; /* an app on a phone takes ODO_RUN_LIVE */
+  options.run = ODO_RUN_REPLAY; /* an app on a phone uses ODO_RUN_LIVE */
   options.config_text.data = config;
   options.config_text.size = sizeof config - 1;
   if (argc > 1) {

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// A sketch of Odograph as the source of a camera's pose in Unity. It compiles against declarations of our own (ctest -R languages); it never
-// ran in Unity. Add the package of abi/bindings/csharp from disk, put this file into Assets,
-// libodograph and its plugins into Assets/Plugins (on a phone they are linked into it: docs/plugins.md, "Linked into the app"), and attach it to the camera.
+// A sketch of Odograph as the source of a camera's pose in Unity. It is compiled against our own declarations (ctest
+// -R languages) and has
+// not been run in Unity. Add the package of abi/bindings/csharp from disk, put this file into Assets, libodograph and
+// its plugins into
+// Assets/Plugins (on a phone they are linked into it: docs/plugins.md, "Linked into the app"), and attach the script
+// to the camera.
 using System;
 using Odograph;
 using UnityEngine;
@@ -24,13 +27,13 @@ public sealed class OdographProvider : MonoBehaviour {
     if (pictures != null) pictures.Dispose();
   }
 
-  /// What the camera's lens is, before its first picture.
+  /// Call with the camera's lens before its first picture.
   public void OnLens(ref Calibration calibration) { session.Push(ref calibration); }
 
-  /// Each inertial sample as it comes, from any thread: rad/s, m/s^2, about +9.81 upwards at rest.
+  /// Call for each inertial sample, on any thread: rad/s, m/s^2, about +9.81 upwards at rest.
   public void OnImu(long t_ns, Vector gyro, Vector accel) { session.PushImu(t_ns, gyro, accel); }
 
-  /// Each grey picture: `fill` writes it into the array it is given, which the library then borrows. From one thread.
+  /// Call for each grey picture, on one thread: `fill` writes it into the given array, which the library then borrows.
   public void OnPicture(long t_ns, int width, int height, Action<byte[]> fill) {
     if (pictures == null) pictures = new PicturePool(width * height);
     Picture picture = pictures.Take();
@@ -47,10 +50,10 @@ public sealed class OdographProvider : MonoBehaviour {
     if ((pose.header.flags & Abi.ODO_POSE_CAMERA) != 0) transform.localRotation = Turned(pose.q_n);
   }
 
-  /// North-East-Down as Unity's left-handed x right, y up, z ahead: east, up, north.
+  /// North-East-Down to Unity's left-handed x right, y up, z ahead: east, up, north.
   public static Vector3 Place(Vector p) { return new Vector3((float)p.y, (float)-p.z, (float)p.x); }
 
-  /// The camera looks along its z axis in both; its y axis points down in Odograph and up in Unity.
+  /// The camera looks along z in both conventions; its y axis points down in Odograph and up in Unity.
   public static Quaternion Turned(Rotation q) {
     Vector ahead = Rotate(q, new Vector(0, 0, 1)), up = Rotate(q, new Vector(0, -1, 0));
     return Quaternion.LookRotation(Place(ahead), Place(up));

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
- * An app that hands a message of its own to its own plugin, and receives an event of its own from it.
+ * An app that sends a message of its own type to its own plugin, and receives an event of its own type from it.
  *
  *   vendor_message pipeline.yaml FOLDER_OF_THE_PLUGIN
  */
@@ -29,7 +29,7 @@ int main(int argc, char** argv) {
   if (argc != 3) return fprintf(stderr, "usage: %s pipeline.yaml FOLDER_OF_THE_PLUGIN\n", argv[0]), 2;
   memset(&options, 0, sizeof options);
   options.struct_size = sizeof options;
-  options.run = ODO_RUN_REPLAY; /* an app on a phone takes ODO_RUN_LIVE */
+  options.run = ODO_RUN_REPLAY; /* an app on a phone uses ODO_RUN_LIVE */
   options.config_path.data = argv[1], options.config_path.size = strlen(argv[1]);
   options.plugin_path.data = argv[2], options.plugin_path.size = strlen(argv[2]);
   memset(&error, 0, sizeof error);
@@ -46,7 +46,7 @@ int main(int argc, char** argv) {
   scan.access_points[0].bssid = 11, scan.access_points[0].rssi_dbm = -71;
   scan.access_points[1].bssid = 12, scan.access_points[1].rssi_dbm = -48;
   scan.access_points[2].bssid = 13, scan.access_points[2].rssi_dbm = -58;
-  if (odo_session_push(session, &scan.header) != ODO_OK) return fprintf(stderr, "the scan was refused\n"), 1;
+  if (odo_session_push(session, &scan.header) != ODO_OK) return fprintf(stderr, "the scan was rejected\n"), 1;
   odo_session_flush(session);
   odo_session_destroy(session);
   return zone.zone == 12 ? 0 : 1;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// A plugin that is fed by a message of its vendor's own and answers with another: the zone is that of the loudest
-// access point. As a fixer it could emit an odo_fix as well.
+// A plugin whose input and output are messages defined by its vendor: the zone is that of the strongest access point.
+// As a fixer it could also emit an odo_fix.
 #include <algorithm>
 #include <cmath>
 
@@ -17,18 +17,18 @@ struct odo::type_of<example_zone> : std::integral_constant<uint32_t, EXAMPLE_TYP
 struct ZoneByWifi {
   double clear_db = 20.0;
 
-  static constexpr odo::Description description{"example/zone_by_wifi", "1.0.0", "The zone of the loudest access point",
-                                                ODO_INTERFACE_ABSOLUTE_FIXER};
+  static constexpr odo::Description description{"example/zone_by_wifi", "1.0.0",
+                                                "The zone of the strongest access point", ODO_INTERFACE_ABSOLUTE_FIXER};
   static constexpr uint32_t extra_inputs[] = {EXAMPLE_TYPE_WIFI_SCAN};
   static constexpr uint32_t extra_outputs[] = {EXAMPLE_TYPE_ZONE};
-  using VendorMessages = odo::Messages<example_wifi_scan>;  // what on() takes
+  using VendorMessages = odo::Messages<example_wifi_scan>;  // input of on()
 
   static std::vector<odo::Parameter<ZoneByWifi>> parameters() {
     return {odo::real("clear_db", "", 0.1, 100.0, &ZoneByWifi::clear_db,
-                      "dB over the second loudest at which the quality is 1: two walls attenuate by about 20.")};
+                      "dB above the second strongest at which the quality is 1: two walls attenuate by about 20.")};
   }
 
-  // The host checks the size of a vendor's message and none of its fields.
+  // The host checks the size of a vendor's message but not its fields.
   void on(const example_wifi_scan& scan, odo::Output& output) {
     const uint32_t count = std::min<uint32_t>(scan.count, 32);
     uint32_t loudest = count;

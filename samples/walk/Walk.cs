@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A recording read, and a walk tracked live, in C#.
+// Reads a recording, and tracks a walk live, in C#.
 //   Walk.exe CONFIG.yaml RECORDING.odo
 using System;
 using System.Globalization;
@@ -23,7 +23,7 @@ navigation: {start: {position: [0 m, 0 m, 0 m], heading: 0 deg}}
     Console.WriteLine("pose " + pose.header.t_ns + " " + Digits(pose.p_n.x, pose.p_n.y, pose.p_n.z, pose.q_n.x, pose.q_n.y, pose.q_n.z, pose.q_n.w));
   }
 
-  /// Where the pixels of a grey picture begin. PGM needs no library; an app decodes JPEG and PNG by the one that it has.
+  /// Offset of the pixels of a grey picture. PGM needs no library; an app decodes JPEG and PNG with its own library.
   static int Decode(byte[] picture, ref Frame frame) {
     string[] head = System.Text.Encoding.ASCII.GetString(picture, 0, 24).Split(' ', '\n');
     frame.format = Abi.ODO_FORMAT_GREY8;
@@ -56,7 +56,7 @@ navigation: {start: {position: [0 m, 0 m, 0 m], heading: 0 deg}}
 
   static void Live() {
     int steps = 0;
-    using (var pictures = new PicturePool(64 * 48))  // as a camera has them
+    using (var pictures = new PicturePool(64 * 48))  // as from a camera
     using (var session = new Session(Config, live: true)) {
       session.Listen(message => ++steps, Abi.ODO_TYPE_STEP);
       for (int i = 0; i < 1000; ++i) {
@@ -68,7 +68,7 @@ navigation: {start: {position: [0 m, 0 m, 0 m], heading: 0 deg}}
         Picture picture = pictures.Take();
         for (int k = 0; k < picture.Pixels.Length; ++k) picture.Pixels[k] = 90;
         session.PushFrame(ref frame, picture);  // borrowed, not copied
-        session.Flush();  // only because these ten seconds take none
+        session.Flush();  // needed only because the simulated time does not wait
       }
       Pose pose;
       session.TryGetPose(out pose);

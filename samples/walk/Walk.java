@@ -9,7 +9,7 @@ import org.odograph.Event;
 import org.odograph.Recording;
 import org.odograph.Session;
 
-/** A recording read, and a walk tracked live, in Java: java Walk CONFIG.yaml RECORDING.odo */
+/** Reads a recording, and tracks a walk live, in Java: java Walk CONFIG.yaml RECORDING.odo */
 public final class Walk {
     private static final String CONFIG = String.join("\n", "odograph: 1", "walker: {height: 1.70 m}", "attitude: {plugin: attitude/vqf}",
         "step_estimator: {plugin: step/odograph}", "coupling: {type: localizer}",
@@ -21,7 +21,7 @@ public final class Walk {
         System.out.println("pose " + pose.t_ns() + " " + p[0] + " " + p[1] + " " + p[2] + " " + q[1] + " " + q[2] + " " + q[3] + " " + q[0]);
     }
 
-    /** Where the pixels of a grey picture begin. PGM needs no library; an app decodes JPEG and PNG by the one that it has. */
+    /** Offset of the pixels of a grey picture. PGM needs no library; an app decodes JPEG and PNG with its own library. */
     private static int decode(ByteBuffer picture, Abi.Frame frame) {
         byte[] head = new byte[24];
         picture.duplicate().get(head);
@@ -49,7 +49,7 @@ public final class Walk {
 
     private static void live() {
         AtomicInteger steps = new AtomicInteger();
-        ByteBuffer picture = ByteBuffer.allocateDirect(64 * 48); // as a camera has them
+        ByteBuffer picture = ByteBuffer.allocateDirect(64 * 48); // as from a camera
         while (picture.hasRemaining()) picture.put((byte) 90);
         try (Session session = new Session(CONFIG, true, "")) {
             session.onEvent(event -> steps.incrementAndGet(), Abi.ODO_TYPE_STEP);
@@ -61,7 +61,7 @@ public final class Walk {
                 session.push(imu.t_ns(t_ns).gyro_b(0, 0.01, 0).accel_b(0.1, 9.81 + 2.2 * Math.sin(12 * t), 0.4));
                 if (i % 10 != 0) continue;
                 session.pushFrame(frame.t_ns(t_ns), picture, 0, 64); // shared, not copied
-                session.flush(); // only because these ten seconds take none
+                session.flush(); // needed only because the simulated time does not wait
             }
             Abi.Pose pose = session.pose();
             long label = session.createAnchor(new Abi.AnchorPlace().kind(Abi.ODO_ANCHOR_VIEW).t_ns(Abi.ODO_TIME_LATEST).p(0, 0, -3), "a label");

@@ -23,7 +23,7 @@ fun show(event: Event) {
     println("pose ${pose.t_ns()} $x $y $z $qx $qy $qz $qw")
 }
 
-/** Where the pixels of a grey picture begin. PGM needs no library; an app decodes JPEG and PNG by the one that it has. */
+/** Offset of the pixels of a grey picture. PGM needs no library; an app decodes JPEG and PNG with its own library. */
 fun decode(picture: ByteBuffer, frame: Abi.Frame): Int {
     val words = String(ByteArray(24).also { picture.duplicate().get(it) }, Charsets.US_ASCII).split(' ', '\n').take(4)
     frame.format(Abi.ODO_FORMAT_GREY8).width(words[1].toInt()).height(words[2].toInt())
@@ -49,7 +49,7 @@ fun replay(config: String, file: String) = Session(config).use { session ->
 
 fun live() {
     val steps = AtomicInteger()
-    val picture = ByteBuffer.allocateDirect(64 * 48) // as a camera has them
+    val picture = ByteBuffer.allocateDirect(64 * 48) // as from a camera
     while (picture.hasRemaining()) picture.put(90)
     Session(CONFIG, true, "").use { session ->
         session.onEvent(Consumer { steps.incrementAndGet() }, Abi.ODO_TYPE_STEP)
@@ -61,7 +61,7 @@ fun live() {
             session.push(imu.t_ns(tNs).gyro_b(0.0, 0.01, 0.0).accel_b(0.1, 9.81 + 2.2 * Math.sin(12 * t), 0.4))
             if (i % 10 != 0) continue
             session.pushFrame(frame.t_ns(tNs), picture, 0, 64) // shared, not copied
-            session.flush() // only because these ten seconds take none
+            session.flush() // needed only because the simulated time does not wait
         }
         val (north, east, down) = session.pose().p_n()
         val place = Abi.AnchorPlace().kind(Abi.ODO_ANCHOR_VIEW).t_ns(Abi.ODO_TIME_LATEST).p(0.0, 0.0, -3.0)

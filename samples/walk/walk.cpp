@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// A recording read, and a walk tracked live, in C++17.
+// Reads a recording, and tracks a walk live, in C++17.
 //   walk CONFIG.yaml RECORDING.odo
 #include <cmath>
 #include <cstdio>
@@ -25,7 +25,7 @@ void show(const odo::Event& event) {
                 pose->p_n[0], pose->p_n[1], pose->p_n[2], pose->q_n[1], pose->q_n[2], pose->q_n[3], pose->q_n[0]);
 }
 
-/// Where the pixels of a grey picture begin. PGM needs no library; an app decodes JPEG and PNG by the one that it has.
+/// Offset of the pixels of a grey picture. PGM needs no library; an app decodes JPEG and PNG with its own library.
 size_t decode(std::string_view picture, odo_frame& frame) {
   int begin = 0;
   if (std::sscanf(picture.data(), "P5 %u %u 255%n", &frame.width, &frame.height, &begin) != 2) return 0;
@@ -46,7 +46,7 @@ void replay(const char* config, const char* file) {
       const size_t begin = decode(recorded.picture, *frame);
       if (begin == 0) continue;
       grey(*frame, reinterpret_cast<const uint8_t*>(recorded.picture.data()) + begin);
-      session.push(*frame);  // it may be gone after the call, so the library copies what it keeps
+      session.push(*frame);  // it may become invalid after the call: the library copies what it needs
     } else if (!ODO_IS_EVENT(recorded.message.header().type)) {
       session.push(recorded.message);
     }
@@ -58,7 +58,7 @@ void live() {
   int steps = 0;
   odo::Session session(odo::Options().text(kConfig).live());
   session.on_event([&](const odo::Event&) { ++steps; }, {ODO_TYPE_STEP});
-  const auto picture = std::make_shared<std::vector<uint8_t>>(64 * 48, uint8_t{90});  // as a camera has them
+  const auto picture = std::make_shared<std::vector<uint8_t>>(64 * 48, uint8_t{90});  // as from a camera
   for (int i = 0; i < 1000; ++i) {
     const double t = i * 0.01;
     const int64_t t_ns = 1'000'000'000 + i * 10'000'000LL;
@@ -68,7 +68,7 @@ void live() {
     frame.width = 64, frame.height = 48;
     grey(frame, picture->data());
     session.push(frame, picture);  // shared, not copied
-    session.flush();               // only because these ten seconds take none
+    session.flush();               // needed only because the simulated time does not wait
   }
   const odo_pose pose = session.pose().value();
   auto place = odo::sized<odo_anchor_place>();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A recording read, and a walk tracked as it happens, in JavaScript: node walk.mjs CONFIG.yaml RECORDING.odo
+// Reads a recording, and tracks a walk live, in JavaScript: node walk.mjs CONFIG.yaml RECORDING.odo
 import {load, ODO_ANCHOR_VIEW, TYPES} from '@odograph/node';
 
 const CONFIG = `odograph: 1
@@ -15,7 +15,7 @@ function show({t_ns, p_n: [x, y, z], q_n: [qw, qx, qy, qz]}) {
   console.log(`pose ${t_ns} ${x} ${y} ${z} ${qx} ${qy} ${qz} ${qw}`);
 }
 
-/** The pixels of a grey picture. PGM needs no library; an app decodes JPEG and PNG by the one that it has. */
+/** The pixels of a grey picture. PGM needs no library; an app decodes JPEG and PNG with its own library. */
 function decode(picture) {
   const [magic, width, height, depth] = new TextDecoder().decode(picture.subarray(0, 24)).split(/\s/);
   const begin = magic.length + width.length + height.length + depth.length + 4;
@@ -28,7 +28,7 @@ function replay(config, file) {
   for (const message of recording) {
     const {picture, t_ns, source, flags, exposure_ns, line_time_ns, fx, fy, cx, cy} = message;
     if (picture) session.pushFrame({t_ns, source, flags, exposure_ns, line_time_ns, fx, fy, cx, cy, ...decode(picture)});
-    else if (TYPES[message.type] < 0x1000) session.push(message); // what the app recorded of events is none
+    else if (TYPES[message.type] < 0x1000) session.push(message); // recorded events are not input
   }
   session.flush();
   recording.close();
@@ -37,7 +37,7 @@ function replay(config, file) {
 
 function live() {
   let steps = 0;
-  const pixels = new Uint8Array(64 * 48).fill(90); // as a camera has them
+  const pixels = new Uint8Array(64 * 48).fill(90); // as from a camera
   const session = odograph.createSession({config: CONFIG, events: ['step'], onEvent: () => ++steps});
   for (let i = 0; i < 1000; ++i) {
     const t = i * 0.01, t_ns = 1_000_000_000 + i * 10_000_000;

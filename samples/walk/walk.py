@@ -32,14 +32,14 @@ def replay(config, recording):
 
 def live():
     steps = []
-    pictures = [np.full((48, 64), 90, np.uint8) for _ in range(4)]  # as a camera has them
+    pictures = [np.full((48, 64), 90, np.uint8) for _ in range(4)]  # as from a camera
     with odograph.Session(CONFIG, live=True, on_event=steps.append, events=[Step]) as session:
         for i in range(1000):
             t, t_ns = i * 0.01, 1_000_000_000 + i * 10_000_000
             session.push_imu(t_ns, (0, 0.01, 0), (0.1, 9.81 + 2.2 * math.sin(12 * t), 0.4))
             if i % 10 == 0:
                 session.push_frame(t_ns, pictures[i // 10 % 4])  # borrowed, not copied
-                session.flush()  # only because these ten seconds take none
+                session.flush()  # needed only because the simulated time does not wait
         pose = session.pose()
         label = session.create_anchor(odograph.ODO_ANCHOR_VIEW, "a label", p=(0, 0, -3))
         north, east, down = session.anchor(label).p_n

@@ -20,7 +20,7 @@ fn show(event: Event<'_>) {
     }
 }
 
-/// Where the pixels of a grey picture begin. PGM needs no library; an app decodes JPEG and PNG by the one that it has.
+/// Offset of the pixels of a grey picture. PGM needs no library; an app decodes JPEG and PNG with its own library.
 fn decode(picture: &[u8], frame: &mut Frame) -> usize {
     let head = String::from_utf8_lossy(&picture[..24]).into_owned();
     let words: Vec<&str> = head.split_whitespace().take(4).collect();
@@ -35,7 +35,7 @@ fn replay(config: &str, file: &str) -> Result<()> {
     session.on_event(&[Pose::TYPE], show)?;
     let mut recording = Recording::open(file)?;
     while let Some(recorded) = recording.next() {
-        // A sample that is dropped is no reason to stop.
+        // A rejected sample is no reason to stop.
         if let (Some(mut frame), Some(picture)) = (recorded.message.get::<Frame>(), recorded.picture) {
             let (begin, width) = (decode(picture, &mut frame), frame.width as usize);
             session.push_frame(&frame, &Arc::new(picture.to_vec()), begin, width).ok();
@@ -51,14 +51,14 @@ fn live() -> Result<()> {
     let counted = steps.clone();
     let mut session = Session::new(&Options { config: CONFIG, live: true, ..Options::default() })?;
     session.on_event(&[Step::TYPE], move |_| { counted.fetch_add(1, Ordering::Relaxed); })?;
-    let picture = Arc::new(vec![90u8; 64 * 48]); // as a camera has them
+    let picture = Arc::new(vec![90u8; 64 * 48]); // as from a camera
     for i in 0..1000 {
         let (t, t_ns) = (i as f64 * 0.01, 1_000_000_000 + i * 10_000_000);
         session.push_imu(t_ns, [0.0, 0.01, 0.0], [0.1, 9.81 + 2.2 * (12.0 * t).sin(), 0.4])?;
         if i % 10 == 0 {
             let frame = Frame { format: ODO_FORMAT_GREY8, width: 64, height: 48, ..Frame::at(t_ns) };
             session.push_frame(&frame, &picture, 0, 64)?; // shared, not copied
-            session.flush()?; // only because these ten seconds take none
+            session.flush()?; // needed only because the simulated time does not wait
         }
     }
     let [north, east, down] = session.pose(ODO_TIME_LATEST).expect("a pose").p_n;

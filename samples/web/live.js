@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// This phone's camera and motion sensors as a browser gives them. Times are of performance.now(), in ns; axes are Android's: x to the right,
-// y up, z out of the screen of the phone held upright.
+// A phone's camera and motion sensors in a browser. Times are those of performance.now(), in ns; axes are Android's: x
+// right, y up, z out of the
+// screen of the phone held upright.
 import {cross, dot, length, multiply, scale, subtract} from './math.js';
 
 const DEGREE = Math.PI / 180;
-const CAPTURE_TO_NOW_MS = 60; // judgement: from the middle of the exposure to the callback, where the browser does not tell the time of capture
+const CAPTURE_TO_NOW_MS = 60; // assumed: from the middle of the exposure to the callback, if the browser does not report the time of capture
 
-/** The permission for the motion sensors, which iOS asks for: within a touch. Throws with words. */
+/** Asks for the motion sensors; on iOS call it within a touch. Throws an error with a message for the user. */
 export async function askForMotion() {
   if (!window.isSecureContext) throw new Error('Camera and motion sensors need a page by https (or of this machine itself).');
   if (typeof DeviceMotionEvent === 'undefined') throw new Error('This browser has no motion sensors. Open the page on a phone.');
@@ -15,9 +16,9 @@ export async function askForMotion() {
   if (answer !== 'granted') throw new Error('The motion sensors were refused. On an iPhone: close this page, open it again, and allow “Motion & Orientation Access”.');
 }
 
-/** The rear camera's stream. Throws with words. */
+/** The rear camera's stream. Throws an error with a message for the user. */
 export async function askForCamera() {
-  if (!navigator.mediaDevices?.getUserMedia) throw new Error('This browser gives pages no camera.');
+  if (!navigator.mediaDevices?.getUserMedia) throw new Error('This browser does not give pages access to a camera.');
   try {
     return await navigator.mediaDevices.getUserMedia({audio: false, video: {facingMode: {ideal: 'environment'}, width: {ideal: 640}, height: {ideal: 480}, frameRate: {ideal: 30}}});
   } catch (error) {
@@ -28,11 +29,12 @@ export async function askForCamera() {
   }
 }
 
-/** iOS gives the acceleration with gravity the other way round: it points downwards at rest, where the standard has it upwards. */
+/** iOS inverts the acceleration with gravity: at rest it points down, while the standard requires up. */
 const gravityIsReversed = () => navigator.vendor.startsWith('Apple'); // all browsers of iOS are WebKit
 
-/** Which of rotationRate's numbers is about which axis: browsers have alpha, beta, gamma as x, y, z; older words of the standard are z, x, y. Gravity
- * decides, which turns as the rotation says: the order whose prediction is nearer over what has been seen. */
+/** Assignment of rotationRate's numbers to axes: browsers use alpha, beta, gamma as x, y, z; older versions of the
+ * standard z, x, y. Gravity, which
+ * rotates with the phone, decides: the order whose prediction fits better so far. */
 export class AxisOrder {
   #last = null; #errors = [0, 0]; #turned = 0;
   static ORDERS = [r => [r.alpha, r.beta, r.gamma], r => [r.beta, r.gamma, r.alpha]];
@@ -55,12 +57,14 @@ export class AxisOrder {
 
 const WANTED_MS = 5, LONGEST_MS = 100; // between samples: what the tracker's sums of straight lines need; beyond that nothing is known of what was between
 
-/** Browsers give some 60 samples a second. Straight lines between them cut off the peaks of a step: ten walks became 1.1 % short in the mean, by these curves 0.1 %
- * long (docs/web.md). Cubics with the slopes of Catmull & Rom 1974; each sample is given when the next one has come. */
+/** Browsers give about 60 samples a second. Linear interpolation cuts off the peaks of a step: it made ten walks 1.1 %
+ * too short on average, these curves
+ * 0.1 % too long (docs/web.md). Cubics with the slopes of Catmull & Rom 1974; a sample is emitted when the next one
+ * has arrived. */
 export class Between {
-  #last = []; // three at most; the newest is not given yet
+  #last = []; // three at most; the newest is not emitted yet
 
-  /** The samples {t_ns, gyro, accel} that are to be given now, of `sample` or before. */
+  /** Returns the samples {t_ns, gyro, accel} that become available with `sample`. */
   add(sample) {
     const newest = this.#last.at(-1), far = newest && sample.t_ns - newest.t_ns > LONGEST_MS * 1e6;
     const given = !newest ? [] : this.#last.length === 3 && !far ? [...Between.#curve(...this.#last, sample), newest] : [newest];
@@ -68,7 +72,7 @@ export class Between {
     return given;
   }
 
-  /** What lies between b and c. */
+  /** The curve between b and c. */
   static #curve(a, b, c, d) {
     const dt_ns = c.t_ns - b.t_ns, count = Math.round(dt_ns / (WANTED_MS * 1e6));
     const at = (f, field) => b[field].map((_, i) => {
@@ -80,7 +84,7 @@ export class Between {
   }
 }
 
-/** Calls back with inertial samples, some 200 a second; the function returned ends that. */
+/** Calls back with inertial samples, about 200 a second; returns a function that stops it. */
 export function listenToMotion(onSample) {
   const order = new AxisOrder(), between = new Between(), sign = gravityIsReversed() ? -1 : 1;
   let last_ns = -Infinity;
@@ -88,7 +92,7 @@ export function listenToMotion(onSample) {
     const a = event.accelerationIncludingGravity, r = event.rotationRate;
     if (a?.x == null || r?.alpha == null) return;
     const t_ns = event.timeStamp * 1e6;
-    if (t_ns <= last_ns) return; // some browsers give two events one time
+    if (t_ns <= last_ns) return; // some browsers give two events with the same time
     last_ns = t_ns;
     const accel = [sign * a.x, sign * a.y, sign * a.z];
     order.see(t_ns / 1e9, accel, r);
@@ -98,7 +102,7 @@ export function listenToMotion(onSample) {
   return () => window.removeEventListener('devicemotion', listener);
 }
 
-/** Calls back with {t_ns, bitmap} of each picture; the function returned ends that. */
+/** Calls back with {t_ns, bitmap} of each picture; returns a function that stops it. */
 export function listenToCamera(video, onPicture) {
   let running = true, busy = false;
   const take = async (now, metadata) => {
@@ -118,12 +122,14 @@ export function listenToCamera(video, onPicture) {
   return () => { running = false; };
 }
 
-/** By how many degrees clockwise the browser has turned the picture from how the sensor reads it: its rows lie across the upright phone, the first
- * column at the phone's top, as nearly all rear cameras are built in. The tracker is given the picture turned back: then its rows are the sensor's,
- * which it needs for the rolling shutter, and turning the screen changes nothing. */
+/** Clockwise rotation in degrees that the browser has applied to the sensor's picture: the sensor's rows lie across the
+ * upright phone, with the first
+ * column at the phone's top, in nearly all rear cameras. The tracker gets the picture in sensor orientation, which it
+ * needs for the rolling shutter and
+ * which is independent of the screen's rotation. */
 export const turnOf = (screen_deg, {width, height}) => ((width < height) === (screen_deg % 180 === 0) ? (450 - screen_deg) % 360 : 0);
 
-/** A calibration out of what one can guess, of the picture as the sensor reads it. */
+/** A guessed calibration, of the picture in sensor orientation. */
 export function guessedCamera({width, height, turn_deg, angle_deg, readout_ms}) {
   const [w, h] = turn_deg % 180 === 0 ? [width, height] : [height, width];
   const focal = Math.max(w, h) / 2 / Math.tan(angle_deg * DEGREE / 2);
@@ -131,7 +137,7 @@ export function guessedCamera({width, height, turn_deg, angle_deg, readout_ms}) 
     q_b_c: [0, Math.SQRT1_2, -Math.SQRT1_2, 0], p_b_c: [0, 0, 0], line_time_ns: Math.round(readout_ms * 1e6 / h)};
 }
 
-/** The camera and the pose of the picture as it is shown: turned clockwise by turn_deg. */
+/** The camera and the pose of the displayed picture: rotated clockwise by turn_deg. */
 export function shown(camera, pose, turn_deg) {
   if (!turn_deg) return {camera, pose};
   const {width: w, height: h, fx, fy, cx, cy} = camera, half = -turn_deg * DEGREE / 2;
@@ -139,7 +145,7 @@ export function shown(camera, pose, turn_deg) {
   return {camera: {...camera, ...turned}, pose: pose && {...pose, q_n: multiply(pose.q_n, [Math.cos(half), 0, 0, Math.sin(half)])}};
 }
 
-/** Draws a picture turned back by turn_deg. */
+/** Draws a picture rotated back by turn_deg. */
 export function drawTurnedBack(context, bitmap, turn_deg) {
   const {width: w, height: h} = bitmap;
   context.setTransform(...{0: [1, 0, 0, 1, 0, 0], 90: [0, -1, 1, 0, 0, w], 180: [-1, 0, 0, -1, w, h], 270: [0, 1, -1, 0, h, 0]}[turn_deg]);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The path walked from above, north up as far as it is known, with a scale.
+// The path walked from above, north up if known, with a scale.
 const STEPS_M = [0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, 2000, 5000];
 const LEAST_M = 8; // of the map's width
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Quaternions w, x, y, z and vectors, as the ABI has them.
+// Quaternions w, x, y, z and vectors, as in the ABI.
 
 export function rotate(q, v) {
   const [w, x, y, z] = q, [a, b, c] = v;
@@ -22,7 +22,7 @@ export const scale = (a, s) => a.map(x => s * x);
 
 const KANNALA_BRANDT = 2;
 
-/** Pixel of a point in the camera's axes, as OpenCV's models have it; null behind the camera. */
+/** Pixel of a point in the camera's axes by OpenCV's models; null behind the camera. */
 export function project(camera, [x, y, z]) {
   if (z <= 1e-6) return null;
   const k = camera.distortion, a = x / z, b = y / z, r2 = a * a + b * b;
@@ -38,7 +38,7 @@ export function project(camera, [x, y, z]) {
   return [camera.fx * u + camera.cx, camera.fy * v + camera.cy];
 }
 
-/** The direction of a pixel in the camera's axes, by fixed-point iteration: for touches. */
+/** Direction of a pixel in the camera's axes, by fixed-point iteration: for touches. */
 export function unproject(camera, [px, py]) {
   const want = [(px - camera.cx) / camera.fx, (py - camera.cy) / camera.fy];
   const at = [...want];

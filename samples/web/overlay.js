@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The picture and what is drawn into it, by WebGL: a grid of metres on the ground, the path walked, marks. Points are of the world n
-// (north, east, down); the lens is applied to each corner.
+// Draws the picture and its overlay by WebGL: a metre grid on the ground, the path walked, marks. Points are in the
+// world n (north, east, down); the
+// lens is applied to each vertex.
 const LENS = `
 attribute vec3 point; attribute vec4 tint; varying vec4 colour;
 uniform vec4 q; uniform vec3 p; uniform vec4 lens; uniform vec2 size; uniform vec4 k, k2; uniform vec2 model; uniform vec4 place; uniform float dot_size;
@@ -14,7 +15,7 @@ void main() {
     else if (model.y > 0.5) d = n * (1.0 + r2 * (k.x + r2 * (k.y + r2 * k2.x))) / (1.0 + r2 * (k2.y + r2 * (k2.z + r2 * k2.w)))
       + vec2(2.0 * k.z * n.x * n.y + k.w * (r2 + 2.0 * n.x * n.x), k.z * (r2 + 2.0 * n.y * n.y) + 2.0 * k.w * n.x * n.y);
   }
-  vec2 pixel = (lens.xy * (c.z > 0.05 ? d * c.z : c.xy) + (lens.zw + 0.5) * c.z) / size; // times c.z: what reaches behind the phone is cut off there
+  vec2 pixel = (lens.xy * (c.z > 0.05 ? d * c.z : c.xy) + (lens.zw + 0.5) * c.z) / size; // times c.z: clips what reaches behind the phone
   vec2 at = vec2(2.0 * pixel.x - c.z, c.z - 2.0 * pixel.y) * place.xy + place.zw * c.z;
   gl_Position = vec4(at, c.z - 0.1, c.z);
   gl_PointSize = dot_size / max(c.z, 0.5);
@@ -25,8 +26,8 @@ const IMAGE_AT = 'attribute vec2 corner; varying vec2 at; uniform vec4 place; vo
 const IMAGE = 'precision mediump float; varying vec2 at; uniform sampler2D image; void main() { gl_FragColor = vec4(texture2D(image, at).rgb, 1.0); }';
 
 const GRID_M = 12; // to each side of the phone
-const GRID_STEP_M = 1, GRID_PIECE_M = 0.5; // pieces, so that a bent lens bends the line
-const NEAR_PATH_M = 0.35; // of the path beneath one's feet is nothing drawn
+const GRID_STEP_M = 1, GRID_PIECE_M = 0.5; // in pieces, so that a distorting lens bends the line
+const NEAR_PATH_M = 0.35; // the path within this distance is not drawn
 
 export class Overlay {
   constructor(canvas) {
@@ -59,13 +60,13 @@ export class Overlay {
     return program;
   }
 
-  /** How the picture lies on the canvas, in the canvas' coordinates from -1 to 1: it fills it, and what stands over is cut off. */
+  /** Placement of the picture in canvas coordinates from -1 to 1: it fills the canvas and is cropped. */
   place(width, height) {
     const {canvas} = this, ratio = (canvas.width / canvas.height) / (width / height);
     return ratio > 1 ? [1, ratio, 0, 0] : [1 / ratio, 1, 0, 0];
   }
 
-  /** A picture's pixel at a place of the canvas, both in CSS pixels from the upper left corner, and the way back. */
+  /** Pixel of the picture at a canvas position in CSS pixels from the upper left corner, and the inverse. */
   pixelAt([x, y], camera) {
     const [sx, sy] = this.place(camera.width, camera.height), {clientWidth, clientHeight} = this.canvas;
     return [((2 * x / clientWidth - 1) / sx + 1) / 2 * camera.width - 0.5, ((2 * y / clientHeight - 1) / sy + 1) / 2 * camera.height - 0.5];
@@ -75,7 +76,7 @@ export class Overlay {
     return [((2 * (u + 0.5) / camera.width - 1) * sx + 1) / 2 * clientWidth, ((2 * (v + 0.5) / camera.height - 1) * sy + 1) / 2 * clientHeight];
   }
 
-  /** `view`: {bitmap, camera, pose, path, ground, marks}; what is null is not drawn. */
+  /** `view`: {bitmap, camera, pose, path, ground, marks}; null items are not drawn. */
   draw({bitmap, camera, pose, path, ground, marks}) {
     const {gl, canvas} = this, dense = Math.min(window.devicePixelRatio || 1, 2);
     const width = Math.round(canvas.clientWidth * dense), height = Math.round(canvas.clientHeight * dense);
@@ -140,7 +141,7 @@ function grid([north, east], ground) {
   return out;
 }
 
-/** The path on the ground, 20 cm wide; narrower lines are no lines at a phone's resolution. */
+/** The path on the ground, 20 cm wide; narrower lines are invisible at a phone's resolution. */
 function ribbon(path, here, ground) {
   const out = [], half_m = 0.1, tint = [0.25, 0.72, 1, 0.85];
   for (let i = 1; i < path.length; ++i) {

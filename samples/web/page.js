@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-// The page: what a person touches and sees. The tracker runs in worker.js.
+// The page: user interface. The tracker runs in worker.js.
 import {askForCamera, askForMotion, guessedCamera, listenToCamera, listenToMotion, shown, turnOf} from './live.js';
 import {drawMap} from './map.js';
 import {add, rotate, project, unproject, conjugate, subtract} from './math.js';
 import {Overlay} from './overlay.js';
 
 const $ = id => document.getElementById(id);
-const MARK_AHEAD_M = 3; // where a touch looks above the ground
-const FARTHEST_MARK_M = 15; // on the ground; farther off a touch is no place
-const HAND_HEIGHT = 0.8; // of a phone that is held to be looked at, as a part of the walker's height (judgement)
+const MARK_AHEAD_M = 3; // distance of a mark for touches above the horizon
+const FARTHEST_MARK_M = 15; // on the ground; touches beyond it are ignored
+const HAND_HEIGHT = 0.8; // height of a phone looked at, as a fraction of the walker's height (assumed)
 const PATH_STEP_M = 0.05;
-const SILENT_AFTER_MS = 3000; // without motion samples somebody is told
+const SILENT_AFTER_MS = 3000; // without motion samples a warning is shown
 const ASIDE_NOTES = 4;
 
 const HELP = [
@@ -68,7 +68,7 @@ function stop() {
   show('start');
 }
 
-/** The pipeline, with the person's height where the text has the usual one. */
+/** The pipeline, with the person's height in place of the default. */
 const pipeline = () => $('config').value.replace(/^(\s*height:\s*)1\.70 m/m, `$1${Number($('height').value).toFixed(2)} m`);
 
 async function openFile(file) {
@@ -82,7 +82,7 @@ async function openFile(file) {
 
 async function goLive() {
   try {
-    await askForMotion(); // first: iOS wants it within the touch
+    await askForMotion(); // first: iOS requires it within the touch
     const stream = await askForCamera();
     reset();
     show('run');
@@ -140,7 +140,7 @@ function takePicture(told) {
   tellNumbers(told, pose);
   draw();
   if (told.bitmap) worker.postMessage({do: 'drawn'});
-  window.dispatchEvent(new CustomEvent('odograph-picture', {detail: told})); // for whoever embeds or tests the page
+  window.dispatchEvent(new CustomEvent('odograph-picture', {detail: told})); // for embedding pages and tests
 }
 
 function tellNumbers(told, pose) {
@@ -178,7 +178,7 @@ function touch(event) {
   const ray_d = unproject(view.camera, overlay.pixelAt([event.clientX - box.left, event.clientY - box.top], view.camera));
   const ray_n = rotate(view.pose.q_n, ray_d), below = view.ground === null ? 0 : view.ground - view.pose.p_n[2];
   const to_ground = ray_n[2] > 0.05 ? below / ray_n[2] : Infinity, far = to_ground > 0 && to_ground < FARTHEST_MARK_M ? to_ground : MARK_AHEAD_M;
-  // In the axes of the tracker's camera, whose picture is not turned.
+  // In the axes of the tracker's camera, whose picture is in sensor orientation.
   const half = view.turn_deg * Math.PI / 360, q_c_d = [Math.cos(half), 0, 0, -Math.sin(half)];
   worker.postMessage({do: 'mark', t_ns: view.t_ns, p: rotate(q_c_d, ray_d).map(x => x * far)});
   $('hint').hidden = true;

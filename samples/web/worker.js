@@ -1,23 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
-// The tracker, in a thread of its own beside the page. It is told {do: ...} and tells {tell: ...}.
+// The tracker, in a worker beside the page. Requests are {do: ...}, reports {tell: ...}.
 import {load, ODO_CALIBRATION_EXTRINSICS, ODO_CALIBRATION_LINE_TIME, ODO_CALIBRATION_TIME_OFFSET, ODO_FORMAT_GREY8, ODO_POSE_METRIC, ODO_POSE_POSITION,
   ODO_ANCHOR_VIEW, ODO_IMU_GYRO_CORRECTED, ODO_IMU_GYRO, ODO_IMU_ACCEL, TYPES} from './odograph/index.js';
 import {drawTurnedBack} from './live.js';
 
 const EVENTS = ['pose', 'state', 'correction', 'refined', 'report', 'step'];
-const FIRST_EVENT = 0x1000; // of the messages' numbers: events in a recording are what was given then, not to be pushed
-const UNDRAWN = 2; // pictures that the page may be behind; a recording waits for it, of a live camera the next are not shown
-const WAITING_PICTURES = 8; // of which no pose has come yet; a live camera's beyond that are let go
+const FIRST_EVENT = 0x1000; // of the message numbers: recorded events are outputs and are not pushed
+const UNDRAWN = 2; // pictures that the page may lag behind; a recording waits for it, a live camera skips
+const WAITING_PICTURES = 8; // pictures still without a pose; a live camera drops further ones
 const library = load();
 let run = null;
 
 library.then(({version}) => postMessage({tell: 'ready', version}), error => postMessage({tell: 'failed', text: String(error?.message ?? error)}));
 
-/** A session and what belongs to it. */
+/** A session and its data. */
 class Run {
   constructor(odograph, config, seed) {
     this.odograph = odograph;
-    this.pictures = []; // {t_ns, bitmap, turn_deg}, until their pose comes
+    this.pictures = []; // {t_ns, bitmap, turn_deg}, until their pose arrives
     this.poses = [];
     this.notes = [];
     this.corrections = [];
@@ -44,7 +44,7 @@ class Run {
     this.session.push(message);
   }
 
-  /** Pixels of a bitmap, as the format of the recording or of a camera has them. */
+  /** Pixels of a bitmap, in the format of the recording or the camera. */
   #pixels(bitmap, grey, turn_deg) {
     const [width, height] = turn_deg % 180 === 0 ? [bitmap.width, bitmap.height] : [bitmap.height, bitmap.width];
     if (this.canvas?.width !== width || this.canvas?.height !== height) {
@@ -67,7 +67,7 @@ class Run {
     this.spent_ms = 0;
     return this.timed(() => this.session.pushFrame(frame));
   }
-  /** What is pushed between two pictures counts as what a picture takes: one waits for the samples that cover it. */
+  /** Time spent on pushes between two pictures counts for the picture, which waits for the samples that cover it. */
   timed(push) {
     const before = performance.now(), status = push(), took = performance.now() - before;
     this.spent_ms += took;
@@ -75,7 +75,7 @@ class Run {
     return status;
   }
 
-  /** What has come of what was pushed, one message for each picture whose pose is there. */
+  /** Posts one message for each picture whose pose is available. */
   tell() {
     const {session, odograph} = this;
     for (const pose of this.poses.splice(0)) {
@@ -107,7 +107,7 @@ class Run {
 
 const later = ms => new Promise(done => setTimeout(done, ms));
 
-/** Plays a recording at its pace: `pace` times as fast as it was taken, 0 for as fast as this machine can. */
+/** Plays a recording `pace` times as fast as it was taken; 0: as fast as possible. */
 async function play(mine) {
   const {session, recording} = mine;
   const first_of_all = performance.now();

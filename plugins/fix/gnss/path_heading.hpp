@@ -37,8 +37,8 @@ class PathHeading {
     double any = 3;      ///< initial sigma of (a, b): any yaw, any scale
     double any_m = 1e5;  ///< initial sigma of the path's start
     double jump_m = 50;  ///< sigma of a reflection
-    int64_t patience_ns =
-        3'000'000'000;  ///< max waiting time of a position for its steps, which are reported with a delay
+    /// Max waiting time of a position for its steps, which are reported with a delay.
+    int64_t patience_ns = 3'000'000'000;
     int64_t velocity_ns = 1'000'000'000;  ///< segment of the path that a velocity is compared with: two steps
     double tellable_rad = 0.35;           ///< max sigma of a yaw offset to be reported
     double news = 0.1;                    ///< relative gain of information before it is reported again

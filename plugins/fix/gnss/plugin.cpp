@@ -142,8 +142,8 @@ class Gnss {
   struct Gyro {
     int64_t t_ns = 0;
     double heading_rad = 0, beyond_attitude_rad = 0;
-    Eigen::Vector3d bias_b =
-        Eigen::Vector3d::Zero();  ///< initial estimate, kept so that the remaining bias is constant
+    /// Initial estimate, kept so that the remaining bias is constant.
+    Eigen::Vector3d bias_b = Eigen::Vector3d::Zero();
   };
 
   static Eigen::Quaterniond orientation(const odo_attitude& attitude) { return odograph::quaternion(attitude.q_n_b); }

@@ -54,9 +54,8 @@ class Judge {
     double unseen_copy = 4;               ///< chi-square by which the prior must exclude a copy on an unseen side
     double gate_sigmas = 3.5;             ///< for gravity, and for a position known from GNSS only
     double max_prior_cost = 16.25;        ///< chi-square of position, height and heading: rejects 0.3 % of true ones
-    double step_sigma_m = 0.3,
-           step_sigma_rad =
-               0.03;  ///< in addition to the prior's: errors of surveys and priors change in steps; empirical
+    /// In addition to the prior's: errors of surveys and priors change in steps; empirical.
+    double step_sigma_m = 0.3, step_sigma_rad = 0.03;
     double max_speed_mps = 2.5;      ///< of a walker, between two sightings
     double sway_m = 0.15;            ///< of a standing walker; empirical
     int64_t gap_ns = 1'500'000'000;  ///< after which a new encounter with the object begins; empirical

@@ -117,8 +117,8 @@ Terrain read_geotiff(const std::string& file) {
   if (!TIFFGetField(tiff.get(), kTiepoint, &count, &values) || count < 6)
     refuse(file, "has no georeference (ModelTiepoint)");
   const Keys keys = keys_of(tiff.get(), file);
-  const double half =
-      keys.point ? 0.0 : 0.5;  // a tie point refers to the corner of its pixel, unless pixels are points
+  // A tie point refers to the corner of its pixel, unless pixels are points.
+  const double half = keys.point ? 0.0 : 0.5;
   grid.east_m = values[3] + (half - values[0]) * grid.cell_east_m;
   const double north_m = values[4] - (half - values[1]) * grid.cell_north_m;  // of the first row
   grid.north_m = north_m - static_cast<double>(rows - 1) * grid.cell_north_m;

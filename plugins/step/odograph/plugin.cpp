@@ -102,8 +102,8 @@ class OdographSteps {
   }
 
  private:
-  static constexpr double kKnownDirection_rad =
-      0.25;  ///< standard deviation; less than that of a phone's axis on a leg
+  /// Standard deviation; less than that of a phone's axis on a leg.
+  static constexpr double kKnownDirection_rad = 0.25;
 
   struct Heading {
     int64_t t_ns = 0;

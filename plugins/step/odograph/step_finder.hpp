@@ -79,8 +79,8 @@ class StepFinder {
     double part_over_s = 0.8;         ///< averaging time of the vertical part and of the hand's tilting
     double gentle_over_s = 2.0;       ///< the same, in addition, for gentle steps
     double arm_lag_s = 0.03;          ///< lag of the hand behind the trunk
-    double surge_lead_rad =
-        1.75;  ///< phase lead of the forward surge over the push up; RIDI: 1.1 on legs, 1.8 elsewhere
+    /// Phase lead of the forward surge over the push up; RIDI: 1.1 on legs, 1.8 elsewhere.
+    double surge_lead_rad = 1.75;
     double learn_interval = 0.25, learn_swing = 0.2,
            learn_part = 0.1;  ///< weights of the newest step in the typical one
     static Parameters of_gentle_steps();

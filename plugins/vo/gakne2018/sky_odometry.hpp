@@ -40,8 +40,8 @@ class SkyOdometry {
     double near = 0.25;       ///< on the plane: a match farther away is taken for another, similar window
     float max_distance = 64;  ///< max Hamming distance of a match, of ORB's 256 bits
     double huber_part = 0.3;  ///< part of inlier_rad beyond which the loss is linear
-    double known_rotation_rad =
-        0;  ///< max rotation of the gravity-aligned frame between two pictures, by the gyroscope
+    /// Max rotation of the gravity-aligned frame between two pictures, by the gyroscope.
+    double known_rotation_rad = 0;
     double unknown_rotation_rad = 0.15;  ///< the same without an attitude: a turning car
   };
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
- * fix/range: an absolute fixer from distances to transmitters at known places. Glue between the ABI and range_fix.h.
+ * fix/range: an absolute fixer from distances to transmitters at known positions. Glue between the ABI and range_fix.h.
  */
 #include <math.h>
 #include <stddef.h>
@@ -14,7 +14,7 @@
 
 struct odo_instance {
   const odo_sink* sink;
-  uint32_t camera; /* whose mount is used: the first that has a calibration */
+  uint32_t camera; /* whose mount is used: the first camera with a calibration */
   int has_camera;
   double q_b_c[4], p_b_c[3];
   range_fix fix;
@@ -31,27 +31,26 @@ struct odo_instance {
   { sizeof(odo_parameter), ODO_PARAMETER_INT, TEXT(name), {NULL, 0}, TEXT(help), TEXT(text), {NULL, 0}, min, max, 1, 0 }
 
 static const odo_parameter parameters[] = {
-    REAL("interval", "s", "Ranges of so long make one fix; two to five ranges of each of some transmitters at 10 Hz.",
-         "0.5", 0.05, 10.0),
-    REAL("max_gap", "s", "Longest time between two poses that a range may lie between; a slow walker's step takes 1 s.",
-         "1.5", 0.05, 10.0),
+    REAL("interval", "s", "Time span of the ranges of one fix; two to five ranges per transmitter at 10 Hz.", "0.5",
+         0.05, 10.0),
+    REAL("max_gap", "s",
+         "Longest interval between two poses to interpolate at a range; a slow walker's step takes 1 s.", "1.5", 0.05,
+         10.0),
     REAL("bias_sigma", "m",
          "Error of a transmitter's ranges that does not average out (multipath, antenna delay); assumed.", "0.05", 0.0,
          10.0),
-    REAL("correlation", "s", "How long that error lasts: about as long as it takes to walk a few metres; assumed.", "2",
-         0.0, 100.0),
+    REAL("correlation", "s", "Correlation time of that error: that of walking a few metres; assumed.", "2", 0.0, 100.0),
     REAL("prior_sigma", "m",
-         "Standard deviation of a pose without covariance, and what ranges must determine a direction to.", "10", 0.01,
+         "Standard deviation of a pose without covariance, and limit for a direction determined by ranges.", "10", 0.01,
          1000.0),
-    REAL("unobserved_sigma", "m",
-         "Standard deviation in directions that no range informs about: large against any session.", "1000", 10.0,
-         100000.0),
+    REAL("unobserved_sigma", "m", "Standard deviation in directions without ranges: large compared with any session.",
+         "1000", 10.0, 100000.0),
     REAL("gate", "", "Normalised innovation above which a range is rejected; 3.5 sigma is one in 2000 good ranges.",
          "3.5", 1.0, 100.0),
     INTEGER("max_rejected", "Consecutive windows with most ranges rejected after which the ranges are trusted; 5 s.",
             "10", 1, 1000)};
 
-/* Where each row's value goes, in the order of the table. */
+/* Offset of each row's value, in the order of the table. */
 static const size_t reals[] = {
     offsetof(range_parameters, interval_s),    offsetof(range_parameters, max_gap_s),
     offsetof(range_parameters, bias_sigma_m),  offsetof(range_parameters, correlation_s),
@@ -75,10 +74,10 @@ static int32_t ODO_CALL create(const odo_host* host, uint32_t number, const odo_
   return ODO_OK;
 }
 
-/* The host gives a value for each row of the table. */
+/* The host passes a value for each row of the table. */
 static int32_t ODO_CALL configure(odo_instance* self, const odo_value* values, uint32_t count, uint32_t stride) {
   uint32_t i, k;
-  for (i = 0; i < count; ++i) { /* the rows of a newer host are larger */
+  for (i = 0; i < count; ++i) { /* rows of a newer host are larger */
     const odo_value* value = (const odo_value*)(const void*)((const char*)values + (size_t)i * stride);
     for (k = 0; k < PARAMETERS; ++k) {
       if (!same(&value->name, &parameters[k].name)) continue;
@@ -115,7 +114,7 @@ static int32_t on_calibration(odo_instance* self, const odo_calibration* calibra
   return ODO_OK;
 }
 
-/* Takes the pose as one of the body. */
+/* Converts the pose to one of the body. */
 static int32_t on_pose(odo_instance* self, const odo_pose* pose) {
   const uint32_t needed = ODO_POSE_ORIENTATION | ODO_POSE_POSITION | ODO_POSE_METRIC;
   const double prior2 = self->fix.parameters.prior_sigma_m * self->fix.parameters.prior_sigma_m;
@@ -220,7 +219,7 @@ static void ODO_CALL destroy(odo_instance* self) { free(self); }
 
 int32_t ODO_CALL ODO_PLUGIN_ENTRY(const odo_host* host, odo_plugin* out) {
   static const odo_string id = TEXT("fix/range"), version = TEXT("1.0.0");
-  static const odo_string summary = TEXT("Position from distances to transmitters at known places");
+  static const odo_string summary = TEXT("Position from distances to transmitters at known positions");
   static const odo_string refusal = TEXT("this plugin needs another version of the ABI than the host's");
   static const uint32_t inputs[] = {ODO_TYPE_CORRECTION};
   odo_plugin table;
@@ -239,7 +238,7 @@ int32_t ODO_CALL ODO_PLUGIN_ENTRY(const odo_host* host, odo_plugin* out) {
   table.inputs = inputs, table.input_count = sizeof inputs / sizeof *inputs;
   table.create = create, table.configure = configure, table.activate = activate;
   table.process = process, table.reset = reset, table.destroy = destroy;
-  /* A host of another age has a smaller or a larger table. */
+  /* A host of another version has a smaller or a larger table. */
   size = out->struct_size < table.struct_size ? out->struct_size : table.struct_size;
   memcpy(out, &table, size);
   out->struct_size = size;

@@ -22,7 +22,7 @@ void range_rotate(const double* q, const double* v, double* out) {
   for (i = 0; i < 3; ++i) out[i] = r[i + 1];
 }
 
-/* One Jacobi rotation, which makes element (p, q) of `a` zero. */
+/* One Jacobi rotation; zeroes element (p, q) of `a`. */
 static void annihilate(double* a, double* vectors, int p, int q) {
   double theta, t, c, s;
   int k;
@@ -45,7 +45,7 @@ void range_eigen(const double* matrix, double* values, double* vectors) {
   double a[9];
   int i, sweep;
   for (i = 0; i < 9; ++i) a[i] = matrix[i], vectors[i] = i % 4 == 0;
-  for (sweep = 0; sweep < 8; ++sweep) { /* converges quadratically: 4 or 5 suffice */
+  for (sweep = 0; sweep < 8; ++sweep) { /* quadratic convergence: 4 or 5 suffice */
     annihilate(a, vectors, 0, 1);
     annihilate(a, vectors, 0, 2);
     annihilate(a, vectors, 1, 2);

@@ -4,11 +4,11 @@
 #include <math.h>
 #include <string.h>
 
-#define ITERATIONS 50 /* Huber's weights converge linearly where the track is far off */
+#define ITERATIONS 50 /* Huber's weights converge linearly if the track is far off */
 #define CONVERGED_M 1e-4
-#define HUBER 1.5 /* residuals beyond so many sigma get a smaller weight: Huber 1981, 95 % efficient with 1.345 */
+#define HUBER 1.5 /* residuals beyond this many sigma are down-weighted: Huber 1981, 95 % efficient with 1.345 */
 
-/* Differences of any two times, without overflow. */
+/* Difference of any two times, without overflow. */
 static double seconds(int64_t later_ns, int64_t earlier_ns) {
   return 1e-9 * (double)(int64_t)((uint64_t)later_ns - (uint64_t)earlier_ns);
 }
@@ -43,7 +43,7 @@ void range_fix_correct(range_fix* self, const double* q, const double* p) {
   for (i = 0; i < self->window_count; ++i) move(q, p, self->window[i].antenna_n);
 }
 
-/* The antenna at the range's time, between the last two poses. */
+/* Antenna position at the time of the range, interpolated between the last two poses. */
 static void interpolate_antenna(const range_fix* self, range_sample* range) {
   const range_pose *from = &self->poses[0], *to = &self->poses[1];
   const double span = seconds(to->t_ns, from->t_ns);
@@ -58,7 +58,7 @@ static void interpolate_antenna(const range_fix* self, range_sample* range) {
   for (i = 0; i < 3; ++i) range->antenna_n[i] = (1 - share) * from->p_n[i] + share * to->p_n[i] + lever_n[i];
 }
 
-/* Moves the ranges that lie between the last two poses from those waiting to the window. */
+/* Moves waiting ranges between the last two poses to the window. */
 static void place_waiting(range_fix* self) {
   const range_pose *from = &self->poses[0], *to = &self->poses[1];
   int i, left = 0;
@@ -95,8 +95,9 @@ static double line_of_sight(const range_sample* range, const double* delta, doub
   return distance;
 }
 
-/* Variances of the ranges. What the ranges of one transmitter have in common is multiplied by their number, so that
- * their mean keeps it, and by how many windows it lasts. */
+/* Variances of the ranges. The error common to the ranges of a transmitter is multiplied by their number, so that
+ * their
+ * mean keeps it, and by the number of windows that it lasts. */
 static void set_variances(range_fix* self) {
   const range_parameters* p = &self->parameters;
   const range_pose* pose = &self->poses[1];
@@ -117,8 +118,9 @@ static void set_variances(range_fix* self) {
   }
 }
 
-/* Of the first `count` ranges those that agree with the antenna moved by delta, whose place has the covariance P (null:
- * none), to within the gate, moved to the front; their number. */
+/* Moves those of the first `count` ranges to the front that agree within the gate with the antenna moved by delta,
+ * whose
+ * position has the covariance P (null: none). Returns their number. */
 static int gate(range_fix* self, int count, const double* delta, const double* P) {
   int i, kept = 0;
   for (i = 0; i < count; ++i) {
@@ -133,8 +135,9 @@ static int gate(range_fix* self, int count, const double* delta, const double* P
   return kept;
 }
 
-/* One Gauss-Newton step on the first `count` ranges, with Huber's weights: adds it to delta and fills in the
- * covariance. Returns its length. */
+/* One Gauss-Newton step on the first `count` ranges with Huber's weights: updates delta and the covariance. Returns
+ * the
+ * length of the step. */
 static double step(const range_fix* self, int count, double* delta, double* covariance) {
   const double unobserved2 = self->parameters.unobserved_sigma_m * self->parameters.unobserved_sigma_m;
   const double worst2 = self->parameters.prior_sigma_m * self->parameters.prior_sigma_m;
@@ -178,8 +181,8 @@ static int solve(const range_fix* self, int count, double* delta, double* covari
   return 0;
 }
 
-/* A range is linear only near the line of sight: d across it is d^2 / (2 r) along it. How far across the true position
- * may be is known from the track or from the other ranges, whichever is better. */
+/* A range is linear only near the line of sight: d across it is d^2 / (2 r) along it. The track or the other ranges,
+ * whichever is better, bound the true position across it. */
 static void add_curvature(range_fix* self, int count, const double* delta, const double* covariance) {
   int i;
   for (i = 0; i < count; ++i) {
@@ -204,12 +207,12 @@ static int finish(range_fix* self, range_result* result) {
   against = 2 * count < self->window_count; /* the few that agree may do so by chance */
   self->rejected = against ? self->rejected + 1 : 0;
   if (against && self->rejected <= p->max_rejected) return 0;
-  if (against) count = self->window_count; /* it is the track that is wrong */
+  if (against) count = self->window_count; /* then the track is wrong */
   if (!solve(self, count, delta, result->covariance_n)) return 0;
   add_curvature(self, count, delta, result->covariance_n);
   count = gate(self, count, delta, NULL);
   if (2 * count < self->window_count || !solve(self, count, delta, result->covariance_n)) return 0;
-  /* Against the track the ranges must determine a place by themselves. */
+  /* Against the track the ranges must determine the position by themselves. */
   if (against && result->covariance_n[0] + result->covariance_n[4] > p->prior_sigma_m * p->prior_sigma_m) return 0;
   result->used = count, result->given = self->window_count;
   result->t_ns = pose->t_ns;

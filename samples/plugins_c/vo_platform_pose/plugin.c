@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
- * vo/platform_pose: a front-end that makes metric camera motion of the platform's own poses (ARKit, ARCore, OpenXR:
- * odo_platform_pose), so that the platform's tracking is an odometry like any other.
+ * vo/platform_pose: a front-end that converts the platform's own poses (ARKit, ARCore, OpenXR: odo_platform_pose) to
+ * metric camera motion, so that the platform's tracking can replace any other odometry.
  */
 #include <math.h>
 #include <stddef.h>
@@ -11,7 +11,7 @@
 #include <odograph/messages.h>
 #include <odograph/vo_frontend.h>
 
-/* The camera in the platform's world at one result. */
+/* Camera pose in the platform's world at one result. */
 struct view {
   int64_t t_ns;
   double q_w_c[4], p_w_c[3];
@@ -27,8 +27,8 @@ struct odo_instance {
   int has_camera, has_last, has_tracked, has_frame, has_pose;
   double q_b_c[4], p_b_c[3];
   struct view last;       /* of the last result */
-  int64_t frame_ns;       /* newest frame, which has had no motion yet */
-  odo_platform_pose pose; /* newest pose, which has given no motion yet */
+  int64_t frame_ns;       /* newest frame, still without a motion */
+  odo_platform_pose pose; /* newest pose, not used for a motion yet */
   int frames_seen;
   uint32_t scale_group;
 };
@@ -44,18 +44,18 @@ struct odo_instance {
 static const odo_parameter parameters[] = {
     REAL("scale_sigma", "", "Relative standard deviation of the platform's scale; assumed: measure it on your devices.",
          "0.02", 0.0001, 1.0),
-    REAL("position_walk", "m^(1/2)", "Standard deviation of the position after 1 m, beside the scale's; assumed.",
-         "0.01", 0.0, 1.0),
-    REAL("position_sigma", "m", "Standard deviation of one position against the neighbouring ones; assumed.", "0.002",
+    REAL("position_walk", "m^(1/2)",
+         "Standard deviation of the position after 1 m, in addition to the scale's; assumed.", "0.01", 0.0, 1.0),
+    REAL("position_sigma", "m", "Standard deviation of one position relative to its neighbours; assumed.", "0.002",
          0.000001, 1.0),
     REAL("rotation_walk", "rad/s^(1/2)", "Standard deviation of the rotation after 1 s; assumed.", "0.001", 0.0, 1.0),
-    REAL("rotation_sigma", "rad", "Standard deviation of one rotation against the neighbouring ones; assumed.",
-         "0.0005", 0.000001, 1.0),
-    REAL("frame_tolerance", "s",
-         "A pose belongs to the frame whose time differs by less; a quarter of a frame at 60 Hz.", "0.004", 0.0, 0.1),
-    REAL("max_gap", "s", "Between poses further apart there is no translation; ARKit relocalises after interruptions.",
-         "1", 0.01, 60.0),
-    REAL("max_speed", "m/s", "A faster translation is a jump by relocalisation; sprinters reach 12 m/s.", "15", 0.1,
+    REAL("rotation_sigma", "rad", "Standard deviation of one rotation relative to its neighbours; assumed.", "0.0005",
+         0.000001, 1.0),
+    REAL("frame_tolerance", "s", "Largest time difference between a pose and its frame; a quarter of a frame at 60 Hz.",
+         "0.004", 0.0, 0.1),
+    REAL("max_gap", "s", "Longest interval of two poses for a translation; ARKit relocalises after interruptions.", "1",
+         0.01, 60.0),
+    REAL("max_speed", "m/s", "Speed above which a translation is a relocalisation; sprinters reach 12 m/s.", "15", 0.1,
          1000.0)};
 static const size_t members[] = {
     offsetof(struct odo_instance, scale_sigma),    offsetof(struct odo_instance, position_walk),
@@ -86,10 +86,10 @@ static int32_t ODO_CALL create(const odo_host* host, uint32_t number, const odo_
   return *out ? reset(*out) : ODO_E_MEMORY;
 }
 
-/* The host gives a value for each row of the table. */
+/* The host passes a value for each row of the table. */
 static int32_t ODO_CALL configure(odo_instance* self, const odo_value* values, uint32_t count, uint32_t stride) {
   uint32_t i, k;
-  for (i = 0; i < count; ++i) { /* the rows of a newer host are larger */
+  for (i = 0; i < count; ++i) { /* rows of a newer host are larger */
     const odo_value* value = (const odo_value*)(const void*)((const char*)values + (size_t)i * stride);
     for (k = 0; k < PARAMETERS; ++k)
       if (same(&value->name, &parameters[k].name)) *(double*)(void*)((char*)self + members[k]) = value->reals[0];
@@ -129,12 +129,12 @@ static int within(const double* x, int n, double bound) { /* false for NaN too *
 
 static int is_unit(const double* q) { return fabs(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3] - 1) < 0.01; }
 
-/* Differences of any two times, without overflow. */
+/* Difference of any two times, without overflow. */
 static double seconds(int64_t later_ns, int64_t earlier_ns) {
   return 1e-9 * (double)(int64_t)((uint64_t)later_ns - (uint64_t)earlier_ns);
 }
 
-/* The camera's pose at t_ns: the platform's own, or the body's and the camera's mount. */
+/* Camera pose at t_ns: the platform's own, or the body pose with the camera's mount. */
 static struct view view_of(const odo_instance* self, const odo_platform_pose* pose, int64_t t_ns) {
   struct view view;
   double norm, lever_w[3];
@@ -150,7 +150,7 @@ static struct view view_of(const odo_instance* self, const odo_platform_pose* po
   }
   norm = sqrt(view.q_w_c[0] * view.q_w_c[0] + view.q_w_c[1] * view.q_w_c[1] + view.q_w_c[2] * view.q_w_c[2] +
               view.q_w_c[3] * view.q_w_c[3]);
-  for (i = 0; i < 4; ++i) view.q_w_c[i] /= norm; /* platforms give floats */
+  for (i = 0; i < 4; ++i) view.q_w_c[i] /= norm; /* platforms provide floats */
   return view;
 }
 
@@ -169,7 +169,7 @@ static void fill_motion(const odo_instance* self, const struct view* to, odo_vo_
     motion->covariance[7 * i] =
         2 * self->rotation_sigma * self->rotation_sigma + self->rotation_walk * self->rotation_walk * dt;
   motion->header.flags |= ODO_VO_ROTATION | ODO_VO_COVARIANCE;
-  /* While its tracking is limited the platform knows the orientation by the gyroscope, and no position. */
+  /* While tracking is limited, the platform provides the orientation by the gyroscope but no position. */
   if (to->state != ODO_TRACKING || from->state != ODO_TRACKING || dt > self->max_gap || length > self->max_speed * dt)
     return;
   rotate(inverse, d, motion->p_c0_c1);
@@ -203,7 +203,8 @@ static int32_t emit_motion(odo_instance* self, const odo_platform_pose* pose, in
                  : view.state == ODO_LOST                 ? ODO_LOST
                                                           : ODO_DEGRADED;
   self->has_tracked = self->has_tracked || view.state == ODO_TRACKING;
-  /* The message has no reason: before the first good pose and in a new world the platform initialises; later it mostly
+  /* The message has no reason: before the first good pose and in a new world the platform is initialising; later it
+   * mostly
    * lacks features. */
   if (motion.state != ODO_TRACKING)
     motion.reason =
@@ -212,7 +213,7 @@ static int32_t emit_motion(odo_instance* self, const odo_platform_pose* pose, in
   return self->sink->emit(self->sink, &motion.header);
 }
 
-/* Where frames are given, a pose counts for the frame of its time; otherwise each pose is a frame. */
+/* With frames, a pose belongs to the frame of its time; without, each pose is a frame. */
 static int32_t match(odo_instance* self) {
   if (!self->has_pose) return ODO_NOT_READY;
   if (!self->frames_seen) {
@@ -265,7 +266,7 @@ static int32_t ODO_CALL process(odo_instance* self, const odo_batch* batch) {
     odo_calibration calibration;
     switch (message->type) {
       case ODO_TYPE_FRAME: status = on_frame(self, message); break;
-      case ODO_TYPE_PLATFORM_POSE: /* of an older host it is smaller, of a newer one larger */
+      case ODO_TYPE_PLATFORM_POSE: /* smaller from an older host, larger from a newer one */
         odo_copy(&pose, sizeof pose, message);
         status = on_pose(self, &pose);
         break;
@@ -301,10 +302,10 @@ int32_t ODO_CALL ODO_PLUGIN_ENTRY(const odo_host* host, odo_plugin* out) {
   table.id = id, table.version = version, table.summary = summary;
   table.parameters = parameters, table.parameter_count = PARAMETERS, table.parameter_stride = sizeof(odo_parameter);
   table.inputs = inputs, table.input_count = sizeof inputs / sizeof *inputs;
-  table.flags = ODO_PLUGIN_NATIVE_FRAMES; /* it looks at times alone */
+  table.flags = ODO_PLUGIN_NATIVE_FRAMES; /* it uses the frame times only */
   table.create = create, table.configure = configure, table.activate = activate;
   table.process = process, table.reset = reset, table.destroy = destroy;
-  /* A host of another age has a smaller or a larger table. */
+  /* A host of another version has a smaller or a larger table. */
   size = out->struct_size < table.struct_size ? out->struct_size : table.struct_size;
   memcpy(out, &table, size);
   out->struct_size = size;

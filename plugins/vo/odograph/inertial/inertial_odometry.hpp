@@ -31,11 +31,11 @@ struct InertialOdometryParameters {
   StartParameters start;
   GuidedCorners::Parameters corners;
   // Input.
-  int64_t silent_accel_ns =
-      500'000'000;  ///< an accelerometer without samples for this long is treated as absent; empirical
+  /// An accelerometer without samples for this long is treated as absent; empirical.
+  int64_t silent_accel_ns = 500'000'000;
   int64_t imu_margin_ns = 2'000'000;  ///< required IMU data beyond the last row of a frame; empirical
-  double min_interval_s =
-      0.045;  ///< frames at shorter intervals are tracked but not used for estimation: 20 Hz suffice
+  /// Frames at shorter intervals are tracked but not used for estimation: 20 Hz suffice.
+  double min_interval_s = 0.045;
   // Loss and divergence of the filter.
   double lost_sigma_mps = 1.0;       ///< velocity sigma above which the filter is lost; empirical
   double degraded_sigma_mps = 0.3;   ///< velocity sigma above which it is degraded; empirical

@@ -15,8 +15,8 @@ namespace odograph::vo {
 /// Pictures with little information. Grey values are means of 0 to 255.
 struct LightParameters {
   PictureContent::Parameters content;  ///< with less content nothing is tracked
-  double dim_grey =
-      60;  ///< below it the picture is smoothed: the noise has a larger gradient than the scene; empirical
+  /// Below it the picture is smoothed: the noise has a larger gradient than the scene; empirical.
+  double dim_grey = 60;
   double dim_blur_px = 1.5;  ///< standard deviation of that Gaussian; empirical
 };
 

@@ -8,7 +8,7 @@
 
 #include "conversions.h"
 
-static const double kReadoutS = 0.010; /* of a picture; no API gives it, the front-end refines it */
+static const double kReadoutS = 0.010; /* of a picture; no API reports it, the front-end refines it */
 
 int32_t ODO_CALL odo_plugin_entry_attitude_vqf(const struct odo_host *host, struct odo_plugin *out);
 int32_t ODO_CALL odo_plugin_entry_step_odograph(const struct odo_host *host, struct odo_plugin *out);
@@ -18,7 +18,7 @@ static NSError *failure(NSString *text) {
   return [NSError errorWithDomain:@"Odograph" code:1 userInfo:@{NSLocalizedDescriptionKey : text}];
 }
 
-/* A picture is the session's until it releases it as often as it retained it. */
+/* The session holds a picture until it has released it as often as it retained it. */
 static int32_t retain_picture(void *owner) {
   CVPixelBufferLockBaseAddress((CVPixelBufferRef)owner, kCVPixelBufferLock_ReadOnly);
   CVPixelBufferRetain((CVPixelBufferRef)owner);
@@ -126,7 +126,7 @@ static const void *native_picture(void *owner, const char *id, uint64_t size) {
                                       }];
 }
 
-/* Rear wide camera, 640 x 480, as the sensor reads it, nothing stabilised, focus far. Returns what went wrong. */
+/* Rear wide camera, 640 x 480, in sensor orientation, without stabilisation, focus at infinity. Returns an error text. */
 - (NSString *)startCamera {
   AVCaptureVideoDataOutput *output = [AVCaptureVideoDataOutput new];
   AVCaptureDeviceInput *input;
@@ -135,13 +135,13 @@ static const void *native_picture(void *owner, const char *id, uint64_t size) {
                                                mediaType:AVMediaTypeVideo
                                                 position:AVCaptureDevicePositionBack];
   input = _camera ? [AVCaptureDeviceInput deviceInputWithDevice:_camera error:NULL] : nil;
-  if (!input) return @"no camera at the back, or it may not be used";
+  if (!input) return @"no back camera, or no permission to use it";
   _capture = [AVCaptureSession new];
   _capture.sessionPreset = AVCaptureSessionPreset640x480;
   output.videoSettings = @{(NSString *)kCVPixelBufferPixelFormatTypeKey : @(kCVPixelFormatType_420YpCbCr8BiPlanarFullRange)};
   output.alwaysDiscardsLateVideoFrames = YES;
   [output setSampleBufferDelegate:self queue:_pictures];
-  if (![_capture canAddInput:input] || ![_capture canAddOutput:output]) return @"the camera has no such pictures";
+  if (![_capture canAddInput:input] || ![_capture canAddOutput:output]) return @"the camera does not support this picture format";
   [_capture addInput:input];
   [_capture addOutput:output];
   connection = [output connectionWithMediaType:AVMediaTypeVideo];
@@ -158,7 +158,7 @@ static const void *native_picture(void *owner, const char *id, uint64_t size) {
 
 - (void)captureOutput:(AVCaptureOutput *)output didOutputSampleBuffer:(CMSampleBufferRef)sample fromConnection:(AVCaptureConnection *)connection {
   CVPixelBufferRef pixels = CMSampleBufferGetImageBuffer(sample);
-  /* From the session's clock to the one that Core Motion counts. That this is the start of the exposure is an assumption. */
+  /* From the session's clock to that of Core Motion. That it is the start of the exposure is an assumption. */
   const CMTime start = CMSyncConvertTime(CMSampleBufferGetPresentationTimeStamp(sample), _capture.synchronizationClock, CMClockGetHostTimeClock());
   const double exposure_s = CMTimeGetSeconds(_camera.exposureDuration);
   NSData *matrix = (__bridge NSData *)CMGetAttachment(sample, kCMSampleBufferAttachmentKey_CameraIntrinsicMatrix, NULL);

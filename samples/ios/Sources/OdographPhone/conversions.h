@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
- * An iPhone's numbers as Odograph's: docs/phones.md is this file as a table. Nothing of Apple's is included, so that it
- * is compiled and tested on any machine.
+ * Conversions from an iPhone's sensors to Odograph: docs/phones.md has this file as a table. It includes no Apple
+ * header, so that any machine can compile and test it.
  */
 #ifndef PHONE_CONVERSIONS_H
 #define PHONE_CONVERSIONS_H
@@ -23,7 +23,7 @@ static inline void phone_begin(odo_header* header, uint32_t size, uint32_t type,
   header->flags = flags;
 }
 
-/* CMAccelerometerData: g, and downwards at rest. */
+/* CMAccelerometerData: in g, pointing down at rest. */
 static inline void phone_accelerometer(odo_imu* imu, double boot_s, double x, double y, double z) {
   phone_begin(&imu->header, sizeof *imu, ODO_TYPE_IMU, phone_ns(boot_s), ODO_IMU_ACCEL);
   imu->accel_b[0] = -PHONE_STANDARD_GRAVITY * x;
@@ -43,11 +43,10 @@ static inline void phone_barometer(odo_barometer* barometer, double boot_s, doub
   barometer->pressure_pa = 1000 * kilopascal;
 }
 
-/* CLLocation: degrees, ellipsoidalAltitude, both accuracies (not valid: 0 or less). `age_s`: now minus its timestamp.
- */
+/* CLLocation: degrees, ellipsoidalAltitude, both accuracies (0 or less: invalid). `age_s`: now minus its timestamp. */
 static inline int phone_gnss(odo_gnss* gnss, double now_boot_s, double age_s, double latitude, double longitude,
                              double ellipsoidal_altitude, double horizontal_accuracy, double vertical_accuracy) {
-  const double sigma = horizontal_accuracy / 1.51; /* taken as the radius that holds 68 %; Apple does not state it */
+  const double sigma = horizontal_accuracy / 1.51; /* assumed to be the 68 % radius; Apple does not specify it */
   if (horizontal_accuracy <= 0) return 0;
   phone_begin(&gnss->header, sizeof *gnss, ODO_TYPE_GNSS, phone_ns(now_boot_s - age_s),
               ODO_GNSS_POSITION | ODO_GNSS_COVARIANCE);
@@ -68,7 +67,7 @@ static inline void phone_intrinsics(odo_frame* frame, const float* columns) {
   frame->header.flags |= ODO_FRAME_INTRINSICS;
 }
 
-/* The back camera, its picture as the sensor reads it. Without intrinsics the frame's are a guess, some percent off. */
+/* The back camera, its picture in sensor orientation. Without intrinsics the frame's are a guess, some percent off. */
 static inline void phone_calibration(odo_calibration* calibration, const odo_frame* frame, double readout_s) {
   const int known = (frame->header.flags & ODO_FRAME_INTRINSICS) != 0;
   phone_begin(&calibration->header, sizeof *calibration, ODO_TYPE_CALIBRATION, frame->header.t_ns,

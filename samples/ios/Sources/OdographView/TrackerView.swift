@@ -12,7 +12,7 @@ vo_frontend: {plugin: vo/odograph}
 coupling: {type: localizer}
 """
 
-/// Tracks while it is on the screen, and shows where the phone is.
+/// Tracks and shows the phone's position while visible.
 public struct TrackerView: View {
     @State private var tracker: OdographTracker?
     @State private var text = "move the phone"

@@ -21,7 +21,7 @@ func show(_ event: Event) {
     print("pose \(pose.header.t_ns) \(x) \(y) \(z) \(qx) \(qy) \(qz) \(qw)")
 }
 
-/// Where the pixels of a grey picture begin. PGM needs no library; an app decodes JPEG and PNG by the one that it has.
+/// Offset of the pixels of a grey picture. PGM needs no library; an app decodes JPEG and PNG with its own library.
 func decode(_ picture: UnsafeRawBufferPointer, _ frame: inout odo_frame) -> Int {
     let words = String(decoding: picture.prefix(24), as: Unicode.ASCII.self).split(whereSeparator: \.isWhitespace).prefix(4)
     frame.format = ODO_FORMAT_GREY8

@@ -11,7 +11,7 @@
 namespace phone {
 namespace {
 
-constexpr int kWidth = 640, kHeight = 480;  // every Camera2 phone has it
+constexpr int kWidth = 640, kHeight = 480;  // supported by every Camera2 phone
 constexpr int kBuffers = 8;
 
 bool read(const ACameraMetadata* metadata, uint32_t tag, uint32_t count, ACameraMetadata_const_entry* entry) {
@@ -49,7 +49,7 @@ CameraFacts facts_of(const ACameraMetadata* camera) {
   return facts;
 }
 
-/// A picture that the session may hold; the last one to release it gives it back to the camera.
+/// A picture that the session may hold; the last release returns it to the camera.
 struct Picture {
   AImage* image;
   std::atomic<int> holds{1};
@@ -87,7 +87,7 @@ bool set_planes(AImage* image, odo_frame& frame) {
 
 std::string Camera::find_back_camera() {
   ACameraIdList* list = nullptr;
-  if (ACameraManager_getCameraIdList(manager_, &list) != ACAMERA_OK) return "no list of cameras";
+  if (ACameraManager_getCameraIdList(manager_, &list) != ACAMERA_OK) return "cannot list the cameras";
   for (int i = 0; i < list->numCameras && id_.empty(); ++i) {
     ACameraMetadata* camera = nullptr;
     ACameraMetadata_const_entry entry = {};
@@ -101,8 +101,8 @@ std::string Camera::find_back_camera() {
     ACameraMetadata_free(camera);
   }
   ACameraManager_deleteCameraIdList(list);
-  if (id_.empty()) return "no camera at the back";
-  return facts_.array_width > 0 && facts_.array_height > 0 ? "" : "the camera does not say how large its sensor is";
+  if (id_.empty()) return "no back camera";
+  return facts_.array_width > 0 && facts_.array_height > 0 ? "" : "the camera does not report the size of its sensor";
 }
 
 std::string Camera::open_reader() {
@@ -112,12 +112,12 @@ std::string Camera::open_reader() {
   if (AImageReader_new(kWidth, kHeight, AIMAGE_FORMAT_YUV_420_888, kBuffers, &reader_) != AMEDIA_OK ||
       AImageReader_setImageListener(reader_, &listener) != AMEDIA_OK ||
       AImageReader_getWindow(reader_, &window) != AMEDIA_OK)
-    return "no reader of pictures";
+    return "cannot create an image reader";
   const bool made = ACaptureSessionOutputContainer_create(&outputs_) == ACAMERA_OK &&
                     ACaptureSessionOutput_create(window, &output_) == ACAMERA_OK &&
                     ACaptureSessionOutputContainer_add(outputs_, output_) == ACAMERA_OK &&
                     ACameraOutputTarget_create(window, &target_) == ACAMERA_OK;
-  return made ? "" : "no output of the camera";
+  return made ? "" : "cannot create a camera output";
 }
 
 std::string Camera::open_session() {
@@ -126,9 +126,9 @@ std::string Camera::open_session() {
   if (ACameraDevice_createCaptureRequest(device_, TEMPLATE_RECORD, &request_) != ACAMERA_OK ||
       ACaptureRequest_addTarget(request_, target_) != ACAMERA_OK ||
       ACameraDevice_createCaptureSession(device_, outputs_, &states, &capture_) != ACAMERA_OK)
-    return "no capture session";
-  // Nothing may move the picture: far focus, no stabiliser of either kind, no correction of the lens. A phone that
-  // lacks one ignores it.
+    return "cannot create a capture session";
+  // Nothing may shift the picture: focus at infinity, no optical or digital stabilisation, no lens correction. Phones
+  // without one of them ignore it.
   const uint8_t off = 0;
   const float far_away = 0;
   const int32_t rate[2] = {30, 30};
@@ -190,8 +190,7 @@ void Camera::on_picture() {
   {
     const std::lock_guard lock(mutex_);
     const auto found = results_.find(start_ns);
-    if (found ==
-        results_.end()) {  // its result comes later, as a rule; a picture without one is given up with the next
+    if (found == results_.end()) {  // its result usually comes later; a picture without one is dropped with the next
       for (auto old = pictures_.begin(); pictures_.size() >= 2; old = pictures_.erase(old)) AImage_delete(old->second);
       pictures_.emplace(start_ns, image);
       return;
@@ -223,8 +222,8 @@ void Camera::on_result(const ACameraMetadata* metadata) {
   push(image, start_ns, result);
 }
 
-/// The clock of ASensorEvent. A camera whose source is UNKNOWN mostly counts CLOCK_MONOTONIC, which stands still in
-/// sleep; what is left of an offset belongs into the calibration's time_offset_ns.
+/// The clock of ASensorEvent. A camera with timestamp source UNKNOWN mostly uses CLOCK_MONOTONIC, which stops in sleep;
+/// a remaining offset belongs in the calibration's time_offset_ns.
 int64_t Camera::to_sensor_clock(int64_t t_ns) const {
   if (realtime_) return t_ns;
   timespec boot = {}, monotonic = {};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The back camera by the NDK's Camera2: pictures are lent to the session, never copied.
+// The back camera by the NDK's Camera2: the session borrows the pictures without a copy.
 #ifndef PHONE_CAMERA_HPP
 #define PHONE_CAMERA_HPP
 
@@ -20,17 +20,17 @@ namespace phone {
 class Camera {
  public:
   explicit Camera(odo_session* session) : session_(session) {}
-  /// After odo_session_destroy, which gives back the pictures that the session holds.
+  /// Call after odo_session_destroy, which returns the pictures that the session holds.
   ~Camera();
   Camera(const Camera&) = delete;
 
-  /// Opens the back camera; the app has the permission CAMERA. Returns what went wrong, or nothing.
+  /// Opens the back camera; the app needs the permission CAMERA. Returns an error text, empty on success.
   std::string start();
-  /// No picture is pushed after the return.
+  /// No picture is pushed after it returns.
   void pause();
 
  private:
-  /// What a capture result has of a frame, which comes apart from its picture: the two have one timestamp.
+  /// The capture result of a frame. It arrives separately from its picture, with the same timestamp.
   struct Result {
     int64_t exposure_ns = 0, skew_ns = 0;
     bool has_intrinsics = false;

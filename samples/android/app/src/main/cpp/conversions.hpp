@@ -25,7 +25,7 @@ Message message(uint32_t type, int64_t t_ns, uint32_t flags) {
   return made;
 }
 
-/// What CameraCharacteristics have of a camera. A `has_` that is false: the key is missing on this phone.
+/// Fields of CameraCharacteristics. A false `has_`: this phone lacks the key.
 struct CameraFacts {
   double array_width = 0, array_height = 0;  ///< SENSOR_INFO_PRE_CORRECTION_ACTIVE_ARRAY_SIZE, pixels
   int orientation_deg = 90;                  ///< SENSOR_ORIENTATION
@@ -33,11 +33,11 @@ struct CameraFacts {
   float intrinsics[5] = {};                 ///< LENS_INTRINSIC_CALIBRATION: fx, fy, cx, cy, skew, of the array
   float distortion[5] = {};                 ///< LENS_DISTORTION: k1, k2, k3, p1, p2
   float rotation[4] = {};                   ///< LENS_POSE_ROTATION: x, y, z, w, from the sensors' axes to the camera's
-  float translation[3] = {};                ///< LENS_POSE_TRANSLATION, m; only where LENS_POSE_REFERENCE is GYROSCOPE
+  float translation[3] = {};                ///< LENS_POSE_TRANSLATION, m; only if LENS_POSE_REFERENCE is GYROSCOPE
   float focal_mm = 0, sensor_width_mm = 0;  ///< LENS_INFO_AVAILABLE_FOCAL_LENGTHS, SENSOR_INFO_PHYSICAL_SIZE
 };
 
-/// How a picture is cut out of the array: the largest rectangle of its shape, in the middle, then scaled.
+/// Crop of the array for a picture: the largest centred rectangle of its aspect ratio, then scaled.
 struct Crop {
   double scale, left, top, height;
 };
@@ -57,17 +57,17 @@ inline void scale_intrinsics(const float* array, const Crop& crop, double* fx, d
   *cy = (array[3] - crop.top) * crop.scale - 0.5;
 }
 
-/// The middle of the exposure of the middle row, from the start of the first row's.
+/// Middle of the exposure of the middle row, from the start of the first row's exposure.
 inline int64_t middle_of_frame(int64_t start_ns, int64_t exposure_ns, int64_t skew_ns) {
   return start_ns + (exposure_ns + skew_ns) / 2;
 }
 
-/// From one row of the picture to the next, from SENSOR_ROLLING_SHUTTER_SKEW, which is of all rows of the array.
+/// Time from one row of the picture to the next, from SENSOR_ROLLING_SHUTTER_SKEW, which covers all rows of the array.
 inline int64_t line_time(int64_t skew_ns, const CameraFacts& camera, const Crop& crop, int height) {
   return std::llround(static_cast<double>(skew_ns) * crop.height / camera.array_height / height);
 }
 
-/// Camera to body of a back camera whose picture is as the sensor reads it.
+/// Rotation from camera to body for a back camera with its picture in sensor orientation.
 inline void mount_by_orientation(int orientation_deg, double* q_b_c) {
   const double half = orientation_deg * 3.14159265358979323846 / 360;
   q_b_c[0] = q_b_c[3] = 0;
@@ -75,8 +75,7 @@ inline void mount_by_orientation(int orientation_deg, double* q_b_c) {
   q_b_c[2] = -std::sin(half);
 }
 
-/// The phone's own mount where it is within 10 degrees of what SENSOR_ORIENTATION states: some phones have other axes
-/// in it.
+/// Uses the phone's own mount if it is within 10 degrees of SENSOR_ORIENTATION: some phones use other axes in it.
 inline void set_mount(const CameraFacts& camera, double* q_b_c) {
   mount_by_orientation(camera.orientation_deg, q_b_c);
   if (!camera.has_rotation) return;
@@ -97,7 +96,7 @@ inline odo_calibration calibration_of(const CameraFacts& camera, int64_t t_ns, i
   const Crop crop = crop_of(camera, width, height);
   if (camera.has_intrinsics) {
     scale_intrinsics(camera.intrinsics, crop, &made.fx, &made.fy, &made.cx, &made.cy);
-  } else {  // off by some percent; the front-end refines it
+  } else {  // some percent off; the front-end refines it
     const bool known = camera.focal_mm > 0 && camera.sensor_width_mm > 0;
     made.fx = made.fy =
         known ? camera.focal_mm / camera.sensor_width_mm * camera.array_width * crop.scale : 0.79 * width;
@@ -140,7 +139,7 @@ inline odo_barometer barometer(int64_t t_ns, float hectopascal) {
   return made;
 }
 
-/// android.location.Location: degrees, m above WGS 84, the radius that holds 68 %, one sigma upwards (0: not given).
+/// android.location.Location: degrees, m above WGS 84, 68 % radius, one sigma of the height (0: not given).
 inline odo_gnss gnss(int64_t elapsed_realtime_ns, double latitude, double longitude, double altitude, float accuracy,
                      float vertical_accuracy) {
   const double rad = 3.14159265358979323846 / 180, radius_of_68 = 1.51;  // in sigmas of one axis

@@ -38,7 +38,7 @@ void push(odo_session* session, const ASensorEvent& event) {
   }
 }
 
-/// Switches on the first of two sensors that the phone has. A rate that the phone cannot give becomes its fastest.
+/// Enables the first of two sensors that the phone has, at the requested or the fastest rate.
 void enable(ASensorManager* manager, ASensorEventQueue* queue, int wanted, int otherwise, int32_t period_us) {
   const ASensor* sensor = ASensorManager_getDefaultSensor(manager, wanted);
   if (!sensor && otherwise != 0) sensor = ASensorManager_getDefaultSensor(manager, otherwise);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Gyroscope, accelerometer, magnetometer and barometer by the NDK's ASensor, on a thread of their own.
+// Gyroscope, accelerometer, magnetometer and barometer by the NDK's ASensor, on a separate thread.
 #ifndef PHONE_SENSORS_HPP
 #define PHONE_SENSORS_HPP
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What Tracker.kt calls. One tracker at a time; Kotlin calls from its main thread.
+// Native methods of Tracker.kt. One tracker at a time; Kotlin calls them from its main thread.
 #include <jni.h>
 
 #include <memory>
@@ -65,7 +65,7 @@ extern "C" JNIEXPORT jstring JNICALL Java_org_odograph_phone_Tracker_start(JNIEn
 
 extern "C" JNIEXPORT void JNICALL Java_org_odograph_phone_Tracker_stop(JNIEnv*, jobject) { tracker.reset(); }
 
-/// North, east, down in m, then the state, whether it is metric, and the distance walked; null before the first pose.
+/// North, east, down in m, the state, whether it is metric, and the path length; null before the first pose.
 extern "C" JNIEXPORT jdoubleArray JNICALL Java_org_odograph_phone_Tracker_pose(JNIEnv* env, jobject) {
   odo_pose pose = {};
   pose.header.struct_size = sizeof pose;

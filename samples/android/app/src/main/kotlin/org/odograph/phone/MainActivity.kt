@@ -10,7 +10,7 @@ import android.os.Looper
 import android.view.WindowManager.LayoutParams.FLAG_KEEP_SCREEN_ON
 import android.widget.TextView
 
-/** Tracks while it is on the screen, and shows where the phone is. */
+/** Tracks and shows the phone's position while visible. */
 class MainActivity : Activity() {
     private lateinit var text: TextView
     private val handler = Handler(Looper.getMainLooper())

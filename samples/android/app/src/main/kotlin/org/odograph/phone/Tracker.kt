@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 package org.odograph.phone
 
-/** Odograph on this phone's camera and sensors: tracker_jni.cpp. */
+/** Odograph with this phone's camera and sensors: tracker_jni.cpp. */
 object Tracker {
     init { System.loadLibrary("odograph_phone") }
 
-    /** Starts with a pipeline's YAML; the app has the permission CAMERA. Returns what went wrong, empty when nothing did. */
+    /** Starts with a pipeline's YAML; the app needs the permission CAMERA. Returns an error text, empty on success. */
     external fun start(config: String): String
 
     external fun stop()
