@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Structs of other versions and messages that nobody knows: taken, kept whole, ordered, recorded and handed on.
+// Structs of other versions and unknown messages: accepted, kept whole, ordered, recorded and passed on.
 #include <doctest/doctest.h>
 
 #include <odograph/messages.h>
@@ -18,7 +18,7 @@ namespace {
 
 constexpr uint32_t kWifi = ODO_TYPE_VENDOR(7, 1);
 
-/// A vendor's message of any size, filled with its own index.
+/// A vendor's message of any size, filled with its index.
 std::vector<uint64_t> vendor_message(uint32_t type, int64_t t_ns, size_t size) {
   std::vector<uint64_t> bytes((size + 7) / 8);
   auto* all = reinterpret_cast<unsigned char*>(bytes.data());
@@ -35,7 +35,7 @@ const odo_header& head(const std::vector<uint64_t>& bytes) {
 
 }  // namespace
 
-TEST_CASE("every message's struct of version 1.0 is a part of today's, and names and numbers are unique") {
+TEST_CASE("every message's struct of version 1.0 is a prefix of the present one, and names and numbers are unique") {
   std::vector<uint32_t> numbers;
   std::vector<std::string> names;
 #define ODO_ROW(number, type, name, min_size)        \
@@ -50,7 +50,7 @@ TEST_CASE("every message's struct of version 1.0 is a part of today's, and names
   CHECK(numbers.size() >= 18);
 }
 
-TEST_CASE("a message smaller than version 1.0 is refused, one of a newer writer is kept whole") {
+TEST_CASE("a message smaller than version 1.0 is rejected, and one of a newer writer is kept whole") {
   auto old = make_message<odo_magnetometer>(ODO_TYPE_MAGNETOMETER, 5);
   AnyMessage any;
   REQUIRE(any.assign(old.header));
@@ -71,7 +71,7 @@ TEST_CASE("a message smaller than version 1.0 is refused, one of a newer writer 
   CHECK_FALSE(any.assign(head(vendor_message(ODO_TYPE_GNSS, 5, ODO_LARGEST_MESSAGE + 8))));
 }
 
-TEST_CASE("a copy of a message ends where the message or the reader's struct ends") {
+TEST_CASE("a copied message ends at the end of the message or of the reader's struct") {
   struct Larger {
     odo_magnetometer message;
     double later;
@@ -92,7 +92,7 @@ TEST_CASE("a copy of a message ends where the message or the reader's struct end
   CHECK(grown.later == 0);
 }
 
-TEST_CASE("a session takes what is smaller or larger than its own structs, and names what it refuses") {
+TEST_CASE("a session accepts structs smaller or larger than its own, and names those it rejects") {
   App app(kWalk);
   auto pressure = make_message<odo_barometer>(ODO_TYPE_BAROMETER, 1'000'000'000);
   pressure.pressure_pa = 101325;
@@ -114,7 +114,7 @@ TEST_CASE("a session takes what is smaller or larger than its own structs, and n
   CHECK(std::string(error.message).find("field_b[1] = nan; expected a finite number") != std::string::npos);
 }
 
-TEST_CASE("messages of types that nobody knows are counted and break nothing") {
+TEST_CASE("messages of unknown types are counted and otherwise ignored") {
   App app(kWalk);
   app.walk(0, 300);
   for (const uint32_t type : {kWifi, uint32_t(0x42), ODO_TYPE_VENDOR(9, 9)})
@@ -129,13 +129,14 @@ TEST_CASE("messages of types that nobody knows are counted and break nothing") {
   CHECK(app.statistics().plugin_faults == 0);
 }
 
-TEST_CASE("a vendor's message reaches the plugin that declares it, in the order of time, and its answer the app") {
+TEST_CASE(
+    "a vendor's message reaches the plugin that declares it, in time order, and the plugin's answer reaches the app") {
   const TestPlugins plugins{"wifi_fixer"};
   App app("odograph: 1\nabsolute_fixers:\n  - plugin: test/wifi_fixer\n  - plugin: fix/gnss\n", ODO_RUN_REPLAY,
           plugins.path());
   REQUIRE_MESSAGE(app.status == ODO_OK, app.message);
   app.walk(0, 200);
-  // Ahead of the inertial samples, and in the wrong order.
+  // Ahead of the inertial samples, and out of order.
   CHECK(odo_session_push(app.session, &head(vendor_message(kWifi, 3'050'000'000, 2000))) == ODO_OK);
   CHECK(odo_session_push(app.session, &head(vendor_message(kWifi, 3'040'000'000, 40))) == ODO_OK);
   app.walk(200, 300);
@@ -151,8 +152,9 @@ TEST_CASE("a vendor's message reaches the plugin that declares it, in the order 
   CHECK(app.statistics().plugin_faults == 0);
 }
 
-TEST_CASE("of two step estimators and two scale sources the first step estimator's steps are used, scales are joined" *
-          doctest::skip(!kCameraPlugins)) {
+TEST_CASE(
+    "with two step estimators and two scale sources the first estimator's steps are used and the scales are joined" *
+    doctest::skip(!kCameraPlugins)) {
   const std::string yaml =
       "odograph: 1\nattitude:\n  plugin: attitude/vqf\nstep_estimator:\n  - plugin: step/renaudin2012\n"
       "  - plugin: step/weinberg2002\nvo_frontend:\n  plugin: vo/five_point\nscale_source:\n"
@@ -172,7 +174,7 @@ TEST_CASE("of two step estimators and two scale sources the first step estimator
   CHECK(app.statistics().steps == first.size());
 }
 
-TEST_CASE("scales of independent sources are averaged as logarithms by their variances") {
+TEST_CASE("scales of independent sources are averaged in the logarithm, weighted by their variances") {
   odo_vo_motion motion = make_message<odo_vo_motion>(ODO_TYPE_VO_MOTION, 100);
   const auto scale = [](double metres, double sigma, uint32_t flags = 0) {
     auto s = make_message<odo_scale>(ODO_TYPE_SCALE, 100);
@@ -183,32 +185,32 @@ TEST_CASE("scales of independent sources are averaged as logarithms by their var
   join.begin(motion);
   CHECK(join.joined() == nullptr);
   join.answer(1, scale(2.0, 0.0));
-  CHECK(join.joined()->scale == 2.0);  // one source's word, as it is
+  CHECK(join.joined()->scale == 2.0);  // a single source: unchanged
   join.answer(0, scale(1.0, 0.1));
   join.answer(1, scale(2.0, 0.2));
   CHECK(join.joined()->scale == doctest::Approx(std::sqrt(2.0)));
   CHECK(join.joined()->sigma / join.joined()->scale == doctest::Approx(0.1 / std::sqrt(2.0)));
   join.answer(1, scale(2.0, 0.2, ODO_SCALE_HORIZONTAL));
-  CHECK(join.joined()->scale == 1.0);  // of another thing: not averaged
+  CHECK(join.joined()->scale == 1.0);  // of another quantity: not averaged
   motion.header.t_ns = 150;
   join.begin(motion);
-  CHECK(join.joined() == nullptr);  // what was answered held for the motion before alone
+  CHECK(join.joined() == nullptr);  // the answer applied to the previous motion only
   auto early = scale(3.0, 0.1);
   early.valid_from_ns = 150, early.valid_to_ns = 1000;
   CHECK(join.answer(0, early));
   CHECK(join.joined() == nullptr);  // not of this motion
   motion.header.t_ns = 200;
   join.begin(motion);
-  CHECK(join.joined()->scale == 3.0);  // of those to come
+  CHECK(join.joined()->scale == 3.0);  // of motions to come
 }
 
-TEST_CASE("a scale that comes too late is published as not accepted and reported, one for motions to come is not" *
+TEST_CASE("a late scale is published as not accepted and reported, unlike one for motions to come" *
           doctest::skip(!kCameraPlugins)) {
   const odo_vo_motion motion = make_message<odo_vo_motion>(ODO_TYPE_VO_MOTION, 100);
   auto scale = make_message<odo_scale>(ODO_TYPE_SCALE, 100);
   scale.valid_to_ns = 100, scale.scale = 2, scale.sigma = 0.1;
   ScaleJoin join(1);
-  CHECK(join.note(0, scale));  // no motion yet: who knows
+  CHECK(join.note(0, scale));  // no motion yet: may apply
   join.begin(motion);
   CHECK(join.answer(0, scale));
   CHECK_FALSE(join.note(0, scale));
@@ -237,7 +239,7 @@ TEST_CASE("a scale that comes too late is published as not accepted and reported
                     [](const odo_report& r) { return std::string(r.key) == "late_scale"; }));
 }
 
-TEST_CASE("a step estimator that is given up is followed by the next one") {
+TEST_CASE("the next step estimator replaces one that has failed") {
   const std::string yaml =
       "odograph: 1\nattitude:\n  plugin: attitude/vqf\nstep_estimator:\n  - plugin: test/failing_steps\n"
       "  - plugin: step/renaudin2012\n";
@@ -250,7 +252,7 @@ TEST_CASE("a step estimator that is given up is followed by the next one") {
   CHECK(app.pose(ODO_TIME_LATEST).reason != ODO_REASON_PLUGIN_FAILED);
 }
 
-TEST_CASE("reports are events with the plugin, a key, the status and a count") {
+TEST_CASE("a report is an event with the plugin, a key, the status and a count") {
   App app(kWalk);
   app.walk(0, 100);
   auto bad = make_message<odo_gnss>(ODO_TYPE_GNSS, 1'500'000'000);
@@ -268,7 +270,7 @@ TEST_CASE("reports are events with the plugin, a key, the status and a count") {
   CHECK(report.count == 1);
 }
 
-TEST_CASE("numbers of a newer list are text 'unknown' and index nothing") {
+TEST_CASE("the text of a number from a newer list is 'unknown', and the number indexes nothing") {
   CHECK(std::string(odo_mode_text(99)) == "unknown");
   CHECK(std::string(odo_state_text(99)) == "unknown");
   CHECK(std::string(odo_reason_text(99)) == "unknown");

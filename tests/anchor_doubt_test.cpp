@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// How well an anchor is known, against numeric derivatives of where it is and of what is seen of it.
+// Covariance of an anchor, against numeric derivatives of its position and of its view.
 #include <doctest/doctest.h>
 
 #include <random>
@@ -22,7 +22,7 @@ namespace {
 using Matrix12 = Eigen::Matrix<double, 12, 12>;
 using Vector12 = Eigen::Matrix<double, 12, 1>;
 
-/// Says what it was told to say of the pose that is held and of the one now.
+/// Returns the given covariance of the held and the present pose.
 struct TwoPoses : HeldPoses {
   HeldPose held, now;
   uint64_t hold_pose(int64_t) override { return 1; }
@@ -39,7 +39,8 @@ struct Numbers {
   Quaterniond rotation() { return Quaterniond((*this)(), (*this)(), (*this)(), (*this)()).normalized(); }
 };
 
-/// What the errors of (held rotation, held position, rotation now, position now) do, by central differences.
+/// Derivatives by the errors of (held rotation, held position, present rotation, present position), by central
+/// differences.
 template <class What>
 Eigen::Matrix<double, 3, 12> derivative(What what) {
   Eigen::Matrix<double, 3, 12> J;
@@ -55,7 +56,7 @@ double largest(const Matrix3d& covariance) {
 
 }  // namespace
 
-TEST_CASE("an anchor on a held pose is as doubtful as the joint covariance of both poses makes it") {
+TEST_CASE("the covariance of an anchor on a held pose follows from the joint covariance of both poses") {
   for (unsigned seed = 1; seed <= 20; ++seed) {
     CAPTURE(seed);
     Numbers number{std::mt19937(seed)};
@@ -94,7 +95,8 @@ TEST_CASE("an anchor on a held pose is as doubtful as the joint covariance of bo
   }
 }
 
-TEST_CASE("an anchor on the Earth is as doubtful as its place, and in the view by the pose now as well") {
+TEST_CASE(
+    "a geodetic anchor has the covariance of its position, and in the view that of the present pose in addition") {
   Numbers number{std::mt19937(4)};
   TwoPoses poses;
   HeldPose& now = poses.now;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Why an anchor is not placed, and whether it is in front.
+// Reason why an anchor is not placed, and whether it is in front of the camera.
 #include <doctest/doctest.h>
 
 #include <odograph/anchor.h>
@@ -49,13 +49,12 @@ odo_anchor get(const App& app, uint64_t id) {
 
 }  // namespace
 
-TEST_CASE(
-    "n's origin and the phone's place in n are two things, and an anchor's reason names the one that is missing") {
+TEST_CASE("n's origin and the phone's position in n are independent, and an anchor's reason names the missing one") {
   const double geodetic[3] = {0.8, 0.1, 300};
   double p_n[3];
   App origin(kWalk + kInertial + navigation(kOrigin)), start(kWalk + kInertial + navigation(kPlace)),
       both(kWalk + kInertial + navigation(kOrigin + ", " + kPlace));
-  CHECK(odo_session_from_geodetic(origin.session, geodetic, p_n) == ODO_OK);  // it converts without a place
+  CHECK(odo_session_from_geodetic(origin.session, geodetic, p_n) == ODO_OK);  // conversion needs no position
   CHECK(odo_session_from_geodetic(start.session, geodetic, p_n) == ODO_NOT_READY);
   for (App* app : {&origin, &start, &both}) make(*app, on_earth()), app->walk(0, 500);
   CHECK(get(origin, 1).reason == ODO_REASON_NO_FIX);
@@ -64,7 +63,7 @@ TEST_CASE(
   CHECK(get(both, 1).state == ODO_TRACKING);
 }
 
-TEST_CASE("an anchor is in front on the side that the phone's camera faces alone") {
+TEST_CASE("an anchor is in front only on the side that the phone's camera faces") {
   App app(kWalk + kInertial + navigation(kPlace));
   app.walk(0, 500);
   // Without a camera the pose is the body's, whose z axis points out of the screen.
@@ -73,8 +72,7 @@ TEST_CASE("an anchor is in front on the side that the phone's camera faces alone
   CHECK(get(app, behind).flags == (ODO_ANCHOR_PLACED | ODO_ANCHOR_VIEW_POSE));
 }
 
-TEST_CASE(
-    "an anchor on the Earth that was made before the first sample is where it belongs in both worlds, at any heading") {
+TEST_CASE("a geodetic anchor made before the first sample has the correct position in both worlds, for any heading") {
   for (const char* heading : {"0 rad", "3.1 rad"}) {
     App app(kWalk + kInertial +
             navigation(kOrigin + ", start: {position: [0 m, 0 m, 0 m], heading: " + std::string(heading) + "}"));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Anchors through the C border.
+// Anchors through the C API.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -67,7 +67,7 @@ Vector3d phone(const App& app) { return Vector3d(app.pose(ODO_TIME_LATEST).p_n);
 
 int64_t ns(int sample) { return static_cast<int64_t>(sample / 100.0 * 1e9) + 1'000'000'000; }
 
-/// "I stand here": a mark of a centimetre.
+/// A waypoint with a sigma of a few centimetres.
 void mark(const App& app, int sample, const Vector3d& p_n, double sigma_m = 0.02) {
   auto waypoint = make_message<odo_waypoint>(ODO_TYPE_WAYPOINT, ns(sample));
   Vector3d::Map(waypoint.p_n) = p_n;
@@ -77,7 +77,7 @@ void mark(const App& app, int sample, const Vector3d& p_n, double sigma_m = 0.02
 
 }  // namespace
 
-TEST_CASE("an anchor is seen where it was put, in n and in the view, and goes with the time asked for") {
+TEST_CASE("an anchor is seen where it was placed, in n and in the view, at the requested time") {
   App app(kWalk + kInertial + kStart);
   app.walk(0, 1000);
   const odo_pose then = app.pose(ODO_TIME_LATEST);
@@ -97,11 +97,11 @@ TEST_CASE("an anchor is seen where it was put, in n and in the view, and goes wi
   CHECK((Vector3d(a.p_view) - ahead).norm() < 1e-9);
   CHECK(std::abs(a.q_view[0] - std::sqrt(0.5)) < 1e-9);
   CHECK((Vector3d(a.p_n) - (Vector3d(then.p_n) + q * ahead)).norm() < 1e-9);
-  // Made at the same place of n it is the same; the view at another time is that time's.
+  // At the same position of n it is the same; the view at another time differs.
   const uint64_t other = make(app, place(ODO_ANCHOR_POSE, Vector3d(a.p_n)));
   app.walk(1000, 1600);
   CHECK((where(app, other) - where(app, id)).norm() < 1e-3);
-  CHECK((where(app, id) - Vector3d(a.p_n)).norm() < 0.75);  // the step that was under way
+  CHECK((where(app, id) - Vector3d(a.p_n)).norm() < 0.75);  // the step in progress
   const int64_t t_ns = ns(1400);
   const odo_anchor later = get(app, id, ODO_WORLD_CORRECTED, t_ns);
   CHECK(later.t_ns == t_ns);
@@ -138,7 +138,7 @@ TEST_CASE("a fix at the end of a walk moves each anchor by its own share, not by
   }
 }
 
-TEST_CASE("the first fix of a walk whose start nobody knew moves every anchor with the world") {
+TEST_CASE("the first fix of a walk with unknown start moves every anchor with the world") {
   for (const std::string& coupling : {kInertial, kPaper}) {
     CAPTURE(coupling);
     App app(kWalk + coupling + kMarks);
@@ -156,7 +156,7 @@ TEST_CASE("the first fix of a walk whose start nobody knew moves every anchor wi
   }
 }
 
-TEST_CASE("a geospatial anchor stays on the Earth, and waits until n is there") {
+TEST_CASE("a geodetic anchor stays at its geodetic position, and waits until n has an origin") {
   App app(kWalk + kInertial + kMarks +
           "navigation: {origin: {latitude: 0.8 rad, longitude: 0.1 rad, height: 300 m}}\n");
   odo_anchor_place at = on_earth(app, {10, 20, -2});
@@ -180,7 +180,7 @@ TEST_CASE("a geospatial anchor stays on the Earth, and waits until n is there") 
   app.walk(2000, 2100);
   odo_session_flush(app.session);
   CHECK((where(app, id) - Vector3d(10, 20, -2)).norm() < 1e-6);
-  // A local one is somewhere on the Earth, too.
+  // A local anchor has a geodetic position, too.
   const odo_anchor local = get(app, make(app, place(ODO_ANCHOR_POSE, {1, 2, 3})));
   double back[3];
   const double geodetic[3] = {local.latitude_rad, local.longitude_rad, local.height_m};
@@ -189,7 +189,7 @@ TEST_CASE("a geospatial anchor stays on the Earth, and waits until n is there") 
   CHECK((Vector3d(back) - Vector3d(1, 2, 3)).norm() < 1e-6);
 }
 
-TEST_CASE("an anchor above terrain stands on the ground that a fixer's model knows" * doctest::skip(!kCameraPlugins)) {
+TEST_CASE("an anchor above terrain stands on the ground of the fixer's model" * doctest::skip(!kCameraPlugins)) {
   const std::string slope = source("tests/data/slope.obj").string();
   App app(kWalk + kInertial + kOnEarth + "absolute_fixers:\n  - plugin: fix/terrain\n    parameters: {model: " + slope +
           ", interval: 1000 s}\n");
@@ -201,11 +201,12 @@ TEST_CASE("an anchor above terrain stands on the ground that a fixer's model kno
   CHECK(get(app, id).state == ODO_LOST);
   app.walk(0, 500);
   CHECK(get(app, id).state == ODO_TRACKING);
-  CHECK((where(app, id) - Vector3d(5, 2, -0.5 - 1.5)).norm() < 1e-3);  // the ground rises by 0.1 a metre to the north
+  CHECK((where(app, id) - Vector3d(5, 2, -0.5 - 1.5)).norm() <
+        1e-3);  // the ground rises by 0.1 m per metre to the north
   CHECK(get(app, off).reason == ODO_REASON_NO_GROUND);
 }
 
-TEST_CASE("in the smooth world no anchor jumps against the picture, in the corrected one it is at once in its place") {
+TEST_CASE("in the smooth world no anchor jumps in the picture, and in the corrected world it is corrected at once") {
   App app(kWalk + kInertial + kOnEarth + kMarks);
   app.walk(0, 300);
   const uint64_t start = make(app, place(ODO_ANCHOR_VIEW, {0, 0, 3})), earth = make(app, on_earth(app, {10, 5, 0}));
@@ -222,13 +223,13 @@ TEST_CASE("in the smooth world no anchor jumps against the picture, in the corre
     for (const uint32_t world : worlds) {
       const odo_pose pose = app.pose(t_ns, world == ODO_WORLD_SMOOTH);
       const Quaterniond q(pose.q_n[0], pose.q_n[1], pose.q_n[2], pose.q_n[3]);
-      Vector3d seen[3];  // from the phone, in n: what its own rotation changes is left out
+      Vector3d seen[3];  // from the phone, in n: excludes the phone's own rotation
       for (int i = 0; i < 3; ++i) {
         const odo_anchor a = get(app, all[i], world, t_ns);
         seen[i] = q * Vector3d(a.p_view);
         CHECK((Vector3d(pose.p_n) + seen[i] - Vector3d(a.p_n)).norm() < 1e-9);
       }
-      // What the steps move is common to all; the near anchor goes with the phone through the correction.
+      // Steps move all of them equally; the near anchor moves with the phone through the correction.
       for (int i = 0; sample > 3000 && i < 3; ++i)
         jump[world][i] = std::max(jump[world][i], (seen[i] - last[world][i] - (seen[2] - last[world][2])).norm());
       if (sample > 3000) near_jump = std::max(near_jump, (seen[2] - last[world][2]).norm());
@@ -239,14 +240,14 @@ TEST_CASE("in the smooth world no anchor jumps against the picture, in the corre
   REQUIRE(app.statistics().fixes_accepted == 1);
   CHECK(jump[0][0] > 0.4);
   CHECK(jump[0][1] > 0.4);
-  CHECK(near_jump < 0.75);  // a step, with no camera
-  // 0.5 m/s between two samples is 0.5 cm; the rest is what each step moves the phone by unannounced.
+  CHECK(near_jump < 0.75);  // a step, without a camera
+  // 0.5 m/s between two samples is 0.5 cm; the rest is the motion by each step, which is not announced.
   CHECK(jump[1][0] < 0.05);
   CHECK(jump[1][1] < 0.05);
   for (const double m : left) CHECK(m < 0.02);
 }
 
-TEST_CASE("anchors are saved with the session and come back where they were") {
+TEST_CASE("anchors are saved with the session and restored at their positions") {
   const auto saved = [](const App& app) {
     std::vector<uint8_t> blob(static_cast<size_t>(odo_session_save(app.session, nullptr, 0)));
     CHECK(odo_session_save(app.session, blob.data(), blob.size()) == static_cast<int64_t>(blob.size()));
@@ -283,7 +284,7 @@ TEST_CASE("anchors are saved with the session and come back where they were") {
     CHECK((Vector3d(after.p_n) - Vector3d(before.p_n)).norm() > 300);
   }
 
-  // Without a place on the Earth: the same n, where the start is given; nothing where n was anywhere.
+  // Without a geodetic position: restored in the same n if the start is given; not restored if n was arbitrary.
   App here(kWalk + kInertial + kStart);
   here.walk(0, 500);
   make(here, place(ODO_ANCHOR_POSE, {2, 3, -1}));
@@ -322,19 +323,20 @@ TEST_CASE("a sensor clock that is set back moves the anchors with the phone") {
   REQUIRE(!corrections.empty());
   const odo_correction& restart = corrections.back();
   CHECK(restart.reason == ODO_CORRECTION_RESTART);
-  // The phone is where it was: its old pose, moved, is the first one in the new n.
+  // The phone has not moved: its old pose, transformed, is the first one in the new n.
   const Quaterniond q(restart.q_n[0], restart.q_n[1], restart.q_n[2], restart.q_n[3]);
   const auto poses = app.all<odo_pose>(ODO_TYPE_POSE);
   const auto after =
       std::find_if(poses.begin(), poses.end(), [&](const odo_pose& x) { return x.header.t_ns == restart.header.t_ns; });
   REQUIRE(after != poses.end());
-  CHECK(Quaterniond::Identity().angularDistance(q) * Vector3d(before.p_n).norm() > 0.2);  // or nothing is shown
+  CHECK(Quaterniond::Identity().angularDistance(q) * Vector3d(before.p_n).norm() >
+        0.2);  // otherwise the test shows nothing
   CHECK((q * Vector3d(before.p_n) + Vector3d(restart.p_n) - Vector3d(after->p_n)).norm() < 1e-6);
   CHECK(get(app, id).state == ODO_TRACKING);
-  CHECK((where(app, id) - phone(app)).norm() < 15);  // ten seconds of walking since
+  CHECK((where(app, id) - phone(app)).norm() < 15);  // ten seconds of walking in between
 }
 
-TEST_CASE("a bad anchor is a status, and too many are refused") {
+TEST_CASE("an invalid anchor gives a status, and too many anchors are rejected") {
   App app(kWalk + kInertial + kStart);
   uint64_t id = 7;
   odo_anchor anchor{};
@@ -357,13 +359,13 @@ TEST_CASE("a bad anchor is a status, and too many are refused") {
   refused([](auto& p) { p.p[1] = std::numeric_limits<double>::quiet_NaN(); });
   refused([](auto& p) { p.q[0] = 2; });
   refused([](auto& p) { p.t_ns = 1; }, ODO_E_NOT_FOUND);
-  refused([](auto& p) { p.kind = ODO_ANCHOR_GEODETIC; });  // above what?
+  refused([](auto& p) { p.kind = ODO_ANCHOR_GEODETIC; });  // above nothing
   refused([](auto& p) { p.kind = ODO_ANCHOR_GEODETIC, p.height_above = ODO_HEIGHT_ELLIPSOID, p.latitude_rad = 2; });
   anchor.struct_size = sizeof anchor;
   CHECK(odo_anchor_get(app.session, 1, 0, ODO_TIME_LATEST, &anchor) == ODO_E_NOT_FOUND);
   CHECK(odo_anchor_remove(app.session, 1) == ODO_E_NOT_FOUND);
   std::string name;
-  for (int i = 0; i < 40; ++i) name += "\xc3\xbc";  // 80 bytes, of which 63 would cut a letter
+  for (int i = 0; i < 40; ++i) name += "\xc3\xbc";  // 80 bytes; a cut at 63 would split a character
   at.name = {name.data(), name.size()};
   const uint64_t first = make(app, at);
   CHECK(std::string(get(app, first).name) == name.substr(0, 62));

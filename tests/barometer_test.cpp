@@ -23,7 +23,7 @@ double pressure_at(double up_m) { return 101325.0 * std::pow(1 - 2.25577e-5 * up
 
 }  // namespace
 
-TEST_CASE("without weather and noise a climb of 9 m is 9 m, at any height above the sea") {
+TEST_CASE("without weather and noise a climb of 9 m is 9 m at any height above sea level") {
   for (const double base_m : {0.0, 300.0, 2000.0}) {
     CAPTURE(base_m);
     PressureHeight height({});
@@ -36,7 +36,7 @@ TEST_CASE("without weather and noise a climb of 9 m is 9 m, at any height above 
   }
 }
 
-TEST_CASE("after ten minutes of the simulator's weather heights are off as far as they say") {
+TEST_CASE("after ten minutes of simulated weather the height errors match their sigmas") {
   double squares = 0, variances = 0;
   int within = 0;
   constexpr int kSeeds = 300;
@@ -56,7 +56,7 @@ TEST_CASE("after ten minutes of the simulator's weather heights are off as far a
   CHECK(within >= 0.93 * kSeeds);
 }
 
-TEST_CASE("the doubt grows with the time since the reference, and a new reference ends it") {
+TEST_CASE("the sigma grows with the time since the reference, and a new reference resets it") {
   PressureHeight height({});
   height.refer(0, 0, 0.01);
   double after_ten_minutes = 0, after_reference = 0;
@@ -74,7 +74,7 @@ TEST_CASE("the doubt grows with the time since the reference, and a new referenc
   CHECK(after_reference < after_ten_minutes);
 }
 
-TEST_CASE("the doubt of a reference is in every height that is told from it") {
+TEST_CASE("the sigma of the reference is part of every height derived from it") {
   const auto doubt_m2 = [](double reference_m2) {
     PressureHeight height({});
     height.refer(0, 0, reference_m2);
@@ -87,7 +87,7 @@ TEST_CASE("the doubt of a reference is in every height that is told from it") {
   CHECK(doubt_m2(4.0) - doubt_m2(1.0) == doctest::Approx(3.0).epsilon(1e-9));
 }
 
-TEST_CASE("what is no pressure of a walker is no reading, and time that goes back begins anew") {
+TEST_CASE("pressures outside a walker's range are ignored, and a time that goes back restarts the average") {
   PressureHeight height({});
   height.refer(0, 0, 0.01);
   for (int k = 0; k < 20; ++k) height.add(k * kSecond_ns, 100000);
@@ -95,7 +95,7 @@ TEST_CASE("what is no pressure of a walker is no reading, and time that goes bac
   CHECK_FALSE(height.add(5 * kSecond_ns, 100000));
 }
 
-TEST_CASE("stairs and slopes of 9 m are followed where a waypoint told the height at the start") {
+TEST_CASE("stairs and slopes of 9 m are tracked from a waypoint with the height of the start") {
   const TemporaryFolder folder;
   std::ofstream(folder / "p.yaml") << "odograph: 1\nattitude:\n  plugin: attitude/vqf\nstep_estimator:\n  plugin: "
                                       "step/odograph\ncoupling:\n  type: localizer\nabsolute_fixers:\n  - plugin: "

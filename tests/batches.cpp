@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The same events, byte for byte, however an app hands in what its sensors gave: sample by sample, or a sensor's
-// samples of up to 150 ms at once, the camera first or last.
-//   odograph-batches CONFIG RECORDING...
+// Checks that the events are the same, byte for byte, however an app delivers its samples: one by one, or in batches
+// of up to 150 ms per sensor, the camera first or last.
+// odograph-batches CONFIG RECORDING...
 #include <algorithm>
 #include <cstdio>
 #include <string>
@@ -16,10 +16,10 @@ using namespace odograph;
 
 namespace {
 
-/// Shorter than `ordering.max_wait`, for which the session waits for a slow sensor.
+/// Shorter than `ordering.max_wait`, the session's waiting time for a slow sensor.
 constexpr int64_t kBatches_ns[] = {20'000'000, 75'000'000, 150'000'000};
 
-/// Of all events but reports, which tell the time of day.
+/// Digest of all events but reports, which contain the time of day.
 struct Sum {
   uint64_t fnv1a = 0xcbf29ce484222325, events = 0;
 
@@ -33,7 +33,7 @@ struct Sum {
   bool operator==(const Sum&) const = default;
 };
 
-/// The messages, each batch sorted by sensor. What describes the sensors stays first.
+/// The messages, each batch sorted by sensor; sensor descriptions first.
 std::vector<const RecordedMessage*> in_batches(const Recording& recording, int64_t batch_ns, bool camera_first) {
   std::vector<const RecordedMessage*> order;
   for (const RecordedMessage& message : recording.messages) order.push_back(&message);

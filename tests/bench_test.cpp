@@ -19,7 +19,7 @@ namespace {
 
 const std::string kConfigFile = std::string(ODOGRAPH_SOURCE) + "/samples/configs/walk_gnss.yaml";
 
-/// A benchmark without a pipeline: the square of each of some numbers, and a line in a file for each that is measured.
+/// A benchmark without a pipeline: squares of numbers; appends a line to a file for each number measured.
 struct Squares : Benchmark {
   explicit Squares(const TemporaryFolder& folder) : Benchmark("squares", "", kSeeds), log(folder / "log") {
     options.keep = (folder / "kept").string();
@@ -27,7 +27,7 @@ struct Squares : Benchmark {
   }
   Result<Json> measure(const BenchCase& one) const override {
     std::ofstream(log, std::ios::app) << one.seed << '\n';
-    if (one.seed % 2 == 0) usleep(20000);  // those that come later are done sooner
+    if (one.seed % 2 == 0) usleep(20000);  // later cases finish earlier
     return Json{{"square", static_cast<double>(one.seed * one.seed) / 3}, {"_samples", {one.seed, 2 * one.seed}}};
   }
   BenchReport report(const Rows&) const override { return {}; }
@@ -45,7 +45,7 @@ struct Squares : Benchmark {
   std::filesystem::path log;
 };
 
-/// One run by itself.
+/// A single run.
 struct One : Benchmark {
   One(const TemporaryFolder& folder, std::function<Result<Json>(const BenchCase&)> call)
       : Benchmark("one", "", kRecordings), how(std::move(call)) {
@@ -67,7 +67,7 @@ std::string failure_of(const std::vector<Override>& overrides) {
 
 }  // namespace
 
-TEST_CASE("rows come in the order of the cases and with the same bytes however many run at a time") {
+TEST_CASE("rows come in case order and are bit-identical for any number of parallel runs") {
   std::string first;
   for (const size_t jobs : {1, 3, 20}) {
     const TemporaryFolder folder;
@@ -81,8 +81,7 @@ TEST_CASE("rows come in the order of the cases and with the same bytes however m
   }
 }
 
-TEST_CASE(
-    "a row that was measured before is taken, unless it depends on something else now or a fresh one is asked for") {
+TEST_CASE("a row measured before is reused, unless its inputs have changed or a fresh one is requested") {
   const TemporaryFolder folder;
   Squares squares(folder);
   const Rows first = squares.rows();
@@ -95,12 +94,12 @@ TEST_CASE(
   squares.options.fresh = true;
   squares.rows();
   CHECK(squares.measured() == 21);
-  squares.options.fresh = false, squares.options.seeds = 9;  // what an interrupted run has done is not done again
+  squares.options.fresh = false, squares.options.seeds = 9;  // an interrupted run's results are reused
   CHECK(squares.rows().size() == 9);
   CHECK(squares.measured() == 23);
 }
 
-TEST_CASE("a kept row is told apart by the bytes of its recording and by what is set in its config") {
+TEST_CASE("a kept row is identified by the bytes of its recording and by its config values") {
   const TemporaryFolder folder;
   std::ofstream(folder / "recording") << "one";
   const One bench(folder, [](const BenchCase&) -> Result<Json> { return Json{{"pid", getpid()}}; });
@@ -116,7 +115,7 @@ TEST_CASE("a kept row is told apart by the bytes of its recording and by what is
   CHECK(row() != second);
 }
 
-TEST_CASE("a run that fails or ends its process fails the benchmark, with its reason") {
+TEST_CASE("a run that fails or ends its process fails the benchmark with the run's reason") {
   const TemporaryFolder folder;
   const One fails(folder, [](const BenchCase&) -> Result<Json> { return Failure{ODO_E_DATA, "no frames"}; });
   auto rows = rows_of(fails, {BenchCase{}});
@@ -129,7 +128,7 @@ TEST_CASE("a run that fails or ends its process fails the benchmark, with its re
         std::string::npos);
 }
 
-TEST_CASE("cases are each recording with each variant and each config, and a config may have values of its own") {
+TEST_CASE("the cases are each recording with each variant and config, and a config may have its own values") {
   const TemporaryFolder folder;
   One bench(folder, nullptr);
   bench.offers |= kConfigs;
@@ -144,13 +143,13 @@ TEST_CASE("cases are each recording with each variant and each config, and a con
         R"({"recording":"b","sensors":"as recorded","config":"walk.yaml?walker.height=1.8 m&coupling.bridge=1 s"})");
   CHECK(cases->at(5).run.config == "walk.yaml");
   CHECK(cases->at(5).run.overrides.size() == 3);
-  CHECK(cases->at(5).run.overrides[1].value == "1.8 m");  // its own comes after what all have
+  CHECK(cases->at(5).run.overrides[1].value == "1.8 m");  // its own comes after the common ones
   CHECK(cases->at(6).variant == 1);
   bench.options.set = {"walker"};
   CHECK(bench.cases().failure().text.find("PATH=VALUE") != std::string::npos);
 }
 
-TEST_CASE("below the lines of several recordings comes what they come to") {
+TEST_CASE("the rows of several recordings are followed by their summary") {
   Rows rows;
   for (const auto& [name, x] : {std::pair{"a", 1.0}, {"b", 3.0}}) {
     rows.push_back({{"recording", name}, {"config", "x/walk.yaml"}, {"_labels", {"recording", "config"}}});
@@ -165,7 +164,7 @@ TEST_CASE("below the lines of several recordings comes what they come to") {
   CHECK(cases_text({rows[0]}, "figures", "", "median").find("median") == std::string::npos);
 }
 
-TEST_CASE("values take the place of a config's, of a list's item by number or plugin") {
+TEST_CASE("values replace those of a config, and those of list items by number or plugin") {
   RunOptions options;
   options.config = kConfigFile;
   const auto plain = config_of(options);
@@ -183,13 +182,13 @@ TEST_CASE("values take the place of a config's, of a list's item by number or pl
   options.overrides = {{"absolute_fixers.0.parameters.correlation", "7 s"}};
   CHECK(parameter(config_of(options)->fixers.at(0), "correlation") == 7);
   options.overrides = {{"coupling.fastest", "4 m/s"}, {"navigation.start.position", "[1 m, 2 m, 3 m]"}};
-  const auto made = config_of(options);  // what the file does not have at all
+  const auto made = config_of(options);  // missing in the file
   REQUIRE_MESSAGE(made, made.failure().text);
   CHECK(made->coupling.fastest_mps == 4);
   CHECK(made->start.position_m[2] == 3);
 }
 
-TEST_CASE("a wrong path or value says the nearest key, or what is expected") {
+TEST_CASE("an error for a wrong path or value names the nearest key or the expected value") {
   CHECK(failure_of({{"walker.heigth", "1.8 m"}}).find("unknown key 'heigth'") != std::string::npos);
   CHECK(failure_of({{"walker.heigth", "1.8 m"}}).find("nearest: 'height'") != std::string::npos);
   CHECK(failure_of({{"walkr.height", "1.8 m"}}).find("nearest: 'walker'") != std::string::npos);
@@ -205,7 +204,7 @@ TEST_CASE("a wrong path or value says the nearest key, or what is expected") {
   CHECK(parse_override("a.b=c=d")->value == "c=d");
 }
 
-TEST_CASE("a document that is written again reads as the same values") {
+TEST_CASE("a document that is written again parses to the same values") {
   const std::string text =
       "a: 1.70 m\nb: \"1.70 m\"\nc: [1, two, 'three, four']\nd: {e: , f: \"#x\"}\ng: plain # comment\nh: "
       "\"q\\\"uote\"\n";
@@ -222,7 +221,7 @@ TEST_CASE("a document that is written again reads as the same values") {
   CHECK(node_at(*again, "c.9") == nullptr);
 }
 
-TEST_CASE("a plot has the lines and points of each row, without what is no number, and none of nothing") {
+TEST_CASE("a plot has the lines and points of each row, skips missing numbers, and is empty without rows") {
   const TemporaryFolder folder;
   const Rows rows = {{{"_lines", {{"a", {{0, 1}, {1, nullptr}, {2, 3}}}}}},
                      {{"_points", {{"b", {{5, 6}, {7, 8}}}, {"c", Json()}}}}};
@@ -235,11 +234,13 @@ TEST_CASE("a plot has the lines and points of each row, without what is no numbe
   CHECK(plot.series[1].style == "points");
 }
 
-TEST_CASE("children run so many side by side, each is told of as it ends, and none is begun after one is enough") {
+TEST_CASE(
+    "at most the given number of children run in parallel, each is reported when it ends, and none starts after the "
+    "stop") {
   std::vector<size_t> ended;
   const auto work = [](size_t i) -> std::string {
     usleep(i == 0 ? 300000 : 1000);
-    return std::string(100000 * i, 'x');  // more than a pipe holds
+    return std::string(100000 * i, 'x');  // larger than a pipe's buffer
   };
   run_in_children(4, 2, work, [&](size_t i, const ChildResult& result) {
     CHECK(result.finished);

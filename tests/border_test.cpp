@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The borders of the host: null arguments, texts of numbers, services of plugins, saved anchors, bytes of recordings.
+// Boundaries of the host: null arguments, texts of numbers, services for plugins, saved anchors, bytes of recordings.
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -23,7 +23,7 @@ namespace fs = std::filesystem;
 
 TEST_SUITE_BEGIN("border");
 
-TEST_CASE("every number has its own text, and numbers of a newer list have one too") {
+TEST_CASE("every number has a unique text, and so has a number of a newer list") {
   const std::map<int32_t, std::string> statuses = {{ODO_OK, "ok"},
                                                    {ODO_NOT_READY, "not ready yet"},
                                                    {ODO_E_ARGUMENT, "bad argument"},
@@ -56,7 +56,7 @@ TEST_CASE("every number has its own text, and numbers of a newer list have one t
   CHECK(std::string(odo_mode_text(ODO_MODE_HANDLING)) == "handling");
 }
 
-TEST_CASE("a null pointer is a bad argument of every function, a struct that is too small is named as such") {
+TEST_CASE("a null pointer is a bad argument of every function, and a struct that is too small is reported as such") {
   App app(kWalk);
   REQUIRE(app.status == ODO_OK);
   odo_session* s = app.session;
@@ -116,15 +116,14 @@ TEST_CASE("a null pointer is a bad argument of every function, a struct that is 
   CHECK(odo_anchor_remove(s, 1) == ODO_E_NOT_FOUND);
 }
 
-TEST_CASE(
-    "plugins get seeds of their own from the session's, as SplitMix64 has them, and files in the folders' order") {
+TEST_CASE("each plugin gets its own seed from the session's by SplitMix64, and files in the order of the folders") {
   const TemporaryFolder one, two;
   write_text(one / "both", "1"), write_text(two / "both", "2"), write_text(two / "second", "2");
   const HostServices host(0, {one.path(), two.path()}, nullptr), other(5, {}, nullptr);
   const auto service = [](const HostServices& h, const char* id) { return h.get_service(&h, id, std::strlen(id)); };
   const auto* random = static_cast<const odo_random_service*>(service(host, ODO_SERVICE_RANDOM));
   REQUIRE(random);
-  constexpr uint64_t kFirst = 0xE220A8397B1DCDAFu;  // SplitMix64's first number of the seed 0
+  constexpr uint64_t kFirst = 0xE220A8397B1DCDAFu;  // SplitMix64's first number for the seed 0
   CHECK(random->seed(&host, 0, kFirst) == kFirst);
   std::set<uint64_t> seeds;
   for (const HostServices* h : {&host, &other})
@@ -148,7 +147,7 @@ TEST_CASE(
   CHECK_FALSE(service(host, "odo.none/1"));
 }
 
-TEST_CASE("the call that a thread is in is named, the inner one first, and as much of it as there is room for") {
+TEST_CASE("the call of a thread is named, innermost first, as far as the buffer permits") {
   char text[256];
   const auto now = [&](size_t capacity) { return std::string(text, current_plugin_call(text, capacity)); };
   for (const size_t length : {1u, 7u, 8u, 9u, 94u, 95u, 96u, 200u}) {
@@ -168,7 +167,7 @@ TEST_CASE("the call that a thread is in is named, the inner one first, and as mu
   }
 }
 
-TEST_CASE("saved anchors come back, and a blob with one number out of its range changes nothing") {
+TEST_CASE("saved anchors are restored, and a blob with one number out of range changes nothing") {
   Geodesy geodesy;
   Anchors anchors(geodesy);
   odo_anchor_place place{};
@@ -235,7 +234,7 @@ std::string record(uint32_t type, const std::string& payload) {
 
 }  // namespace
 
-TEST_CASE("a recording has the bytes that its format says, and is read from them") {
+TEST_CASE("a recording is written byte for byte as its format specifies, and read back") {
   CHECK(crc32("123456789") == 0xCBF43926u);
   const TemporaryFolder folder;
   auto imu = make_message<odo_imu>(ODO_TYPE_IMU, 77);

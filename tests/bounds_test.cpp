@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What is a covariance, against eigenvalues.
+// Validity of covariances, against eigenvalues.
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -16,7 +16,7 @@ using namespace odograph;
 
 TEST_SUITE_BEGIN("bounds");
 
-TEST_CASE("matrices that are a covariance, up to rounding, and that are none") {
+TEST_CASE("valid covariances are accepted up to rounding, and invalid ones are rejected") {
   std::srand(3);
   for (int i = 0; i < 1000; ++i)
     for (const int n : {3, 6}) {
@@ -32,7 +32,7 @@ TEST_CASE("matrices that are a covariance, up to rounding, and that are none") {
     }
 }
 
-TEST_CASE("a frame has 2^24 pixels at most, in any shape") {
+TEST_CASE("a frame has at most 2^24 pixels in any shape") {
   const uint8_t pixel = 0;
   auto frame = make_message<odo_frame>(ODO_TYPE_FRAME, 1);
   frame.format = ODO_FORMAT_GREY8, frame.planes[0].data = &pixel;

@@ -40,7 +40,7 @@ std::vector<BoardView> views_of(const Board& board, const odo_calibration& truth
   return views;
 }
 
-/// Six views of a board's corners by the pinhole's equations, each off by normal errors of `noise_px` a coordinate.
+/// Six views of a board's corners by the pinhole equations, with normal errors of `noise_px` per coordinate.
 std::vector<BoardView> exact_views(const odo_calibration& truth, double noise_px = 0, uint64_t seed = 1) {
   const Board board;
   Random random(seed, 5);
@@ -88,7 +88,7 @@ TEST_SUITE("calibration") {
         CHECK(std::abs(found->cx - truth.cx) < 0.5);
         CHECK(std::abs(found->cy - truth.cy) < 0.5);
         CHECK(found->rms_px < 0.3);
-        // It says how sure it is, and that is neither far too much nor far too little.
+        // Its reported sigma is neither far too small nor far too large.
         CHECK(std::abs(found->fx - truth.fx) < 4 * found->sigma_fx);
         CHECK(std::abs(found->cx - truth.cx) < 4 * found->sigma_cx);
         CHECK(found->sigma_fx < 1e-3 * truth.fx);
@@ -106,7 +106,7 @@ TEST_SUITE("calibration") {
     for (size_t i = 0; i < 4; ++i) CHECK(std::abs(found->distortion[i] - truth.distortion[i]) < 1e-4);
   }
 
-  TEST_CASE("errors of focal length and principal point are as large as their sigmas say") {
+  TEST_CASE("errors of focal length and principal point match their sigmas") {
     const odo_calibration truth = lens(ODO_CAMERA_PINHOLE);
     double squares[4] = {0, 0, 0, 0};
     constexpr int kTrials = 150;
@@ -125,7 +125,7 @@ TEST_SUITE("calibration") {
     }
   }
 
-  TEST_CASE("an old print, which begins with a white square, is told from a new one") {
+  TEST_CASE("an old print, which starts with a white square, is distinguished from a new one") {
     const Board board{.columns = 11, .rows = 8};
     for (const bool first_is_white : {false, true}) {
       CAPTURE(first_is_white);
@@ -142,11 +142,11 @@ TEST_SUITE("calibration") {
     }
   }
 
-  TEST_CASE("a picture that does not fit the others is left out") {
+  TEST_CASE("a picture that contradicts the others is rejected") {
     auto views = views_of({}, lens(ODO_CAMERA_PINHOLE), 5, 12);
     REQUIRE(views.size() > 8);
     const auto before = calibrate_lens(views, {640, 480}, {});
-    for (auto& p : views[3].pixels) p.x += 0.02F * p.y;  // as if it were of another camera
+    for (auto& p : views[3].pixels) p.x += 0.02F * p.y;  // as from another camera
     const auto found = calibrate_lens(views, {640, 480}, {});
     REQUIRE(before);
     REQUIRE(found);
@@ -155,13 +155,13 @@ TEST_SUITE("calibration") {
     CHECK(found->fx == doctest::Approx(before->fx).epsilon(2e-3));
   }
 
-  TEST_CASE("too little to go by is a failure in words or a doubt, never a number out of nothing") {
+  TEST_CASE("insufficient data gives an error text or a large sigma, never an invented number") {
     CHECK(calibrate_lens({}, {640, 480}, {}).failure().text.find("at least 3") != std::string::npos);
     const auto views = views_of({}, lens(ODO_CAMERA_PINHOLE), 6, 5);
     const auto few = calibrate_lens(views, {640, 480}, {});
     REQUIRE(few);
     CHECK(doubts_about(*few).front().find("only") != std::string::npos);
-    // The board is not what the pictures show.
+    // A board that differs from the pictures.
     const auto other = views_of({.columns = 8, .rows = 5, .family = "25h9"}, lens(ODO_CAMERA_PINHOLE), 6, 3);
     BoardFinder finder({.family = "16h5"});
     const BoardCamera camera({}, lens(ODO_CAMERA_PINHOLE));
@@ -172,7 +172,7 @@ TEST_SUITE("calibration") {
     CHECK(mistake_in({.family = "4X4"})->find("36h11") != std::string::npos);
   }
 
-  TEST_CASE("the camera.yaml it writes is read back") {
+  TEST_CASE("the written camera.yaml is read back") {
     const auto found =
         calibrate_lens(views_of({}, lens(ODO_CAMERA_KANNALA_BRANDT), 8, 8), {640, 480}, {.lens = Lens::kannala_brandt});
     REQUIRE(found);

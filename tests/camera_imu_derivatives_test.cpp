@@ -10,7 +10,7 @@ using namespace odograph;
 
 TEST_SUITE_BEGIN("camera_imu");
 
-TEST_CASE("the derivatives of a corner's error are those of finite differences") {
+TEST_CASE("the derivatives of a corner's error equal finite differences") {
   HandHeld held;
   held.mount = Eigen::Quaterniond(0.3, -0.5, 0.7, 0.2).normalized();
   held.q_b_c = Eigen::Quaterniond(0, 1, 0, 0);
@@ -19,7 +19,7 @@ TEST_CASE("the derivatives of a corner's error are those of finite differences")
   const CameraImuOptions options;
   const GyroOrientation gyro(data.gyro, Eigen::Vector3d::Zero());
   auto windows = windows_of(data.frames, options.window_s, 12, options.min_corners);
-  windows.erase(windows.begin());  // begins before the gyroscope does, with this offset
+  windows.erase(windows.begin());  // starts before the gyroscope, with this offset
   CameraImuProblem problem(data, windows, {.q_b_c = held.q_b_c_true(), .lens = data.given, .gyro = &gyro}, options);
   SharedUnknowns x = SharedUnknowns::Zero();
   x[shared::time_offset] = held.time_offset_s, x[shared::row_time] = held.row_time_s;
@@ -32,7 +32,7 @@ TEST_CASE("the derivatives of a corner's error are those of finite differences")
   std::vector<std::pair<double, double>> columns[3];  // largest difference, largest value
   for (size_t k = 0; k < 3; ++k) columns[k].resize(static_cast<size_t>(sizes[k]));
   int compared = 0;
-  for (size_t b = 3; b < blocks.size() && compared < 60; b += 37) {  // the frames of corners in turn
+  for (size_t b = 3; b < blocks.size() && compared < 60; b += 37) {  // samples the frames with corners
     const ceres::CostFunction* error = problem.problem().GetCostFunctionForResidualBlock(blocks[b]);
     std::vector<double*> at;
     problem.problem().GetParameterBlocksForResidualBlock(blocks[b], &at);
@@ -66,12 +66,12 @@ TEST_CASE("the derivatives of a corner's error are those of finite differences")
     for (const auto& [off, largest] : columns[k]) worst[k] = std::max(worst[k], off / largest);
   MESSAGE("worst difference of a column by its largest value: " << worst[0] << ", " << worst[1] << ", " << worst[2]);
   CHECK(compared == 60);
-  CHECK(worst[0] < 0.029);  // measured: 0.022, rotations and bias to their first order
+  CHECK(worst[0] < 0.029);  // measured: 0.022, as rotations and bias are first-order
   CHECK(worst[1] < 1e-5);
   CHECK(worst[2] < 1e-5);
 }
 
-TEST_CASE("windows that are seen twice within a second tell no more than once") {
+TEST_CASE("windows seen twice within a second carry no more information than once") {
   HandHeld held;
   held.time_offset_s = 0.03, held.row_time_s = 40e-6;
   const CameraImuData data = held.data(9);

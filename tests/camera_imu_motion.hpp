@@ -13,15 +13,15 @@
 
 namespace odograph {
 
-/// A hand-held camera among points that stand still, without pictures: tracks and gyroscope samples with noise, exact
-/// otherwise. An oracle for the calibration that shares nothing with it but the lens model.
+/// A hand-held camera among static points, without pictures: tracks and gyroscope samples, exact but for the noise. An
+/// oracle that shares only the lens model with the calibration.
 struct HandHeld {
   double seconds = 20, frames_hz = 15, imu_hz = 200;
   Eigen::Quaterniond q_b_c{0, 1, 0, 0};  ///< of the motion below, whose x points up and z back
   Eigen::Quaterniond mount{1, 0, 0, 0};  ///< from those axes to the IMU's
   double time_offset_s = 0, row_time_s = 0;
   double focal_px = 480, cx = 322, cy = 236, k1 = 0;
-  Eigen::Vector3d rotation_rad{0.12, 0.15, 0.10};  ///< how far it turns to and fro about the body's axes
+  Eigen::Vector3d rotation_rad{0.12, 0.15, 0.10};  ///< amplitudes about the body's axes
   double walk_mps = 1.2;
   double noise_px = 0.2, gyro_noise_rps = 0.01;
   Eigen::Vector3d gyro_bias{0.01, -0.02, 0.005};

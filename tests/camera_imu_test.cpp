@@ -12,12 +12,12 @@ namespace {
 
 constexpr double kDegree = 0.017453292519943295;
 
-/// A phone of its own for each seed: any mount, offsets up to 150 ms, readouts of 5 to 25 ms.
+/// A different phone for each seed: any mount, offsets up to 150 ms, readouts of 5 to 25 ms.
 HandHeld phone(uint64_t seed) {
   std::mt19937_64 random(seed);
   std::uniform_real_distribution<double> even(-1, 1);
   HandHeld phone;
-  // The camera looks forward; its body's axes lie anyhow.
+  // The camera looks forward; the body's axes are arbitrary.
   const Eigen::Quaterniond mount =
       Eigen::Quaterniond(even(random), even(random), even(random), even(random)).normalized();
   phone.q_b_c = Eigen::Quaterniond(0, 1, 0, 0);
@@ -27,7 +27,7 @@ HandHeld phone(uint64_t seed) {
   return phone;
 }
 
-/// What a calibration starts from: nothing about mount and times, a focal length 3 % off.
+/// Initial values of a calibration: no mount and times, a focal length 3 % off.
 CameraImuData unknown(const HandHeld& phone, uint64_t seed) {
   CameraImuData data = phone.data(seed);
   data.given.header.flags = 0;
@@ -40,7 +40,7 @@ CameraImuData unknown(const HandHeld& phone, uint64_t seed) {
 
 TEST_SUITE_BEGIN("camera_imu");
 
-TEST_CASE("from nothing: mount within 0.2 degrees, offset within 1 ms, row time within 5 % while walking") {
+TEST_CASE("without initial values: mount within 0.2 degrees, offset within 1 ms, row time within 5 % while walking") {
   for (uint64_t seed = 1; seed <= 4; ++seed) {
     CAPTURE(seed);
     HandHeld held = phone(seed);
@@ -51,7 +51,7 @@ TEST_CASE("from nothing: mount within 0.2 degrees, offset within 1 ms, row time 
     const bool walks = seed % 2;
     CHECK(found->q_b_c.angularDistance(held.q_b_c_true()) < (walks ? 0.2 : 0.35) * kDegree);
     CHECK(std::abs(found->time_offset_s.value - held.time_offset_s) < 1e-3);
-    // On the spot corners and a tiny path share what a row time explains: 2.1 us and 0.25 degrees off at worst.
+    // On the spot the corners and a small path share the effect of the row time: 2.1 us and 0.25 degrees off at worst.
     CHECK(std::abs(found->row_time_s.value - held.row_time_s) < (walks ? 0.05 * held.row_time_s : 2.5e-6));
     CHECK(std::abs(found->focal_px.value / held.focal_px - 1) < (walks ? 0.01 : 0.03));
     CHECK(shutter_of(*found) == Shutter::rolling);
@@ -60,7 +60,7 @@ TEST_CASE("from nothing: mount within 0.2 degrees, offset within 1 ms, row time 
   }
 }
 
-TEST_CASE("tracks without noise give mount and times exactly") {
+TEST_CASE("noise-free tracks give the exact mount and times") {
   HandHeld held = phone(9);
   held.noise_px = 0, held.gyro_noise_rps = 0, held.imu_hz = 400;
   const auto found = calibrate_camera_imu(unknown(held, 9), {});
@@ -70,7 +70,7 @@ TEST_CASE("tracks without noise give mount and times exactly") {
   CHECK(std::abs(found->row_time_s.value / held.row_time_s - 1) < 0.02);
 }
 
-TEST_CASE("a global shutter is called one") {
+TEST_CASE("a global shutter is detected") {
   HandHeld held = phone(3);
   held.row_time_s = 0;
   const auto found = calibrate_camera_imu(unknown(held, 3), {});
@@ -79,7 +79,7 @@ TEST_CASE("a global shutter is called one") {
   CHECK(shutter_of(*found) != Shutter::rolling_up);
 }
 
-TEST_CASE("the same recording gives the same figures to the last bit") {
+TEST_CASE("the same recording gives bit-identical figures") {
   const CameraImuData data = unknown(phone(2), 2);
   const auto one = calibrate_camera_imu(data, {}), other = calibrate_camera_imu(data, {});
   REQUIRE(one);
@@ -89,8 +89,8 @@ TEST_CASE("the same recording gives the same figures to the last bit") {
   CHECK(one->row_time_s.sigma == other->row_time_s.sigma);
 }
 
-TEST_CASE("what is not observable keeps its given value and is said") {
-  // Slow rotation with coarse corners: no row time to 0.1 ms a picture, no lens.
+TEST_CASE("an unobservable parameter keeps its given value and is reported") {
+  // Slow rotation with coarse corners: a row time is unobservable to 0.1 ms per picture, and so is the lens.
   HandHeld held = phone(5);
   held.rotation_rad *= 0.25, held.noise_px = 2, held.seconds = 12;
   CameraImuData data = held.data(5);
@@ -106,7 +106,7 @@ TEST_CASE("what is not observable keeps its given value and is said") {
   CHECK(said);
 }
 
-TEST_CASE("nothing to go by is a failure in words") {
+TEST_CASE("insufficient data gives an error text") {
   const auto words = [](const CameraImuData& data) { return calibrate_camera_imu(data, {}).failure().text; };
   const CameraImuData good = unknown(phone(1), 1);
   CameraImuData data = good;
@@ -127,7 +127,7 @@ TEST_CASE("nothing to go by is a failure in words") {
   CHECK(words(data).find("enough corners") != std::string::npos);
 }
 
-TEST_CASE("the camera.yaml it writes is read back, mount, times and all") {
+TEST_CASE("the written camera.yaml is read back with mount and times") {
   const HandHeld held = phone(4);
   const auto found = calibrate_camera_imu(unknown(held, 4), {});
   REQUIRE(found);
@@ -142,7 +142,7 @@ TEST_CASE("the camera.yaml it writes is read back, mount, times and all") {
   CHECK(std::abs(read->q_b_c[1] - found->q_b_c.x()) < 1e-8);
 }
 
-TEST_CASE("real recordings: a drone's published calibration, a phone against a peer's refined one" *
+TEST_CASE("real recordings match a drone's published calibration and another calibrator's for a phone" *
           doctest::test_suite("camera_imu_data")) {
   if (const auto folder = data_or_skip("euroc_mh05"); !folder.empty()) {
     const auto recording = read_recording(folder);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What configs, camera.yaml and manifests say and leave out: every key, every unit, every limit.
+// Defaults of configs, camera.yaml and manifests: every key, every unit, every limit.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -48,7 +48,7 @@ bool accepts(const Spec& spec, const std::string& value) {
 
 }  // namespace
 
-TEST_CASE("what a config leaves out is as the struct's own defaults say") {
+TEST_CASE("omitted keys of a config have the struct's defaults") {
   const PipelineConfig c = read("attitude: {plugin: attitude/vqf}\n");
   const CouplingConfig coupling;
   const OrderingConfig ordering;
@@ -80,7 +80,7 @@ TEST_CASE("what a config leaves out is as the struct's own defaults say") {
   CHECK_FALSE(c.attitudes[0].fallback);
 }
 
-TEST_CASE("each choice of a config is read as what it says" * doctest::skip(!kCameraPlugins)) {
+TEST_CASE("each choice in a config selects its value" * doctest::skip(!kCameraPlugins)) {
   const std::pair<const char*, std::function<bool(const PipelineConfig&)>> choices[] = {
       {"type: paper", [](const auto& c) { return c.coupling.type == CouplingType::paper; }},
       {"type: paper", [](const auto& c) { return c.coupling.type == CouplingType::paper; }},
@@ -108,7 +108,7 @@ TEST_CASE("each choice of a config is read as what it says" * doctest::skip(!kCa
     }
 }
 
-TEST_CASE("a start without heading, an origin without height, and plugins of each kind in their own places" *
+TEST_CASE("a start without heading, an origin without height, and plugins of each kind are read into their own fields" *
           doctest::skip(!kCameraPlugins)) {
   const PipelineConfig a =
       read("navigation: {start: {position: [1, -2, 3]}, origin: {latitude: 0.5, longitude: -1}}\n");
@@ -140,7 +140,7 @@ TEST_CASE("a start without heading, an origin without height, and plugins of eac
     CHECK_FALSE(read_pipeline_config(std::string("odograph: 1\n") + alone, "f", {plugin_folder()}).ok());
 }
 
-TEST_CASE("a camera has its mount where either part of it is given, and each other thing where that is given") {
+TEST_CASE("a camera has a mount if either part of it is given, and any other item only if it is given") {
   const auto plain = lens("");
   REQUIRE(plain.ok());
   CHECK(plain->header.flags == 0);
@@ -169,7 +169,7 @@ TEST_CASE("a camera has its mount where either part of it is given, and each oth
   CHECK((lens("fps: 25\n", &fps).ok() && fps == 25));
 }
 
-TEST_CASE("a camera's quaternion is near 1 and made 1, its distortion has 0, 4, 5 or 8 coefficients") {
+TEST_CASE("a camera's quaternion of norm near 1 is normalised, and its distortion has 0, 4, 5 or 8 coefficients") {
   for (const auto& [w, good] : {std::pair{1.009, true}, {0.991, true}, {0.989, false}, {0.0, false}}) {
     const auto c = lens("q_b_c: [" + std::to_string(std::min(w, 1.0)) + ", 0, 0, " +
                         std::to_string(w > 1 ? std::sqrt(w * w - 1) : 0.0) + "]\n");
@@ -191,7 +191,7 @@ TEST_CASE("a camera's quaternion is near 1 and made 1, its distortion has 0, 4, 
   }
 }
 
-TEST_CASE("every unit is worth what it is worth, and fits its own quantity alone") {
+TEST_CASE("every unit has its factor, and is accepted for its own quantity only") {
   const double degree = std::acos(-1.0) / 180;
   struct Unit {
     const char *name, *si;
@@ -234,7 +234,7 @@ TEST_CASE("every unit is worth what it is worth, and fits its own quantity alone
   CHECK(compatible_units("").empty());
 }
 
-TEST_CASE("numbers are good at their limits and refused beyond, whole ones too, quoted ones always") {
+TEST_CASE("numbers are accepted at their limits and rejected beyond, integers too, and quoted ones always") {
   using namespace table;
   for (const auto& [value, good] : std::map<std::string, bool>{
            {"-1", true}, {"2.5", true}, {"-1.000001", false}, {"2.500001", false}, {"1e1", false}, {"x", false}}) {
@@ -262,7 +262,7 @@ TEST_CASE("numbers are good at their limits and refused beyond, whole ones too, 
     CHECK_FALSE(accepts({.type = type}, "null"));
 }
 
-TEST_CASE("a default is the value of its text, of every type") {
+TEST_CASE("a default equals the value of its text for every type") {
   CHECK(default_value({.type = SpecType::boolean, .fallback = "true"}).boolean);
   CHECK_FALSE(default_value({.type = SpecType::boolean, .fallback = "false"}).boolean);
   CHECK(default_value({.type = SpecType::integer, .fallback = "-12"}).integer == -12);

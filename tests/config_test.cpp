@@ -30,7 +30,7 @@ bool contains(const std::string& text, const std::string& part) { return text.fi
 
 }  // namespace
 
-TEST_CASE("every setting of a config arrives, and none in another's place") {
+TEST_CASE("every setting of a config is read into its own field") {
   const auto config = read_pipeline_config(
       "odograph: 1\nplugins: {verify_hash: false}\n"
       "navigation:\n  origin: {latitude: 47 deg, longitude: 8 deg, height: 400 m}\n"
@@ -73,7 +73,7 @@ TEST_CASE("every setting of a config arrives, and none in another's place") {
   CHECK(c.vo_frontends[0].isolation.memory_bytes == 300ULL << 20);
 }
 
-TEST_CASE("every broken config is named with its place, what was expected and the nearest key") {
+TEST_CASE("every broken config is reported with its location, the expected value and the nearest key") {
   struct Case {
     const char* what;
     std::string yaml;
@@ -186,7 +186,7 @@ TEST_CASE("every broken config is named with its place, what was expected and th
   }
 }
 
-TEST_CASE("a file of 100 MB is refused without being read") {
+TEST_CASE("a file of 100 MB is rejected without being read") {
   const TemporaryFolder folder;
   const auto path = folder / "large.yaml";
   write_text(path, "odograph: 1\n");
@@ -196,14 +196,14 @@ TEST_CASE("a file of 100 MB is refused without being read") {
   CHECK(contains(config.failure().text, "large.yaml:1:1: the file has 100000000 bytes; expected at most"));
 }
 
-TEST_CASE("all mistakes of a file are found in one pass") {
+TEST_CASE("one pass finds all mistakes of a file") {
   const std::string text = mistake("odograph: 1\nwalker:\n  height: 9\ncoupling:\n  vertical: up\nplugin: 3\n");
   CHECK(contains(text, "f.yaml:3:11:"));
   CHECK(contains(text, "f.yaml:5:13:"));
   CHECK(contains(text, "f.yaml:6:1:"));
 }
 
-TEST_CASE("values may carry units and end up in SI") {
+TEST_CASE("values may have units and are converted to SI") {
   CHECK(*parse_quantity("170 cm", "m") == doctest::Approx(1.7));
   CHECK(*parse_quantity("90 deg", "rad") == doctest::Approx(1.5707963267948966));
   CHECK(*parse_quantity("36 km/h", "m/s") == doctest::Approx(10));
@@ -213,7 +213,7 @@ TEST_CASE("values may carry units and end up in SI") {
   CHECK_FALSE(parse_quantity("1e999", "m").ok());
 }
 
-TEST_CASE("the walker's height reaches the plugins unless they are given their own") {
+TEST_CASE("the walker's height reaches the plugins unless they have their own") {
   const auto height = [](const std::string& parameters) {
     const auto config = read_pipeline_config(
         "odograph: 1\nwalker:\n  height: 182 cm\nattitude:\n  plugin: attitude/vqf\nstep_estimator:\n"
@@ -229,7 +229,7 @@ TEST_CASE("the walker's height reaches the plugins unless they are given their o
   CHECK(height("  parameters:\n    walker_height: 1.6\n") == doctest::Approx(1.6));
 }
 
-TEST_CASE("a fallback walks with the walker's height as well") {
+TEST_CASE("a fallback plugin gets the walker's height as well") {
   const auto config = read_pipeline_config(
       "odograph: 1\nwalker:\n  height: 182 cm\nattitude:\n  plugin: attitude/vqf\nstep_estimator:\n"
       "  plugin: step/odograph\n  fallback: step/renaudin2012\n",
@@ -243,7 +243,7 @@ TEST_CASE("a fallback walks with the walker's height as well") {
   CHECK(height_m == doctest::Approx(1.82));
 }
 
-TEST_CASE("the reader never crashes on random bytes and YAML-like text") {
+TEST_CASE("the parser does not crash on random bytes and YAML-like text") {
   rc::check("random YAML", [] {
     const auto pieces = *rc::gen::container<std::vector<std::string>>(rc::gen::element<std::string>(
         "odograph: 1", "\n", "  ", "\t", "- ", "{", "}", "[", "]", ":", "&a", "*a", "!!x", "'", "\"", "#", "walker",
@@ -254,7 +254,7 @@ TEST_CASE("the reader never crashes on random bytes and YAML-like text") {
   });
 }
 
-TEST_CASE("the sample configs are good, and the schemas agree with the tables and with the samples") {
+TEST_CASE("the sample configs are valid, and the schemas match the tables and the samples") {
   const std::pair<const char*, std::string> schemas[] = {
       {"pipeline.schema.json", json_schema(pipeline_spec(), "Odograph pipeline config")},
       {"camera.schema.json", json_schema(camera_spec(), "Odograph camera.yaml")},
@@ -286,7 +286,7 @@ TEST_CASE("the sample configs are good, and the schemas agree with the tables an
   CHECK(manifests >= 8);
 }
 
-TEST_CASE("what a config names beside itself is found from anywhere, with other values and without") {
+TEST_CASE("a file named relative to a config is found from any folder, with and without replaced values") {
   const TemporaryFolder folder, elsewhere;
   write_text(folder / "lens.yaml", "width: 640\nheight: 480\nfx: 431.5\nfy: 432.5\ncx: 320\ncy: 240\n");
   const std::string yaml =
@@ -319,7 +319,7 @@ TEST_CASE("what a config names beside itself is found from anywhere, with other 
   CHECK(config->ordering.queue == 77);
 }
 
-TEST_CASE("a file that a config names as its camera and that is none is not quoted") {
+TEST_CASE("a camera file of a config that is not one is reported without quoting its content") {
   const TemporaryFolder folder;
   for (const std::string secret : {"root:x:0:0:root:/root:/bin/bash\ndaemon:x:1:1\n", "hunter2\n", "token: hunter2\n",
                                    "- hunter2\n- x\n", "-----BEGIN PRIVATE KEY-----\nhunter2\n"}) {

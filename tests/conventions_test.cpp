@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What the numbers of the contract are of: the point of a fix, true north, a camera among several.
+// Conventions of the ABI: the point of a fix, true north, one camera among several.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -35,13 +35,12 @@ odo_pose pose_by_mark(const Vector3d* lever_b, Quaterniond& q_n_b) {
   odo_session_flush(app.session);
   REQUIRE(app.statistics().fixes_accepted == 1);
   const auto fixes = app.all<odo_fix>(ODO_TYPE_FIX);
-  CHECK(fixes.at(0).p_n[0] == 10);  // published as the fixer emitted it
+  CHECK(fixes.at(0).p_n[0] == 10);  // published as emitted by the fixer
   q_n_b = quaternion(app.pose(4'000'000'000).q_n);
   return app.pose(4'000'000'000);
 }
 
-/// The published attitudes of a phone that lies still and sees a field to the north, with a config and before a
-/// message.
+/// The published attitudes of a phone at rest in a field to the north, with a config and before a message.
 std::vector<odo_attitude> attitudes(const std::string& config, const odo_header* first, odo_pose* last = nullptr) {
   App app(
       "odograph: 1\nattitude: {plugin: attitude/vqf, parameters: {magnetometer: true}}\n"
@@ -69,7 +68,7 @@ double heading_of_top(const odo_attitude& a) {
 
 }  // namespace
 
-TEST_CASE("a position fix is of its lever's point, without one of the body's origin") {
+TEST_CASE("a position fix refers to its lever point, and without a lever to the body's origin") {
   const Vector3d lever_b(0.1, -0.2, 0.5), none = Vector3d::Zero();
   Quaterniond q_n_b, q;
   const Vector3d at_origin(pose_by_mark(nullptr, q).p_n), at_zero(pose_by_mark(&none, q).p_n);
@@ -78,8 +77,7 @@ TEST_CASE("a position fix is of its lever's point, without one of the body's ori
   CHECK((at_origin - at_lever - q_n_b * lever_b).norm() < 1e-2);
 }
 
-TEST_CASE(
-    "north is true where the declination is known, by the config or by the app, and said to be magnetic where not") {
+TEST_CASE("north is true if the declination is known from the config or the app, and flagged magnetic otherwise") {
   const auto plain = attitudes("", nullptr), configured = attitudes("navigation: {declination: 12 deg}\n", nullptr);
   auto field = make_message<odo_earth_field>(ODO_TYPE_EARTH_FIELD, 1'000'000'000);
   field.header.flags = ODO_EARTH_FIELD_DECLINATION;
@@ -95,7 +93,7 @@ TEST_CASE(
   CHECK(std::abs(heading_of_top(by_app.back()) - heading_of_top(plain.back()) + 20 * kDegree) < 1e-9);
 }
 
-TEST_CASE("a pose claims north only where true north was observed") {
+TEST_CASE("a pose claims north only if true north was observed") {
   odo_pose magnetic{}, of_true{};
   attitudes("", nullptr, &magnetic);
   attitudes("coupling: {type: localizer}\nnavigation: {declination: 12 deg}\n", nullptr, &of_true);
@@ -104,8 +102,9 @@ TEST_CASE("a pose claims north only where true north was observed") {
   CHECK((of_true.header.flags & ODO_POSE_COVARIANCE) != 0);
 }
 
-TEST_CASE("frames of a second camera at the same times are no duplicates, and do not reach a front-end of one camera" *
-          doctest::skip(!kCameraPlugins)) {
+TEST_CASE(
+    "frames of a second camera at the same times are no duplicates, and do not reach a front-end with one camera" *
+    doctest::skip(!kCameraPlugins)) {
   App app(kCamera);
   REQUIRE_MESSAGE(app.status == ODO_OK, app.message);
   for (const uint32_t camera : {3u, 4u}) {
@@ -132,7 +131,7 @@ TEST_CASE("frames of a second camera at the same times are no duplicates, and do
   for (const odo_vo_motion& motion : motions) CHECK(motion.camera == 3);
 }
 
-TEST_CASE("no plugin emits inputs, the host's own events, reserved numbers or memory, whatever its table declares") {
+TEST_CASE("no plugin can emit inputs, the host's own events, reserved numbers or memory, whatever its table declares") {
   const TestPlugins plugins{"echo"};
   App app("odograph: 1\nvo_frontend: {plugin: test/echo}\n", ODO_RUN_REPLAY, plugins.path());
   REQUIRE_MESSAGE(app.status == ODO_OK, app.message);
@@ -155,7 +154,7 @@ TEST_CASE("no plugin emits inputs, the host's own events, reserved numbers or me
     CHECK_FALSE(echoed(type, t_ns += 1'000'000));
 }
 
-TEST_CASE("a vendor's message from a far future does not make what follows late") {
+TEST_CASE("a vendor's message from the far future does not make later ones late") {
   App app(kWalk);
   app.walk(0, 100);
   auto far = make_message<odo_imu>(ODO_TYPE_IMU, int64_t(1) << 61);

@@ -51,13 +51,13 @@ TEST_CASE("eq. (6): a step's length is used during the following step") {
   CHECK_FALSE(steps.between(0, kSecond / 10).has_value());  // before any step was complete
   CHECK(steps.between(kSecond / 2, kSecond * 6 / 10)->metres == doctest::Approx(0.14));
   steps.add_step(kSecond / 2, kSecond, 0.60, 0.05);  // step 2: 1.2 m/s, in force from 1.0 s on
-  // An interval that lies across the end of step 2: half at step 1's speed, half at step 2's.
+  // An interval across the end of step 2: half at step 1's speed, half at step 2's.
   CHECK(steps.between(kSecond * 95 / 100, kSecond * 105 / 100)->metres == doctest::Approx(0.05 * 1.4 + 0.05 * 1.2));
-  // Over the whole of step 3 the displacement is exactly step 2's length when both last equally long.
+  // Over step 3 the displacement equals step 2's length if both have the same duration.
   CHECK(steps.between(kSecond, kSecond * 3 / 2)->metres == doctest::Approx(0.60));
 }
 
-TEST_CASE("a walker who stops stands, and is set going again by the next step") {
+TEST_CASE("a walker who stops stands, until the next step") {
   step_scale::StepInterpolation steps(1.6);
   steps.add_step(0, kSecond / 2, 0.70, 0.05);
   CHECK(steps.between(2 * kSecond, 3 * kSecond)->metres == 0.0);
@@ -67,10 +67,10 @@ TEST_CASE("a walker who stops stands, and is set going again by the next step") 
   CHECK(steps.between(kSecond * 5 / 2, kSecond * 26 / 10)->metres == doctest::Approx(0.14));
 }
 
-TEST_CASE("each displacement is scaled on its own, horizontally, in NED") {
+TEST_CASE("each displacement is scaled separately, horizontally, in NED") {
   PaperTrack coupling({}, {}, {true, true});
   const odo_pose first = coupling.on_first_frame(0);
-  // Without attitude the camera starts level, facing north: z forward is north, x right is east, y down is down.
+  // Without attitude the camera starts horizontal, facing north: z forward is north, x right is east, y down is down.
   Eigen::Quaterniond q(first.q_n[0], first.q_n[1], first.q_n[2], first.q_n[3]);
   CHECK((q * Vector3d::UnitZ() - Vector3d::UnitX()).norm() < 1e-12);
   CHECK((q * Vector3d::UnitX() - Vector3d::UnitY()).norm() < 1e-12);
@@ -84,11 +84,11 @@ TEST_CASE("each displacement is scaled on its own, horizontally, in NED") {
   pose = coupling.on_vo_motion(motion(kSecond, 2 * kSecond, {0, 0, 1}), nullptr);
   CHECK(pose.state == ODO_DEGRADED);
   CHECK(pose.reason == ODO_REASON_NO_SCALE);
-  CHECK(pose.p_n[0] == doctest::Approx(1.0));  // nothing is invented
+  CHECK(pose.p_n[0] == doctest::Approx(1.0));  // unchanged
   CHECK(coupling.distance_m() == doctest::Approx(std::hypot(1.0, 0.2)));
 }
 
-TEST_CASE("rotation is chained from frame to frame") {
+TEST_CASE("rotations are composed from frame to frame") {
   PaperTrack coupling({}, {}, {true, false});
   coupling.on_first_frame(0);
   auto rotation = motion(0, kSecond, Vector3d::Zero());
@@ -101,7 +101,7 @@ TEST_CASE("rotation is chained from frame to frame") {
   CHECK((pose.header.flags & ODO_POSE_METRIC) == 0);
 }
 
-TEST_CASE("the first fix places the track, later ones pull it by their weight, wrong ones are rejected") {
+TEST_CASE("the first fix sets the track, later ones correct it by their weight, and wrong ones are rejected") {
   CouplingConfig config;
   PaperTrack coupling(config, {}, {true, true});
   coupling.on_first_frame(0);
@@ -117,11 +117,11 @@ TEST_CASE("the first fix places the track, later ones pull it by their weight, w
   pose = *coupling.take_correction();
   CHECK(pose.p_n[0] > 110.2);
   CHECK(pose.p_n[0] < 111.0);
-  // The uncertainty along the path was that of the scale: the correction shrinks it.
+  // The uncertainty along the path was that of the scale: the correction reduces it.
   CHECK(pose.covariance[3 * 6 + 3] < 1.0);
 }
 
-TEST_CASE("a track that is wrong itself follows the fixes in the end") {
+TEST_CASE("a wrong track finally follows the fixes") {
   PaperTrack coupling({}, {}, {true, true});
   coupling.on_first_frame(0);
   coupling.on_fix(position_fix(0, 0, 0, 0.5)).accepted;
@@ -130,7 +130,7 @@ TEST_CASE("a track that is wrong itself follows the fixes in the end") {
   CHECK(coupling.take_correction()->p_n[0] == doctest::Approx(500).epsilon(1e-3));
 }
 
-TEST_CASE("an orientation fix turns the track by what it is worth, and not at all when it is absurd") {
+TEST_CASE("an orientation fix rotates the track by its weight, and an absurd one is ignored") {
   PaperTrack coupling({}, {}, {true, true});
   const odo_pose first = coupling.on_first_frame(0);
   const Eigen::Quaterniond q_n_c(first.q_n[0], first.q_n[1], first.q_n[2], first.q_n[3]);
@@ -149,11 +149,11 @@ TEST_CASE("an orientation fix turns the track by what it is worth, and not at al
   const odo_scale s = scale(1.0);
   const odo_pose pose = coupling.on_vo_motion(motion(0, kSecond, {0, 0, 1}), &s);
   CHECK(std::abs(std::atan2(pose.p_n[1], pose.p_n[0]) - 0.1) < 0.001);
-  CHECK(coupling.on_fix(fix_of(0.102, 0.05)).accepted);  // a worse one hardly moves it
+  CHECK(coupling.on_fix(fix_of(0.102, 0.05)).accepted);  // a less accurate one hardly moves it
   CHECK(pose.covariance[14] < 0.01 * 0.01);
 }
 
-TEST_CASE("the fix that places a track turns it to any heading, later ones do not") {
+TEST_CASE("the fix that sets a track may rotate it to any heading, later ones may not") {
   PaperTrack coupling({}, {}, {true, true});
   const odo_pose first = coupling.on_first_frame(0);
   const Eigen::Quaterniond q_n_c(first.q_n[0], first.q_n[1], first.q_n[2], first.q_n[3]);
@@ -175,7 +175,7 @@ TEST_CASE("the fix that places a track turns it to any heading, later ones do no
   CHECK(std::atan2(after.p_n[1] - pose.p_n[1], after.p_n[0] - pose.p_n[0]) == doctest::Approx(2.5).epsilon(0.05));
 }
 
-TEST_CASE("a late fix of the heading turns what was driven since its time, and an older one knows of it") {
+TEST_CASE("a late heading fix rotates the path since its time, and an older fix accounts for it") {
   PaperTrack coupling({}, {}, {true, true});
   coupling.on_first_frame(0);
   const odo_scale s = scale(1.0);
@@ -184,7 +184,7 @@ TEST_CASE("a late fix of the heading turns what was driven since its time, and a
   REQUIRE(coupling.pose_at(10 * kSecond, now) == ODO_OK);
   const Eigen::Quaterniond q(now.q_n[0], now.q_n[1], now.q_n[2], now.q_n[3]);
   const Vector3d y_n = (q * Eigen::Quaterniond(0, 1, 0, 0).conjugate()) * Vector3d::UnitY();
-  auto fix = position_fix(2 * kSecond, 20, 0, 0.5);  // was looking 0.3 rad farther to the right then
+  auto fix = position_fix(2 * kSecond, 20, 0, 0.5);  // the true heading was 0.3 rad farther to the right
   fix.header.flags |= ODO_FIX_YAW, fix.yaw_axis_b[1] = 1;
   fix.yaw_sigma_rad = 0.01;
   fix.yaw_rad = std::atan2(y_n.y(), y_n.x()) + 0.3;
@@ -194,14 +194,14 @@ TEST_CASE("a late fix of the heading turns what was driven since its time, and a
   CHECK(yaw > 0.29);
   CHECK(yaw < 0.31);
   CHECK(std::hypot(turned.p_n[0] - 20, turned.p_n[1]) == doctest::Approx(80).epsilon(0.01));
-  // A second fix of 6 s that says where the corrected track was then changes nothing.
+  // A second fix at 6 s at the position of the corrected track changes nothing.
   auto second = position_fix(6 * kSecond, 20 + 40 * std::cos(yaw), 40 * std::sin(yaw), 0.5);
   REQUIRE(coupling.on_fix(second).accepted);
   const odo_pose same = coupling.take_correction().value_or(turned);
   CHECK((Vector3d(same.p_n) - Vector3d(turned.p_n)).norm() < 0.1);
 }
 
-TEST_CASE("without a scale the position's uncertainty grows by the fastest speed, until a fix") {
+TEST_CASE("without a scale the position's uncertainty grows with the maximum speed, until a fix") {
   CouplingConfig config;
   config.fastest_mps = 10;
   PaperTrack coupling(config, {{0, 0, 0}, 0, true}, {true, true});
@@ -216,7 +216,7 @@ TEST_CASE("without a scale the position's uncertainty grows by the fastest speed
   CHECK(std::sqrt(pose.covariance[4 * 6 + 4]) < 1);
 }
 
-TEST_CASE("a pose says metric and velocity only when that is so, and the first scale announces what it moves") {
+TEST_CASE("a pose is flagged metric and with velocity only if valid, and the first scale announces its correction") {
   Composer composer({}, {}, {true, true});
   const auto flags_after = [&](const Measurement& measurement) {
     composer.update(measurement);
@@ -241,10 +241,10 @@ TEST_CASE("a pose says metric and velocity only when that is so, and the first s
   auto blind = motion(kSecond / 5, kSecond * 3 / 10, {0, 0, 0});
   blind.header.flags = 0;
   blind.state = ODO_LOST;
-  CHECK(flags_after(RelativeMotion{&blind, nullptr}) == ODO_POSE_METRIC);  // metres, but how fast nobody knows
+  CHECK(flags_after(RelativeMotion{&blind, nullptr}) == ODO_POSE_METRIC);  // metric, but of unknown speed
 }
 
-TEST_CASE("a fix of the heading alone is announced and publishes the pose anew") {
+TEST_CASE("a heading fix alone is announced and publishes the pose again") {
   Composer composer({}, {}, {true, false});
   auto attitude = make_message<odo_attitude>(ODO_TYPE_ATTITUDE, 0);
   attitude.q_n_b[0] = 1.0;  // the phone's top looks east
@@ -264,7 +264,7 @@ TEST_CASE("a fix of the heading alone is announced and publishes the pose anew")
   CHECK_FALSE(composer.take_correction(correction, pose));
 }
 
-TEST_CASE("steps carry the position where there is no camera") {
+TEST_CASE("steps carry the position without a camera") {
   PaperTrack coupling({}, {{10, 20, 0}, EIGEN_PI / 2, true}, {false, false});
   auto attitude = make_message<odo_attitude>(ODO_TYPE_ATTITUDE, 0);
   attitude.q_n_b[0] = 1.0;
@@ -276,7 +276,7 @@ TEST_CASE("steps carry the position where there is no camera") {
   const auto pose = coupling.on_step(step);
   REQUIRE(pose.has_value());
   CHECK(pose->p_n[0] == doctest::Approx(10));
-  CHECK(pose->p_n[1] == doctest::Approx(20.7));  // the start's heading is east
+  CHECK(pose->p_n[1] == doctest::Approx(20.7));  // the initial heading is east
   CHECK(std::sqrt(pose->covariance[4 * 6 + 4]) == doctest::Approx(0.7 * std::hypot(0.1, 0.06)).epsilon(0.01));
   odo_pose later{};
   CHECK(coupling.pose_at(kSecond / 4, later) == ODO_OK);
@@ -284,13 +284,13 @@ TEST_CASE("steps carry the position where there is no camera") {
   CHECK(coupling.pose_at(-1, later) == ODO_E_NOT_FOUND);
 }
 
-TEST_CASE("the coupling chains the gyroscope's rotations where the config says so") {
+TEST_CASE("the coupling composes the gyroscope's rotations if configured") {
   PaperTrack coupling({.orientation = Orientation::gyroscope}, {}, {.vo = true, .scale = false});
   auto attitude = make_message<odo_attitude>(ODO_TYPE_ATTITUDE, 0);
   attitude.q_n_b[0] = 1;
   coupling.on_attitude(attitude);
   coupling.on_first_frame(0);
-  for (int k = -1; k < 200; ++k) {  // a bend of 90 degrees, driven in a second
+  for (int k = -1; k < 200; ++k) {  // a turn of 90 degrees within a second
     auto imu = make_message<odo_imu>(ODO_TYPE_IMU, (k + 1) * 5'000'000LL);
     imu.header.flags = ODO_IMU_GYRO | ODO_IMU_ACCEL;
     imu.gyro_b[2] = EIGEN_PI / 2;
@@ -300,14 +300,13 @@ TEST_CASE("the coupling chains the gyroscope's rotations where the config says s
   auto no_picture = motion(0, kSecond, {0, 0, 0});
   no_picture.header.flags = 0;
   const odo_pose pose = coupling.on_vo_motion(no_picture, nullptr);
-  const Eigen::Quaterniond camera(0, 1, 0, 0);  // its mounting unless a calibration says otherwise
+  const Eigen::Quaterniond camera(0, 1, 0, 0);  // its default mount
   const Eigen::Quaterniond expected(Eigen::AngleAxisd(EIGEN_PI / 2, Vector3d::UnitZ()));
   CHECK(Eigen::Quaterniond(pose.q_n[0], pose.q_n[1], pose.q_n[2], pose.q_n[3]).angularDistance(expected * camera) <
         1e-3);
 }
 
-TEST_CASE(
-    "a chained gyroscope that nobody told its heading is turned around by a fix; one that was told north is not") {
+TEST_CASE("a fix may turn a gyroscope heading of unknown origin around, but not one referred to north") {
   for (const bool told : {false, true}) {
     CAPTURE(told);
     PaperTrack coupling({.orientation = Orientation::gyroscope},
@@ -324,7 +323,7 @@ TEST_CASE(
   }
 }
 
-TEST_CASE("a motion faster than the carrier can be is a mistake, not a displacement") {
+TEST_CASE("a motion faster than the carrier's maximum is rejected") {
   PaperTrack coupling({.fastest_mps = 2}, {}, {.vo = true, .scale = true});
   coupling.on_first_frame(0);
   const odo_scale metre = scale(1.0);
@@ -336,8 +335,7 @@ TEST_CASE("a motion faster than the carrier can be is a mistake, not a displacem
   CHECK(leapt.reason == ODO_REASON_TOO_FAST);
 }
 
-TEST_CASE(
-    "one scale from all steps: gestures do not count, the steps' own errors average out, a new group begins anew") {
+TEST_CASE("one scale from all steps: gestures are ignored, step errors average out, and a new group restarts it") {
   step_fit::StepFit fit(0.004, 0.05);
   const double scale = 4.0;
   int64_t t = 0;
@@ -346,7 +344,7 @@ TEST_CASE(
     fit.add_motion(t, t + kSecond / 10, Eigen::Vector2d(metres / scale, 0), 0);
     t += kSecond / 10, x += metres;
   };
-  for (int k = 0; k < 40; ++k) {  // standing, the hand moves to and fro, and the detector counts steps
+  for (int k = 0; k < 40; ++k) {  // standing: the hand moves and the detector counts steps
     move(k % 10 < 5 ? 0.02 : -0.02);
     if (k % 5 == 4) CHECK_FALSE(fit.add_step(t - kSecond / 2, t, 0.6, 0.05));
   }
@@ -354,19 +352,19 @@ TEST_CASE(
   int counted = 0;
   for (int step = 0; step < 40; ++step) {
     for (int k = 0; k < 5; ++k) move(0.14);
-    counted += fit.add_step(t - kSecond / 2, t, step % 2 ? 0.62 : 0.78, 0.07);  // seven tenths in the mean
+    counted += fit.add_step(t - kSecond / 2, t, step % 2 ? 0.62 : 0.78, 0.07);  // mean 0.7
     if (step == 0) CHECK_FALSE(fit.scale());
   }
   CHECK(counted >= 37);
   REQUIRE(fit.scale());
   CHECK(fit.scale()->scale == doctest::Approx(scale).epsilon(0.03));
   CHECK(fit.scale()->relative_sigma < 0.08);
-  CHECK_FALSE(fit.add_step(t, t + kSecond, 0.7, 0.07));  // the odometry is not there yet
+  CHECK_FALSE(fit.add_step(t, t + kSecond, 0.7, 0.07));  // not yet covered by the odometry
   fit.add_motion(t, t + kSecond / 10, {0.1, 0}, 1);
   CHECK_FALSE(fit.scale());
 }
 
-TEST_CASE("a steady scale also holds for the motions of its group that came before it; a frame's own does not") {
+TEST_CASE("a steady scale also applies to earlier motions of its group, a frame's own scale does not") {
   for (const bool steady : {true, false}) {
     PaperTrack coupling({.fastest_mps = 20}, {.position_m = {0, 0, 0}, .heading_rad = 0, .given = true},
                         {.vo = true, .scale = true});
@@ -381,7 +379,7 @@ TEST_CASE("a steady scale also holds for the motions of its group that came befo
   }
 }
 
-TEST_CASE("a camera that is lost before it ever tracked is lost: there is nothing to bridge") {
+TEST_CASE("a camera that is lost before it ever tracked is reported lost, without bridging") {
   PaperTrack coupling({}, {}, {true, true});
   auto attitude = make_message<odo_attitude>(ODO_TYPE_ATTITUDE, 5 * kSecond);
   attitude.q_n_b[0] = 1;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What benchmarks draw: curves of which the points are known.
+// Curves of benchmarks with known points.
 #include <doctest/doctest.h>
 
 #include "sdk/tools/evaluation/corner_follower.hpp"
@@ -11,7 +11,7 @@ using namespace odograph;
 
 TEST_SUITE_BEGIN("figures");
 
-TEST_CASE("of several spectra a percentile is taken at each frequency") {
+TEST_CASE("percentiles of several spectra are taken per frequency") {
   const std::vector<double> low(250, 1.0), high(250, 100.0);
   const auto upper = spectra_percentile({low, high}, 1);
   CHECK(upper.front().first == doctest::Approx(0.3));
@@ -19,7 +19,7 @@ TEST_CASE("of several spectra a percentile is taken at each frequency") {
   CHECK(spectra_percentile({low, high}, 0).back().second == doctest::Approx(0));
 }
 
-TEST_CASE("a distribution has its percentiles, and errors are held against those of the same places") {
+TEST_CASE("a distribution has its percentiles, and errors are compared at the same percentiles") {
   const auto points = distribution_of({3, 1, 2});
   REQUIRE(points.size() == 101);
   CHECK(points[0] == std::pair(1.0, 0.0));
@@ -28,7 +28,7 @@ TEST_CASE("a distribution has its percentiles, and errors are held against those
   CHECK(part_below({1, 5, 3, 0}, {2, 4, 3, 1}) == doctest::Approx(0.5));
 }
 
-TEST_CASE("the part of the corners that is still followed falls with their lengths, up to half of the frames") {
+TEST_CASE("the share of corners still tracked decreases with the track length, up to half of the frames") {
   TrackFigures f;
   f.lengths = {1, 2, 2, 4}, f.frames = 8;
   const auto still = f.still_followed();

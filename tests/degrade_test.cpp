@@ -16,7 +16,7 @@ namespace {
 
 constexpr int64_t kBegin_ns = 1'000'000'000'000;
 
-/// Ten minutes of IMU at 200 Hz, turning at 0.1 rad/s about x, and frames at 10 Hz from 1 s on.
+/// Ten minutes of IMU at 200 Hz, rotating at 0.1 rad/s about x, and frames at 10 Hz from 1 s on.
 Recording recording(bool apart = false) {
   Recording r;
   auto calibration = make_message<odo_calibration>(ODO_TYPE_CALIBRATION, kBegin_ns);
@@ -70,14 +70,14 @@ bool in_order(const Recording& r) {
 
 }  // namespace
 
-TEST_CASE("a degradation of nothing changes nothing") {
+TEST_CASE("an empty degradation changes nothing") {
   const Recording before = recording(), after = degraded(before, {}, 1);
   REQUIRE(after.messages.size() == before.messages.size());
   for (size_t i = 0; i < before.messages.size(); ++i)
     REQUIRE(std::ranges::equal(after.messages[i].message.bytes(), before.messages[i].message.bytes()));
 }
 
-TEST_CASE("the same seed gives the same bits, another one other noise") {
+TEST_CASE("the same seed is bit-identical, and another seed gives other noise") {
   const Recording r = recording();
   const Degradation d{.imu_noise_factor = 5, .stamp_jitter_s = 1e-3, .wild_per_minute = 1};
   const auto a = imu(degraded(r, d, 1)), b = imu(degraded(r, d, 1)), c = imu(degraded(r, d, 2));
@@ -86,7 +86,7 @@ TEST_CASE("the same seed gives the same bits, another one other noise") {
   CHECK(a[100].header.t_ns != c[100].header.t_ns);
 }
 
-TEST_CASE("noise of five phones, bias and scale are of the size asked for") {
+TEST_CASE("noise of five times a phone's, bias and scale have the requested size") {
   const auto samples = imu(degraded(recording(), {.imu_noise_factor = 5}, 3));
   const double root = std::sqrt(200.0 * 24);
   const auto gyro = over(samples, [](const odo_imu& s) { return s.gyro_b[0]; });
@@ -100,7 +100,7 @@ TEST_CASE("noise of five phones, bias and scale are of the size asked for") {
   CHECK(biased[7].gyro_b[0] == doctest::Approx(0.102));
 }
 
-TEST_CASE("50 Hz of 200, evenly, whether the sensors come together or apart") {
+TEST_CASE("200 Hz is decimated evenly to 50 Hz, whether the sensors come together or separately") {
   for (const bool apart : {false, true}) {
     const auto samples = imu(degraded(recording(apart), {.imu_rate_hz = 50}, 1));
     std::map<uint32_t, int64_t> last;
@@ -114,7 +114,7 @@ TEST_CASE("50 Hz of 200, evenly, whether the sensors come together or apart") {
   }
 }
 
-TEST_CASE("without an accelerometer there is neither its bit nor a sample of it alone") {
+TEST_CASE("without an accelerometer there is neither its flag nor a sample of it alone") {
   for (const bool apart : {false, true}) {
     const auto samples = imu(degraded(recording(apart), {.accelerometer = false}, 1));
     CHECK(samples.size() == (apart ? 60'000 : 120'000));
@@ -125,7 +125,7 @@ TEST_CASE("without an accelerometer there is neither its bit nor a sample of it 
   }
 }
 
-TEST_CASE("a time offset moves the IMU against the frames, a line time both places where it is told") {
+TEST_CASE("a time offset shifts the IMU against the frames, and a line time changes in both of its fields") {
   const Recording before = recording(), after = degraded(before, {.time_offset_s = -0.02, .line_time_factor = 1.2}, 1);
   CHECK(imu(after)[5].header.t_ns == imu(before)[5].header.t_ns - 20'000'000);
   CHECK(frames(after)[5].header.t_ns == frames(before)[5].header.t_ns);
@@ -134,7 +134,7 @@ TEST_CASE("a time offset moves the IMU against the frames, a line time both plac
   CHECK(in_order(after));
 }
 
-TEST_CASE("a recording ends where it is told, loses a share of its frames, and its light changes") {
+TEST_CASE("a recording ends at the given time, loses a share of its frames, and its light changes") {
   const Recording before = recording();
   const auto cut = frames(degraded(before, {.length_s = 8}, 1));
   REQUIRE_FALSE(cut.empty());
@@ -151,7 +151,7 @@ TEST_CASE("a recording ends where it is told, loses a share of its frames, and i
   CHECK(most == doctest::Approx(1.5).epsilon(0.01));
 }
 
-TEST_CASE("jittering stamps keep their order and have the deviation asked for") {
+TEST_CASE("jittering time stamps keep their order and have the requested deviation") {
   const Recording after = degraded(recording(), {.stamp_jitter_s = 1.4e-3}, 1);
   CHECK(in_order(after));
   const auto samples = imu(after);
@@ -163,7 +163,7 @@ TEST_CASE("jittering stamps keep their order and have the deviation asked for") 
   CHECK(std::abs(statistics_of(off).std - 1.4e-3) < 0.05 * 1.4e-3);
 }
 
-TEST_CASE("one wild sample a minute is full scale on every axis") {
+TEST_CASE("one outlier per minute is at full scale on every axis") {
   size_t wild = 0;
   for (const odo_imu& s : imu(degraded(recording(), {.wild_per_minute = 1}, 4))) {
     if (s.accel_b[2] == 9.81) continue;
@@ -177,7 +177,7 @@ TEST_CASE("one wild sample a minute is full scale on every axis") {
   CHECK(wild < 20);
 }
 
-TEST_CASE("a cut begins within the recording and keeps what describes the sensors") {
+TEST_CASE("a cut starts within the recording and keeps the sensors' descriptions") {
   const Recording r = degraded(recording(), {.cut_s = 60}, 1);
   CHECK(frames(r).front().header.t_ns == kBegin_ns + 61'000'000'000);
   CHECK(imu(r).front().header.t_ns == kBegin_ns + 61'000'000'000);
@@ -204,7 +204,7 @@ TEST_CASE("frames are missing in a gap and black in the dark, counted from the f
   CHECK(imu(r).size() == imu(degraded(recording(), {.cut_s = 60}, 1)).size());
 }
 
-TEST_CASE("a black picture has the size of what it hides") {
+TEST_CASE("a black picture has the size of the original") {
   const TemporaryFolder folder;
   const auto file = folder / "bright.png";
   REQUIRE(cv::imwrite(file.string(), cv::Mat(6, 8, CV_8UC1, cv::Scalar(200))));
@@ -222,7 +222,7 @@ TEST_CASE("a black picture has the size of what it hides") {
   }
 }
 
-TEST_CASE("the table of sensors has each fault once, and begins with none") {
+TEST_CASE("the table of sensors has each fault once, starting with none") {
   const auto all = sensor_qualities();
   CHECK(all.size() == 15);
   CHECK(all.front().name == "as recorded");

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What is kept of a run's results: of each column of numbers how many there are, their mean, root mean square and
-// quartiles, and five of them. Few enough to lie beside the tests, enough that most changes of any number show: of more
-// than a millionth of the column's size, so no column may have an offset or another thing's size in it.
+// Digest of a run's results: for each column of numbers the count, mean, root mean square, quartiles and five values.
+// It is small enough to be stored with the tests, and sensitive to most changes of any number by more than a millionth
+// of the column's size; hence no column may contain an offset or values of another size.
 #pragma once
 
 #include <algorithm>
@@ -24,7 +24,7 @@ class Digest {
     for (size_t i = 0; i < count; ++i) add(column + '.' + std::to_string(i), values[i * stride]);
   }
 
-  /// Of each 3x3 block of a square matrix two sums with weights of their own, by which a change of any number shows.
+  /// Two weighted sums of each 3x3 block of a square matrix, which are sensitive to a change of any number.
   void add_blocks(const std::string& column, const double* values, size_t size) {
     for (size_t row = 0; row < size; row += 3)
       for (size_t from = 0; from < size; from += 3) {
@@ -37,7 +37,7 @@ class Digest {
       }
   }
 
-  /// One line a column: name, count, quartiles, mean, root mean square, five values from the first to the last.
+  /// One line per column: name, count, quartiles, mean, root mean square, five values from first to last.
   std::string text() const {
     std::ostringstream out;
     out.precision(10);
@@ -59,19 +59,19 @@ class Digest {
     for (double v : values) sum += power == 1 ? v : v * v;
     return sum / static_cast<double>(values.size());
   }
-  std::map<std::string, std::vector<double>> columns_;  // none is empty, none has a NaN
+  std::map<std::string, std::vector<double>> columns_;  // none empty, none with NaN
 };
 
-/// How two digests are compared.
+/// Comparison of two digests.
 struct Tolerance {
   double part;          ///< of a column's root mean square, and of its count
-  bool quartiles_only;  ///< of results whose single numbers hang on the last digits of their input
+  bool quartiles_only;  ///< for results whose single numbers depend on the last digits of their input
 };
 
-/// Fewer numbers have no quartiles to speak of; a few more or less of them are no difference either.
+/// Below this count quartiles and small differences of the count are not compared.
 inline constexpr double kFew = 30;
 
-/// The columns in which two digests differ, each with both lines.
+/// The columns that differ, each with both lines.
 inline std::vector<std::string> differences(const std::string& kept, const std::string& now, Tolerance tolerance) {
   using Columns = std::map<std::string, std::vector<double>>;
   const auto columns_of = [](const std::string& text) {
@@ -99,7 +99,7 @@ inline std::vector<std::string> differences(const std::string& kept, const std::
     bool same = before.count(name) && after.count(name);
     if (same) {
       const auto &a = before.at(name), &b = after.at(name);
-      const double rms = std::max(a[5], 1e-9);  // less is what rounding leaves of zero
+      const double rms = std::max(a[5], 1e-9);  // rounding errors of zero are smaller
       same = std::abs(a[0] - b[0]) <= std::max(tolerance.quartiles_only ? 3.0 : 0.0, tolerance.part * a[0]);
       const size_t compared = !tolerance.quartiles_only ? a.size() : a[0] < kFew ? 1 : 4;
       for (size_t i = 1; i < compared; ++i) same = same && std::abs(a[i] - b[i]) <= tolerance.part * rms;

@@ -38,12 +38,12 @@ M& of(AnyMessage& message) {
   return reinterpret_cast<M&>(message.header());
 }
 
-/// What becomes of a gyroscope and an accelerometer; false: the sample is lost.
+/// Disturbs a gyroscope and an accelerometer sample; false: the sample is lost.
 bool trouble(odo_imu& imu, double t, size_t number) {
   for (const Span silent : {Span{30, 30.15}, {33, 33.4}, {62, 65}, {99, 99.3}})
     if (silent.has(t)) return false;
-  if (number < 3) std::fill_n(imu.accel_b, 3, 0.1);                            // falls
-  if (Span{36, 38}.has(t) && number % 20 == 0) imu.header.t_ns -= 10'000'000;  // the time of the one before
+  if (number < 3) std::fill_n(imu.accel_b, 3, 0.1);                            // free fall
+  if (Span{36, 38}.has(t) && number % 20 == 0) imu.header.t_ns -= 10'000'000;  // the time of the previous one
   if (Span{40, 40.3}.has(t)) imu.gyro_b[0] += 35, imu.gyro_b[1] -= 3, imu.accel_b[2] += 45;
   if (number == 4200) imu.gyro_b[1] = std::numeric_limits<double>::quiet_NaN();
   if (number == 4250) imu.accel_b[0] = 1e3;
@@ -75,7 +75,7 @@ bool trouble(odo_gnss& sample, double t, size_t number) {
   return !Span{75, 87}.has(t);
 }
 
-/// Of the samples: lost, or as a pipeline is given them.
+/// Adds the samples that are not lost, as delivered to a pipeline.
 void add_samples(const Recording& recording, int64_t start_ns, std::vector<AnyMessage>& out) {
   size_t numbers[16] = {};
   for (const RecordedMessage& recorded : recording.messages) {
@@ -134,12 +134,12 @@ odo_vo_motion motion_between(const TrueState& from, const TrueState& to, double 
   return m;
 }
 
-/// A place with a known point in view; for some seconds of a place that looks alike.
+/// A fix at a known point, for some seconds at a similar, wrong one.
 odo_fix fix_at(const TrueState& state, double t) {
   auto f = make_message<odo_fix>(ODO_TYPE_FIX, state.t_ns);
   f.header.flags = ODO_FIX_NORTH | ODO_FIX_EAST | ODO_FIX_COVARIANCE | ODO_FIX_SLANT | ODO_FLAG_ACCEPTED;
   if (static_cast<int>(std::lround(t)) % 30 == 5)
-    f.header.flags |= ODO_FIX_DOWN | ODO_FIX_COVARIANCE;  // seldom: a barometer goes by it
+    f.header.flags |= ODO_FIX_DOWN | ODO_FIX_COVARIANCE;  // rarely: a barometer uses it
   const Vector3d landmark(100, 60, -25), noise(0.3 * std::sin(3 * t), 0.3 * std::cos(5 * t), 0.1 * std::sin(7 * t));
   const bool wrong = Span{55, 56.5}.has(t), alike = t > 104;
   const Vector3d place =
@@ -161,7 +161,7 @@ DisturbedWalk::DisturbedWalk() {
   const TrueState* frame = nullptr;
   add_samples(recording, start_ns, messages);
   auto camera = make_message<odo_calibration>(ODO_TYPE_CALIBRATION, messages.front().header().t_ns);
-  camera.header.flags = ODO_CALIBRATION_EXTRINSICS;  // the motions are the body's
+  camera.header.flags = ODO_CALIBRATION_EXTRINSICS;  // the motions are in the body frame
   camera.q_b_c[0] = 1;
   messages.emplace_back(camera.header);
   for (size_t i = 0; i < states.size(); ++i) {

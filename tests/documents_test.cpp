@@ -12,7 +12,7 @@ namespace fs = std::filesystem;
 
 TEST_SUITE_BEGIN("documents");
 
-TEST_CASE("every plugin has a README that names each of its parameters and no other") {
+TEST_CASE("every plugin has a README that lists exactly its parameters") {
   const PluginRegistry registry({plugin_folder()});
   REQUIRE(registry.manifests().size() >= 8);
   for (const Manifest& manifest : registry.manifests()) {
@@ -28,7 +28,7 @@ TEST_CASE("every plugin has a README that names each of its parameters and no ot
   }
 }
 
-TEST_CASE("every YAML example of the documents is a good config or a part of one") {
+TEST_CASE("every YAML example of the documents is a valid config or part of one") {
   int examples = 0;
   for (const auto& folder : {source("."), source("docs"), source("docs/accuracy")})
     for (const auto& entry : fs::directory_iterator(folder)) {

@@ -23,7 +23,7 @@ static void matrix_of(const double* q, double* R) {
   memcpy(R, m, sizeof m);
 }
 
-/* The platform's rotation with the rows of the world exchanged and the camera's y and z turned round, by matrices. */
+/* The platform's rotation with exchanged world rows and the camera's y and z reversed, by matrices. */
 static int platform_poses_are_converted(void) {
   static const double quaternions[3][4] = {{1, 0, 0, 0}, {0.5, -0.5, 0.1, 0.7}, {0.2, 0.8, -0.4, 0.4}};
   const double p[3] = {1, 2, 3};
@@ -80,5 +80,5 @@ int main(int argc, char** argv) {
   odo_session_destroy(session);
   return drawn > 10 && drawn < 490 && in_front == drawn && (pose.header.flags & ODO_POSE_METRIC) != 0
              ? 0
-             : 1; /* the sign waits for ground that nobody knows */
+             : 1; /* the sign waits for ground, which is unknown */
 }

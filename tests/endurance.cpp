@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What must not grow and must not break when it is done very often. `ctest` runs little of each; docs/security.md has
-// the long runs. It ends with status 1 where memory, threads or files grow.
-//   odograph-endurance unloads N LIBRARY            a library loaded, used and unloaded, N times
-//   odograph-endurance loads N PLUGINS              each of ours loaded, started, fed and destroyed by the host
-//   odograph-endurance pipelines N PLUGINS          a session with every kind of plugin
-//   odograph-endurance hours H PLUGINS              H hours of a walker's sensor time, with a barometer and GNSS
-//   odograph-endurance record H FILE                the same samples as a recording
+// Checks that repetition neither leaks nor breaks. `ctest` runs a little of each; docs/security.md has the long runs.
+// Exits with status 1 if memory, threads or files grow.
+// odograph-endurance unloads N LIBRARY     loads, uses and unloads a library, N times
+// odograph-endurance loads N PLUGINS       the host loads, starts, feeds and destroys each of our plugins
+// odograph-endurance pipelines N PLUGINS   a session with every kind of plugin
+// odograph-endurance hours H PLUGINS       H hours of a walker's sensor time, with a barometer and GNSS
+// odograph-endurance record H FILE         the same samples as a recording
 #include <dlfcn.h>
 #include <unistd.h>
 
@@ -34,7 +34,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr int64_t kSecond_ns = 1'000'000'000;
-constexpr double kRevolutions_per_s = 0.01;  // of the walker, who goes in circles
+constexpr double kRevolutions_per_s = 0.01;  // of a walker in circles
 
 double resident_mb() {
   std::ifstream file("/proc/self/statm");
@@ -45,10 +45,10 @@ double resident_mb() {
 
 long entries(const char* folder) { return std::distance(fs::directory_iterator(folder), fs::directory_iterator()); }
 
-/// Memory, threads and files from its making on.
+/// Memory, threads and files since its construction.
 class Growth {
  public:
-  /// Prints, and returns whether all stayed as it was but for `allowed_mb`.
+  /// Prints the growth, and returns whether it is at most `allowed_mb`.
   bool flat(const char* what, double allowed_mb) const {
     const double grown_mb = resident_mb() - resident_mb_;
     const long threads = entries("/proc/self/task") - threads_, files = entries("/proc/self/fd") - files_;
@@ -93,7 +93,7 @@ odo_gnss position(int64_t t_ns) {
   return gnss;
 }
 
-/// Gives the samples of `hours` to `take`, in the order of time, from one second on.
+/// Passes the samples of `hours` to `take` in time order, starting at one second.
 template <class Take>
 void walk(double hours, Take&& take) {
   const auto end_ns = static_cast<int64_t>(hours * 3600) * kSecond_ns;
@@ -141,7 +141,7 @@ int unloads(long times, const std::string& library) {
     good = good && table.process(instance, &batch) >= 0;
     if (instance) table.destroy(instance);
     dlclose(handle);
-    return good && dlopen(library.c_str(), RTLD_NOW | RTLD_NOLOAD) == nullptr;  // it is really gone
+    return good && dlopen(library.c_str(), RTLD_NOW | RTLD_NOLOAD) == nullptr;  // it is unloaded
   };
   for (int i = 0; i < 100; ++i)
     if (!cycle()) return failed(library + " cannot be loaded, used and unloaded");
@@ -151,7 +151,7 @@ int unloads(long times, const std::string& library) {
   return growth.flat((std::to_string(times) + " times " + fs::path(library).filename().string()).c_str(), 0.5) ? 0 : 1;
 }
 
-/// Every plugin that does not need a file of its own.
+/// Every plugin that does not need a file.
 int loads(long times, const std::string& plugins) {
   HostServices host(0, {}, nullptr);
   int bad = 0;
@@ -169,7 +169,7 @@ int loads(long times, const std::string& plugins) {
       for (int k = 0; k < 10; ++k) (*made)->process(walking(kSecond_ns + k * kSecond_ns / 100).header);
       return true;
     };
-    if (!cycle()) continue;  // it needs a file of its own, and has said so
+    if (!cycle()) continue;  // it needs a file and has reported that
     for (int i = 0; i < 20; ++i) cycle();
     const Growth growth;
     bool good = true;
@@ -227,7 +227,7 @@ int hours(double time_h, const std::string& plugins) {
     odo_session_get_statistics(session, &s);
     return s;
   };
-  std::unique_ptr<Growth> growth;  // from the first hour on, or a tenth of the whole
+  std::unique_ptr<Growth> growth;  // since the first hour, or a tenth of the whole
   const double warm_h = std::min(1.0, time_h / 10);
   walk(time_h, [&](const odo_header& sample) {
     if (!growth && static_cast<double>(sample.t_ns) > warm_h * 3600e9) {

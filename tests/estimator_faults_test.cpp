@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What goes wrong with what the estimator is given: the error stays bounded, the covariance says so, and it recovers.
+// Faults in the estimator's input: the error stays bounded, the covariance reflects it, and the estimator recovers.
 // `odograph-tests --test-suite=estimator_faults --success` prints the table of docs/accuracy.md.
 #include <doctest/doctest.h>
 
@@ -22,15 +22,15 @@ constexpr double kFrom_s = 40, kAfter_s = 20;
 constexpr double kBeyond = 11.83;  // chi-square of two degrees of freedom at three sigmas of one
 
 struct Run {
-  double before_m = 0;              // largest error until the fault
-  double worst_m = 0;               // from its begin until kAfter_s after its end, beyond the one at its begin
-  double after_m = 0;               // at kAfter_s after its end, beyond the one at its begin
-  double sigma_m = 0, grown_m = 0;  // along the worse axis, at its begin and at its end
+  double before_m = 0;              // largest error before the fault
+  double worst_m = 0;               // from its start until kAfter_s after its end, in excess of the one at its start
+  double after_m = 0;               // at kAfter_s after its end, in excess of the one at its start
+  double sigma_m = 0, grown_m = 0;  // along the worse axis, at its start and at its end
   double beyond_s = 0;              // longest time beyond three sigmas
   bool finite = true, oriented = true;
 };
 
-/// A front-end that has used inertia, as the recommended pipeline has it.
+/// A visual-inertial front-end, as in the recommended pipeline.
 WalkMeasurements usual() {
   WalkMeasurements what;
   what.odometry.inverse_scale = 1, what.odometry.scale_sigma = 0.02, what.odometry.scale_walk = 5e-4;
@@ -74,7 +74,7 @@ Run run(const WalkMeasurements& what, double for_s, uint64_t seed) {
   return r;
 }
 
-/// Five walks, the worst of each figure, and the mean of the sigmas.
+/// The worst of each figure over five walks, and the mean of the sigmas.
 Run worst_of(const char* name, WalkMeasurements what, double for_s) {
   Run worst;
   for (uint64_t seed = 11; seed <= 15; ++seed) {
@@ -92,7 +92,7 @@ Run worst_of(const char* name, WalkMeasurements what, double for_s) {
   return worst;
 }
 
-/// After an outage the odometry has begun anew.
+/// After an outage the odometry restarts.
 void begins_anew(WalkMeasurements& what, double from_s) {
   what.change = [from_s](double t, odo_vo_motion& m) {
     if (t > from_s) m.scale_group = 1;
@@ -101,13 +101,13 @@ void begins_anew(WalkMeasurements& what, double from_s) {
 
 }  // namespace
 
-TEST_CASE("nothing goes wrong") {
+TEST_CASE("reference without a fault") {
   const Run r = worst_of("nothing", usual(), 10);
   CHECK(r.worst_m < 1.5);
   CHECK(r.beyond_s < 5);
 }
 
-TEST_CASE("the odometry is dead for ten seconds") {
+TEST_CASE("the odometry fails for ten seconds") {
   WalkMeasurements what = usual();
   what.odometry.blind_from_s = kFrom_s, what.odometry.blind_to_s = kFrom_s + 10;
   begins_anew(what, kFrom_s);
@@ -117,10 +117,10 @@ TEST_CASE("the odometry is dead for ten seconds") {
   CHECK(r.beyond_s < 5);
 }
 
-TEST_CASE("the camera is off for four seconds: orientation stays") {
+TEST_CASE("the camera is off for four seconds: the orientation is kept") {
   WalkMeasurements what = usual();
   what.odometry.off_from_s = kFrom_s, what.odometry.off_to_s = kFrom_s + 4;
-  what.change = [](double t, odo_vo_motion& m) {  // begins anew: the first motion after the gap is none
+  what.change = [](double t, odo_vo_motion& m) {  // restarts: the first motion after the gap is missing
     if (t > kFrom_s && t < kFrom_s + 4.2) m.header.flags = 0, m.state = ODO_LOST;
     if (t > kFrom_s) m.scale_group = 1;
   };
@@ -129,7 +129,7 @@ TEST_CASE("the camera is off for four seconds: orientation stays") {
   CHECK(r.beyond_s < 5);
 }
 
-TEST_CASE("no inertial sample for two seconds, and the odometry that lives on them is lost") {
+TEST_CASE("no inertial samples for two seconds, and the odometry that needs them is lost") {
   WalkMeasurements what = usual();
   what.no_imu_from_s = kFrom_s, what.no_imu_to_s = kFrom_s + 2;
   what.odometry.blind_from_s = kFrom_s, what.odometry.blind_to_s = kFrom_s + 2.5;
@@ -152,7 +152,7 @@ TEST_CASE("positions are 40 m off for a minute") {
   CHECK(r.beyond_s < 5);
 }
 
-TEST_CASE("steps are told twice") {
+TEST_CASE("steps are reported twice") {
   WalkMeasurements what = usual();
   what.step_times = [](double t) { return t > kFrom_s && t < kFrom_s + 20 ? 2 : 1; };
   Run r = worst_of("steps told twice for 20 s, beside a camera", what, 20);
@@ -162,11 +162,11 @@ TEST_CASE("steps are told twice") {
   r = worst_of("steps told twice for 20 s, without a camera", what, 20);
   what.step_times = {};
   const Run once = worst_of("the same steps told once", what, 20);
-  CHECK(r.worst_m < once.worst_m + 1.5);  // of 26 m: one step is walked once
+  CHECK(r.worst_m < once.worst_m + 1.5);  // of 26 m: each step counts once
   CHECK(r.beyond_s < 5);
 }
 
-TEST_CASE("the phone goes into a pocket, where it lies otherwise: what steps lead to is doubted") {
+TEST_CASE("the phone goes into a pocket with another orientation: the direction of the steps becomes uncertain") {
   WalkMeasurements what = usual();
   what.odometry.blind_from_s = kFrom_s, what.odometry.blind_to_s = kFrom_s + 15;
   begins_anew(what, kFrom_s);
@@ -181,7 +181,9 @@ TEST_CASE("the phone goes into a pocket, where it lies otherwise: what steps lea
   CHECK(r.beyond_s < 5);
 }
 
-TEST_CASE("the phone turns on its way into the pocket, as the camera still sees, and lies there as in the hand") {
+TEST_CASE(
+    "the phone rotates on its way into the pocket, seen by the camera, and keeps its orientation relative to the "
+    "walk") {
   WalkMeasurements what = usual();
   what.odometry.blind_from_s = kFrom_s, what.odometry.blind_to_s = kFrom_s + 15;
   begins_anew(what, kFrom_s);
@@ -195,7 +197,7 @@ TEST_CASE("the phone turns on its way into the pocket, as the camera still sees,
   CHECK(r.beyond_s < 5);
 }
 
-TEST_CASE("one fix lies by 50 m") {
+TEST_CASE("a single fix is 50 m off") {
   WalkMeasurements what = usual();
   what.fix_every_s = 5, what.fix_sigma_m = 2;
   what.change_fix = [](double t, odo_fix& fix) {
@@ -206,7 +208,7 @@ TEST_CASE("one fix lies by 50 m") {
   CHECK(r.beyond_s < 5);
 }
 
-TEST_CASE("a step longer than anybody is fast is refused, and told") {
+TEST_CASE("a step faster than any walker is rejected and reported") {
   WalkMeasurements what;
   what.camera = false, what.end_s = 12;
   MeasuredWalk walk(walk_scenario(40), what, 3);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What a fix and a scale do to what is known: the oracle is the plain Kalman update with numeric derivatives.
+// Updates by a fix and a scale, against the plain Kalman update with numeric derivatives.
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -30,7 +30,7 @@ const Vector3d kYawAxis_b(0.48, 0.6, -0.64);  // between a phone's top and its b
 const Quaterniond kAskew = Quaterniond(0.5, 0.7, -0.3, 0.4).normalized(),
                   kTilted = Quaterniond(0.8, 0.3, -0.2, 0.35).normalized();
 
-/// A tilted phone with a compass and a camera on a long lever arm, after 1.5 s in which it was pushed about.
+/// A tilted phone with a compass and a camera on a long lever arm, after 1.5 s of motion.
 void fill(Composer& composer, bool metric = true) {
   auto calibration = make_message<odo_calibration>(ODO_TYPE_CALIBRATION, 0);
   calibration.header.flags = ODO_CALIBRATION_EXTRINSICS;
@@ -59,7 +59,7 @@ void fill(Composer& composer, bool metric = true) {
   }
 }
 
-/// What a fix with these flags measures of a body that errs by (heading, position).
+/// The measurement of a fix with these flags for a body with errors of (heading, position).
 VectorXd measured(uint32_t flags, const HeldPose& at, const Vector4d& error) {
   const Quaterniond q = exp_rotation(Vector3d(0, 0, error[0])) * at.q_n_b;
   const Vector3d p = at.p_n_b + error.tail<3>() + q * kLever_b;
@@ -74,7 +74,7 @@ VectorXd measured(uint32_t flags, const HeldPose& at, const Vector4d& error) {
   return z;
 }
 
-/// A fix with a residual that is small against everything, its rows of noise, and the residual.
+/// A fix with a small residual, the covariance of its rows, and the residual.
 odo_fix a_fix(uint32_t flags, int64_t t_ns, const HeldPose& at, MatrixXd& noise, VectorXd& residual) {
   auto fix = make_message<odo_fix>(ODO_TYPE_FIX, t_ns);
   fix.header.flags = flags | ODO_FIX_LEVER;
@@ -89,7 +89,7 @@ odo_fix a_fix(uint32_t flags, int64_t t_ns, const HeldPose& at, MatrixXd& noise,
   fix.yaw_rad = std::atan2(y.y(), y.x()) + kOff_rad, fix.yaw_sigma_rad = kYawSigma_rad;
   const Quaterniond q = exp_rotation(Vector3d(0, 0, kOff_rad)) * at.q_n_b;
   put_quaternion(q, fix.q_n_b);
-  // The lever is turned by the fix's own orientation where it has one.
+  // The fix's own orientation, if any, rotates the lever.
   Vector3d::Map(fix.p_n) = at.p_n_b + (flags & ODO_FIX_ORIENTATION ? q : at.q_n_b) * kLever_b + off;
   std::vector<int> axes;
   for (int i = 0; i < 3; ++i)
@@ -108,7 +108,7 @@ odo_fix a_fix(uint32_t flags, int64_t t_ns, const HeldPose& at, MatrixXd& noise,
 
 }  // namespace
 
-TEST_CASE("a fix of any kind, now or of a while ago, is the Kalman update of what it measures") {
+TEST_CASE("a fix of any kind, present or late, is the Kalman update with its measurement") {
   for (const uint32_t flags :
        {kAll, uint32_t{ODO_FIX_NORTH | ODO_FIX_EAST}, uint32_t{ODO_FIX_DOWN}, uint32_t{ODO_FIX_YAW},
         uint32_t{ODO_FIX_ORIENTATION}, kAll | ODO_FIX_ORIENTATION, kAll | ODO_FIX_YAW})
@@ -155,7 +155,9 @@ TEST_CASE("a fix of any kind, now or of a while ago, is the Kalman update of wha
     }
 }
 
-TEST_CASE("a scale that is told again and again says what has been forgotten since it was told last, and no more") {
+TEST_CASE(
+    "a scale that is reported repeatedly contributes the information lost by decay since its last report, and no "
+    "more") {
   const ScaleUpdate::Parameters p;
   CouplingConfig config;
   config.type = CouplingType::localizer;
@@ -184,7 +186,7 @@ TEST_CASE("a scale that is told again and again says what has been forgotten sin
   CHECK(composer.localizer().x[kLogScale] == doctest::Approx(std::log(2)));
 }
 
-TEST_CASE("a late fix is compared with what every fix since has made of its place, in their order") {
+TEST_CASE("a late fix is compared with its position as corrected by all later fixes, in their order") {
   CouplingConfig config;
   config.fix_gate_sigma = 0;
   PaperTrack coupling(config, {.position_m = {0, 0, 0}, .given = true}, {true, true});

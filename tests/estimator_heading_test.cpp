@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Headings that are off by more than a small angle, and who hears of a world that rotates.
+// Heading errors beyond a small angle, and announcements of a rotated world.
 #include <doctest/doctest.h>
 
 #include <string>
@@ -27,7 +27,7 @@ double heading_of(const Quaterniond& q) { return 2 * std::atan2(q.z(), q.w()); }
 
 }  // namespace
 
-TEST_CASE("one fix with its heading puts a walk right that a compass had led astray, and the metre stays") {
+TEST_CASE("one fix with heading corrects a walk misled by a compass, and keeps the metric scale") {
   for (const uint64_t seed : {1, 2, 3}) {
     WalkMeasurements what;
     what.odometry.inverse_scale = 1, what.odometry.scale_sigma = 0.005;
@@ -63,7 +63,7 @@ TEST_CASE("one fix with its heading puts a walk right that a compass had led ast
   }
 }
 
-TEST_CASE("a compass that turns the world of a camera announces it, however little each time") {
+TEST_CASE("a compass that rotates a camera's world announces it, however small each rotation") {
   WalkMeasurements what;
   what.odometry.inverse_scale = 1, what.odometry.scale_sigma = 0.005;
   what.compass_sigma_rad = 0.1, what.end_s = 60;
@@ -84,7 +84,7 @@ TEST_CASE("a compass that turns the world of a camera announces it, however litt
   CHECK(std::abs(announced_rad - (off_rad - first_rad)) < 0.2 * (off_rad - first_rad));
 }
 
-TEST_CASE("without a camera a walk goes astray with its compass, by as much as it says") {
+TEST_CASE("without a camera a walk drifts with its compass heading, consistently with its covariance") {
   constexpr double kCompass_rad = 0.2;
   double squares = 0, across_m = 0;
   constexpr int kWalks = 30;
@@ -115,7 +115,7 @@ TEST_CASE("without a camera a walk goes astray with its compass, by as much as i
   }
   MESSAGE(across_m << " m across the path in the mean, NEES " << squares);
   CHECK(across_m > 3);
-  CHECK(squares > 0.2);  // how a phone is held is not known to 0.3 rad, and here it is
+  CHECK(squares > 0.2);  // the phone's direction has a sigma of 0.3 rad, and is exact here
   CHECK(squares < 1.7);
 }
 

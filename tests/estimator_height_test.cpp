@@ -9,8 +9,7 @@ using namespace odograph;
 
 TEST_SUITE_BEGIN("estimator");
 
-TEST_CASE(
-    "heights where steps carry: on a slope fixes of the height are not held back, and between them it climbs on") {
+TEST_CASE("with steps alone, height fixes on a slope are applied fully, and the climb continues between them") {
   CouplingConfig config;
   config.type = CouplingType::localizer;
   Composer composer(config, {}, {false, false});

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Who leads: a front-end that has used inertia itself; and what a first fix says.
+// Front-ends that use inertia themselves, and the effect of a first fix.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -14,14 +14,14 @@ using Eigen::Vector3d;
 
 TEST_SUITE_BEGIN("estimator");
 
-TEST_CASE("where a front-end that has used inertia is sure, the track is its own, from a start without a jump on") {
+TEST_CASE("with an accurate visual-inertial front-end the track is the front-end's own, without a jump at the start") {
   for (const double start_s : {0.0, 6.0})
     for (uint64_t seed = 1; seed <= 10; ++seed) {
       WalkMeasurements what;
       what.start_s = start_s;
       what.odometry.inverse_scale = 1, what.odometry.scale_sigma = 0.03;
       what.odometry.position_m = 0.003, what.odometry.rotation_rad = 0.0005;
-      what.step_factor_sigma = 0.3;  // steps that know nothing of this walker
+      what.step_factor_sigma = 0.3;  // steps not calibrated to this walker
       Quaterniond q = Quaterniond::Identity();
       Vector3d own = Vector3d::Zero(), own_from = own, from = own;
       double worst_m = 0, worst_jump_m = 0, before_m = -1;
@@ -48,7 +48,7 @@ TEST_CASE("where a front-end that has used inertia is sure, the track is its own
     }
 }
 
-TEST_CASE("a first sample that is no gravity does not tilt the walk for good") {
+TEST_CASE("a first sample in free fall does not tilt the walk permanently") {
   for (const double tilt_rad : {0.0, 0.3, 1.1, -2.5})
     for (uint64_t seed = 1; seed <= 5; ++seed) {
       WalkMeasurements what;
@@ -76,7 +76,7 @@ TEST_CASE("a first sample that is no gravity does not tilt the walk for good") {
     }
 }
 
-TEST_CASE("what was moved before the first metric motion is in the first position") {
+TEST_CASE("motion before the first metric motion is part of the first position") {
   for (const double tilt_rad : {0.0, 0.2, -0.2})
     for (const double start_s : {0.0, 4.0})  // standing, walking
       for (const double silent_s : {0.6, 1.3}) {
@@ -109,10 +109,10 @@ TEST_CASE("what was moved before the first metric motion is in the first positio
       }
 }
 
-TEST_CASE("a heading that went astray with the gyroscope's bias before the walk is known to") {
+TEST_CASE("a heading drifted by the gyroscope's bias before the walk has a matching sigma") {
   for (const double rate_radps : {0.0, 0.01, -0.015})
     for (uint64_t seed = 1; seed <= 5; ++seed) {
-      constexpr double kStands_s = 6;  // until then the front-end's rotation is the gyroscope's, less a wrong bias
+      constexpr double kStands_s = 6;  // until then the front-end's rotation is the gyroscope's, with a wrong bias
       WalkMeasurements what;
       what.odometry.inverse_scale = 1, what.odometry.scale_sigma = 0.02;
       what.odometry.position_m = 0.003, what.odometry.rotation_rad = 0.0005, what.odometry.rotation_walk = 3e-4;
@@ -146,7 +146,7 @@ TEST_CASE("a heading that went astray with the gyroscope's bias before the walk 
     }
 }
 
-TEST_CASE("neither a barometer's readings nor a front-end's gravity is to be seen in the height of an app's pictures") {
+TEST_CASE("neither barometer readings nor a front-end's gravity shows in the height of an app's pictures") {
   for (uint64_t seed = 1; seed <= 3; ++seed) {
     WalkMeasurements what;
     what.odometry.inverse_scale = 1, what.odometry.scale_sigma = 0.02;
@@ -158,7 +158,7 @@ TEST_CASE("neither a barometer's readings nor a front-end's gravity is to be see
     MeasuredWalk* running = nullptr;
     int frame = 0;
     what.change = [&](double t, odo_vo_motion& m) {
-      m.gravity_c1[0] += 0.01;  // a constant error, such as an accelerometer's bias makes
+      m.gravity_c1[0] += 0.01;  // a constant error, as from an accelerometer bias
       if (++frame % 10 != 0) return;
       constexpr double kGust_m = 0.5, kSeaLevel_pa = 101325, kScaleHeight_m = 44330, kPower = 5.25588;
       auto barometer = make_message<odo_barometer>(ODO_TYPE_BAROMETER, MeasuredWalk::ns(t));
@@ -180,7 +180,7 @@ TEST_CASE("neither a barometer's readings nor a front-end's gravity is to be see
 }
 
 TEST_CASE(
-    "a fix that places a track without a start tells its heading too, whichever it is, and the track goes on so") {
+    "a fix that sets a track without a start also sets its heading, whatever it is, and the track continues from it") {
   for (const double heading_rad : {0.1, 1.6, 3.1, -2.2})
     for (const bool whole : {true, false}) {
       const Quaterniond turned(Eigen::AngleAxisd(heading_rad, Vector3d::UnitZ()));
@@ -227,7 +227,7 @@ TEST_CASE(
     }
 }
 
-TEST_CASE("a first fix of the height alone says nothing of north and east, nor that the position is known") {
+TEST_CASE("a first fix of the height alone gives no information about north and east, and no known position") {
   CouplingConfig config;
   config.type = CouplingType::localizer;
   Composer composer(config, {}, {true, false});

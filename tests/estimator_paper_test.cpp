@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The papers' estimator: its figures are held, and its defects of 0.1 stay mended.
+// The papers' estimator: regression of its figures and of fixed defects.
 #include <doctest/doctest.h>
 
 #include <limits>
@@ -38,7 +38,7 @@ Quaterniond orientation(const odo_pose& pose) {
   return Quaterniond(pose.q_n[0], pose.q_n[1], pose.q_n[2], pose.q_n[3]);
 }
 
-/// A body whose y axis looks where the camera looks, so that a horizontal camera's heading is the body's.
+/// A body whose y axis is the camera's viewing direction, so that a horizontal camera's heading is the body's.
 odo_calibration forward_mount() {
   auto calibration = make_message<odo_calibration>(ODO_TYPE_CALIBRATION, 0);
   calibration.header.flags = ODO_CALIBRATION_EXTRINSICS;
@@ -53,7 +53,7 @@ double body_yaw(const odo_pose& pose) {
 
 }  // namespace
 
-TEST_CASE("the track over a walk is what it was before there was an interface") {
+TEST_CASE("the track over a walk equals that of the first implementation") {
   WalkMeasurements what;
   what.odometry.inverse_scale = 1;
   MeasuredWalk walk(walk_scenario(40), what, 1);
@@ -75,12 +75,12 @@ TEST_CASE("the track over a walk is what it was before there was an interface") 
   CHECK(sum == doctest::Approx(8654.03192937).epsilon(1e-9));
 }
 
-TEST_CASE("doubt about the camera's own down axis is doubt about the heading, which a yaw fix then corrects") {
+TEST_CASE("uncertainty about the camera's down axis is heading uncertainty, which a yaw fix reduces") {
   for (const int axis : {0, 1, 2}) {
     PaperTrack coupling({}, {}, {true, true});
     coupling.on_calibration(forward_mount());
-    coupling.on_first_frame(0);  // level, looking to the north: y is down
-    // 0.2 rad of an uninformed start would hide what is tested.
+    coupling.on_first_frame(0);  // horizontal, facing north: y is down
+    // The 0.2 rad of an uninformed start would hide the effect.
     coupling.on_fix(yaw_fix(0, 0, 0.001));
     auto m = standing(0, kSecond);
     m.header.flags |= ODO_VO_COVARIANCE;
@@ -97,7 +97,7 @@ TEST_CASE("doubt about the camera's own down axis is doubt about the heading, wh
   }
 }
 
-TEST_CASE("covariances that are not flagged valid are not read") {
+TEST_CASE("covariances without their valid flag are not read") {
   for (const auto orientation_by : {Orientation::vo, Orientation::gyroscope}) {
     PaperTrack coupling({.orientation = orientation_by}, {}, {true, true});
     coupling.on_first_frame(0);
@@ -111,7 +111,7 @@ TEST_CASE("covariances that are not flagged valid are not read") {
   }
 }
 
-TEST_CASE("a fix whose position is refused does not turn the heading either") {
+TEST_CASE("a fix whose position is rejected does not rotate the heading either") {
   PaperTrack coupling({}, {{0, 0, 0}, 0, true}, {true, true});
   coupling.on_calibration(forward_mount());
   const double before = body_yaw(coupling.on_first_frame(0));
@@ -138,7 +138,7 @@ TEST_CASE("a fix of the heading alone is published") {
   CHECK(correction.reason == ODO_CORRECTION_FIX);
 }
 
-TEST_CASE("a clock that is set back before the first frame leaves the camera's mount alone") {
+TEST_CASE("a clock that is set back before the first frame does not change the camera's mount") {
   for (const bool inertial : {false, true}) {
     CouplingConfig config;
     config.type = inertial ? CouplingType::localizer : CouplingType::paper;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The localizer on simulated measurements: consistency, and what it must survive.
+// The localizer on simulated measurements: consistency and robustness.
 #include <doctest/doctest.h>
 
 #include <limits>
@@ -84,8 +84,7 @@ Outcome run_walk(const WalkMeasurements& what, uint64_t seed, double length_m = 
 
 }  // namespace
 
-TEST_CASE(
-    "errors are as large as the covariance says: 20 walks each, with and without a metre, with and without fixes") {
+TEST_CASE("errors match the covariance: 20 walks each, with and without metric scale, with and without fixes") {
   enum class Kind { no_metre, metric, metric_stabilised_lens };
   for (const Kind kind : {Kind::no_metre, Kind::metric, Kind::metric_stabilised_lens})
     for (const bool fixes : {false, true}) {
@@ -95,7 +94,7 @@ TEST_CASE(
       what.odometry.rotation_walk = metric ? assumed.inertial_rotation_walk : assumed.rotation_walk;
       if (metric) what.odometry.inverse_scale = 1, what.odometry.scale_sigma = 0.02, what.odometry.scale_walk = 5e-4;
       if (metric) what.odometry.rotation_rad = 5e-4;
-      if (kind == Kind::metric_stabilised_lens)  // 2 to 3 mrad a frame
+      if (kind == Kind::metric_stabilised_lens)  // 2 to 3 mrad per frame
         what.odometry.rotation_rad = 2.5e-3;
       if (fixes) what.fix_every_s = 2;
       double position = 0, height = 0, heading = 0;
@@ -115,7 +114,8 @@ TEST_CASE(
     }
 }
 
-TEST_CASE("the scale does not move with the odometry's own covariance, nor collapse where the odometry errs by 5 cm") {
+TEST_CASE(
+    "the scale is unaffected by the odometry's own covariance, and does not collapse with odometry errors of 5 cm") {
   for (const double error_m : {0.02, 0.05}) {
     WalkMeasurements what;
     what.odometry.position_m = error_m;
@@ -135,7 +135,8 @@ TEST_CASE("the scale does not move with the odometry's own covariance, nor colla
   }
 }
 
-TEST_CASE("a metric odometry that is sure passes through; steps outweigh one that is not, and learn from one that is") {
+TEST_CASE(
+    "an accurate metric odometry passes through, steps outweigh an inaccurate one, and learn from an accurate one") {
   WalkMeasurements sure;
   sure.odometry.inverse_scale = 1, sure.odometry.scale_sigma = 0.005, sure.odometry.scale_walk = 0;
   sure.odometry.position_m = 0.005, sure.odometry.drift_per_root_m = 0;
@@ -151,7 +152,7 @@ TEST_CASE("a metric odometry that is sure passes through; steps outweigh one tha
   WalkMeasurements doubtful = sure;
   doubtful.odometry.scale_sigma = 0.3;
   doubtful.step_factor_sigma = 0.02;
-  // To what walkers are taken to differ by (factor_sigma), where the odometry is off by 0.3 in the mean.
+  // Within the spread among walkers (factor_sigma), with a mean odometry error of 0.3.
   for (uint64_t seed = 1; seed <= 5; ++seed) {
     const Outcome o = run_walk(doubtful, seed, 60);
     CHECK(std::abs(o.path_ratio - 1) < 0.1);
@@ -161,13 +162,14 @@ TEST_CASE("a metric odometry that is sure passes through; steps outweigh one tha
 }
 
 TEST_CASE(
-    "steps told late after a stop are walked in full and say nothing of the walker, whether a camera may come or not") {
+    "steps reported late after a stop are applied fully and do not change the walker's factor, with or without a "
+    "camera") {
   for (const bool vo : {false, true}) {
     CouplingConfig config;
     config.type = CouplingType::localizer;
     Composer composer(config, {}, {vo, false});
     const auto ns = [](double t_s) { return 1'000'000'000 + static_cast<int64_t>(std::llround(t_s * 1e9)); };
-    // Stands for 8 s, goes eight steps that are told together 0.4 s after the last, goes on; over and over.
+    // Stands for 8 s, walks eight steps that are reported together 0.4 s after the last, and continues; repeatedly.
     constexpr double kStep_s = 0.5, kStep_m = 0.7, kCycle_s = 16;
     double walked = 0, path = 0, last = 0;
     int told = 0;
@@ -190,7 +192,7 @@ TEST_CASE(
       };
       drain();
       const int cycle = static_cast<int>(t / kCycle_s);
-      const int done = static_cast<int>((in_cycle - 8 - 0.4) / kStep_s);  // ends of steps that are 0.4 s ago
+      const int done = static_cast<int>((in_cycle - 8 - 0.4) / kStep_s);  // ends of steps at least 0.4 s ago
       for (int k = told - cycle * 14; done >= 8 && k < std::min(done, 14); ++k, ++told) {
         auto step = make_message<odo_step>(ODO_TYPE_STEP, ns(t));
         step.header.flags = ODO_STEP_HEADING;
@@ -210,7 +212,7 @@ TEST_CASE(
   }
 }
 
-TEST_CASE("steps carry while the camera is blind, and the covariance says so") {
+TEST_CASE("steps carry the position while the camera is blind, and the covariance reflects it") {
   WalkMeasurements what;
   what.odometry.inverse_scale = 1, what.odometry.scale_sigma = 0.01;
   what.odometry.blind_from_s = 12, what.odometry.blind_to_s = 22;
@@ -221,7 +223,7 @@ TEST_CASE("steps carry while the camera is blind, and the covariance says so") {
   }
 }
 
-TEST_CASE("the metre comes without a jump, from standing and in mid-walk") {
+TEST_CASE("the metric scale arrives without a jump, from standing and during the walk") {
   for (const double start_s : {0.0, 6.0}) {
     WalkMeasurements what;
     what.start_s = start_s;
@@ -234,7 +236,7 @@ TEST_CASE("the metre comes without a jump, from standing and in mid-walk") {
   }
 }
 
-TEST_CASE("numbers whose flag is not set are not read") {
+TEST_CASE("numbers without their flag are not read") {
   WalkMeasurements what, poisoned;
   poisoned.change = [](double, odo_vo_motion& m) {
     m.header.flags &= ~ODO_VO_COVARIANCE;
@@ -246,14 +248,14 @@ TEST_CASE("numbers whose flag is not set are not read") {
   CHECK(odd.end_error_m == clean.end_error_m);
 }
 
-TEST_CASE("a fix that lies, an odometry that jumps, and a unit that changes unsaid do not carry the pose away") {
+TEST_CASE("a faulty fix, an odometry jump and an unannounced change of scale do not carry the pose away") {
   WalkMeasurements jump;
   jump.odometry.inverse_scale = 1, jump.odometry.scale_sigma = 0.01;
   jump.change = [](double t, odo_vo_motion& m) {
     if (t > 15 && t < 15.1) m.p_c0_c1[2] += 20;
   };
   CHECK(run_walk(jump, 1).worst_error_m < 1.5);
-  WalkMeasurements unit;  // M5: after a stop the unit is another
+  WalkMeasurements unit;  // M5: another scale after a stop
   unit.change = [](double t, odo_vo_motion& m) {
     if (t > 15)
       for (double& p : m.p_c0_c1) p *= 2.5;

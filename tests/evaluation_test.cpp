@@ -69,7 +69,7 @@ TEST_CASE("every figure of the reference results agrees with evo's" * doctest::t
   CHECK(figures == 2 * 7 * 7);
 }
 
-TEST_CASE("alignments undo what they are for, and no more") {
+TEST_CASE("each alignment removes its own transformation and no other") {
   rc::check("random similarity", [] {
     const auto number = [](double low, double high) { return low + (high - low) * *rc::gen::inRange(0, 100000) / 1e5; };
     const Trajectory reference = winding(80);
@@ -91,7 +91,7 @@ TEST_CASE("alignments undo what they are for, and no more") {
                   absolute_errors(reference, align({reference, moved(reference, 1, yaw, p)}, Alignment::yaw, nullptr))
                       .translation_m)
                   .max < 1e-9);
-    // A tilt is not a yaw: it must remain visible.
+    // A tilt is not a yaw and must remain visible.
     const Eigen::Quaterniond tilt(Eigen::AngleAxisd(0.5, Vector3d::UnitX()));
     RC_ASSERT(statistics_of(
                   absolute_errors(reference, align({reference, moved(reference, 1, tilt, p)}, Alignment::yaw, nullptr))
@@ -106,7 +106,7 @@ TEST_CASE("percentiles interpolate between ranks") {
   CHECK(percentile({}, 0.5) == 0.0);
 }
 
-TEST_CASE("scale along the path shows a scale that drifts") {
+TEST_CASE("the scale along the path shows a drift") {
   Trajectory reference, estimate;
   double x = 0;
   for (int i = 0; i <= 200; ++i) {
@@ -120,13 +120,13 @@ TEST_CASE("scale along the path shows a scale that drifts") {
   CHECK(ratios.back().second == doctest::Approx(1.1895));
 }
 
-TEST_CASE("waypoints: the heading is fitted over the first metres, errors are horizontal") {
+TEST_CASE("waypoints: the heading is fitted over the first metres, and errors are horizontal") {
   Trajectory track;
   std::vector<Waypoint> waypoints;
   for (int i = 0; i <= 10; ++i) {
     const int64_t t = i * 1'000'000'000LL;
-    track.push_back({t, Eigen::Quaterniond::Identity(), {0, 2.2 * i, 0.3}});  // goes east, and 10 % too far
-    waypoints.push_back({t, {5 + 2.0 * i, 7, 0}});                            // it went north
+    track.push_back({t, Eigen::Quaterniond::Identity(), {0, 2.2 * i, 0.3}});  // heads east, 10 % too long
+    waypoints.push_back({t, {5 + 2.0 * i, 7, 0}});                            // the truth heads north
   }
   const double rotation = heading_offset(track, waypoints, 10);
   CHECK(rotation == doctest::Approx(-EIGEN_PI / 2));
@@ -135,12 +135,12 @@ TEST_CASE("waypoints: the heading is fitted over the first metres, errors are ho
   CHECK(errors.position_m.back() == doctest::Approx(2.0));
 }
 
-TEST_CASE("oracles tell an error of headings from one of lengths") {
+TEST_CASE("oracles separate heading errors from length errors") {
   Trajectory bent{{0, Eigen::Quaterniond::Identity(), {4, -1, 2}}}, longer = bent;
   std::vector<Waypoint> waypoints{{0, {5, 7, 0}}};
   for (int i = 1; i <= 20; ++i) {
     const int64_t t = i * 1'000'000'000LL;
-    const double direction = 1.0 + 0.05 * i;  // it bends by so much a leg, and did not
+    const double direction = 1.0 + 0.05 * i;  // the estimate bends by this much per leg, the truth does not
     waypoints.push_back({t, waypoints.back().p_n + Eigen::Vector3d(3, 0, 0)});
     const Eigen::Vector3d leg(3 * std::cos(direction), 3 * std::sin(direction), 0.1);
     bent.push_back({t, Eigen::Quaterniond::Identity(), bent.back().p + leg});
@@ -157,11 +157,11 @@ TEST_CASE("oracles tell an error of headings from one of lengths") {
   CHECK(leg_oracles(bent, {}, 10).true_headings_m.empty());
 }
 
-TEST_CASE("a unit that drifts shows as a change of scale within windows") {
+TEST_CASE("a drifting scale shows as a change of scale within windows") {
   Pairs pairs;
   double own = 0;
   for (int i = 0; i <= 400; ++i) {
-    const double unit = 0.7 * (1 + 0.001 * i);  // 0.1 m a pose; 10 m: 100 poses
+    const double unit = 0.7 * (1 + 0.001 * i);  // 0.1 m per pose; 10 m: 100 poses
     pairs.reference.push_back({i, Eigen::Quaterniond::Identity(), {0.1 * i, 0, 0}});
     pairs.estimate.push_back({i, Eigen::Quaterniond::Identity(), {0, own, 0}});
     own += 0.1 * unit;
@@ -173,7 +173,7 @@ TEST_CASE("a unit that drifts shows as a change of scale within windows") {
   CHECK(scale_changes({}, 10).empty());
 }
 
-TEST_CASE("with the true lengths only the directions err") {
+TEST_CASE("with the true lengths only direction errors remain") {
   Pairs pairs;
   const auto pose = [](int i, double x, double y) {
     return StampedPose{i * 1'000'000LL, Eigen::Quaterniond::Identity(), {x, y, 0}};
@@ -187,7 +187,7 @@ TEST_CASE("with the true lengths only the directions err") {
   CHECK(percentile(t.direction_error_rad, 1.0) < 1e-9);
   t = with_true_lengths(pairs, 10);
   CHECK((t.track.back().p - pairs.reference.back().p).norm() < 1e-9);
-  // One step backwards costs twice its length; one that is missing costs it once.
+  // A step backwards costs twice its length; a missing one costs it once.
   for (int i = 30; i <= 40; ++i) pairs.estimate[static_cast<size_t>(i)].p.x() -= 0.6;
   CHECK((with_true_lengths(pairs, 0).track.back().p - pairs.reference.back().p).norm() == doctest::Approx(4.0));
   for (int i = 35; i <= 40; ++i) pairs.estimate[static_cast<size_t>(i)].p.x() -= 0.3;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Figures of made-up tracks whose answers are closed forms.
+// Figures of synthetic tracks with closed-form answers.
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -21,7 +21,7 @@ constexpr int64_t kSecond = 1'000'000'000;
 
 Quaterniond yaw(double rad) { return Quaterniond(AngleAxisd(rad, Vector3d::UnitZ())); }
 
-/// Half a metre a pose to the north, ten poses a second, scaled and bent.
+/// Half a metre per pose to the north, ten poses per second, scaled and bent.
 Trajectory line(int n, double scale = 1, double bend_rad = 0) {
   Trajectory t;
   for (int i = 0; i < n; ++i) t.push_back({i * kSecond / 10, yaw(bend_rad * i), {0.5 * scale * i, 0, 0}});
@@ -33,7 +33,7 @@ bool is_near(double found, double expected) { return std::abs(found - expected) 
 }  // namespace
 
 TEST_SUITE("evaluation") {
-  TEST_CASE("statistics of four numbers are those by hand") {
+  TEST_CASE("the statistics of four numbers match a calculation by hand") {
     const Statistics s = statistics_of({3, -1, 7, 2});
     CHECK(s.n == 4);
     CHECK(is_near(s.mean, 2.75));
@@ -43,7 +43,7 @@ TEST_SUITE("evaluation") {
     CHECK((s.median == 2.5 && s.min == -1 && s.max == 7));
   }
 
-  TEST_CASE("relative errors are those of intervals of so many frames, or of so many metres") {
+  TEST_CASE("relative errors are those over intervals of a number of frames or of metres") {
     for (const double scale : {1.02, 0.98}) {
       CAPTURE(scale);
       const PoseErrors frames = relative_errors(line(41), line(41, scale), 4, false);
@@ -64,7 +64,7 @@ TEST_SUITE("evaluation") {
     CHECK(absolute_errors(line(3), other).rotation_rad[1] < 1e-9);
   }
 
-  TEST_CASE("the scale along a path stands in the middle of its window") {
+  TEST_CASE("the scale along a path is assigned to the middle of its window") {
     const auto ratios = scale_along_path(line(61), line(61, 1.25), 10);
     REQUIRE(ratios.size() == 3);
     for (size_t i = 0; i < 3; ++i) {
@@ -73,7 +73,7 @@ TEST_SUITE("evaluation") {
     }
   }
 
-  TEST_CASE("a place and a pose at a time lie between their neighbours by the time's part") {
+  TEST_CASE("a position and a pose at a time are interpolated between their neighbours") {
     const Trajectory t = {{kSecond, yaw(0), {0, 4, 0}}, {2 * kSecond, yaw(0.8), {10, 0, 1}}};
     CHECK((position_at(t, kSecond + kSecond / 4) - Vector3d(2.5, 3, 0.25)).norm() < 1e-12);
     CHECK(position_at(t, 0) == t[0].p);
@@ -89,7 +89,7 @@ TEST_SUITE("evaluation") {
     CHECK(pose_at(t, 2 * kSecond, 0.1)->p == t[1].p);
   }
 
-  TEST_CASE("poses are taken together with the nearest, and not beyond the difference allowed") {
+  TEST_CASE("poses are matched to the nearest within the allowed difference") {
     const Trajectory reference = {{100, yaw(0), {0, 0, 0}}, {200, yaw(0), {1, 0, 0}}, {300, yaw(0), {2, 0, 0}}};
     const Trajectory estimate = {{149'000'100, yaw(0), {5, 0, 0}}};
     const Trajectory wide = {
@@ -100,7 +100,7 @@ TEST_SUITE("evaluation") {
     CHECK(associate(reference, {reference[1]}, 1e-9).reference.at(0).p.x() == 1);
   }
 
-  TEST_CASE("a heading is fitted over the first metres only, to either side, and legs are told apart") {
+  TEST_CASE("a heading is fitted over the first metres only, for either direction, and legs are separated") {
     for (const double off : {0.4, -0.4, 3.0}) {
       CAPTURE(off);
       std::vector<Waypoint> marks;
@@ -108,7 +108,7 @@ TEST_SUITE("evaluation") {
       for (int i = 0; i <= 6; ++i) {
         marks.push_back({i * kSecond, {3.0 * i, 1, 2}});
         const Vector3d p =
-            i <= 3 ? Vector3d(3.3 * i, 0, 0) : Vector3d(9.9, 3.3 * (i - 3), 0);  // it bends where none was
+            i <= 3 ? Vector3d(3.3 * i, 0, 0) : Vector3d(9.9, 3.3 * (i - 3), 0);  // it bends where the truth does not
         track.push_back({i * kSecond, yaw(0), yaw(-off) * p + Vector3d(7, 8, 9)});
       }
       CHECK(is_near(heading_offset(track, marks, 9), off));
@@ -129,7 +129,7 @@ TEST_SUITE("evaluation") {
     }
   }
 
-  TEST_CASE("a covariance counts with its own axes and correlations") {
+  TEST_CASE("a covariance is used with its own axes and correlations") {
     const double covariance[9] = {4, 1.5, 0, 1.5, 1, 0, 0, 0, 9};
     // The inverse of (4 1.5; 1.5 1) is (1 -1.5; -1.5 4) / 1.75.
     CHECK(is_near(horizontal_nees({2, 1, 50}, covariance), (4 - 6 + 4) / 1.75));
@@ -157,7 +157,7 @@ TEST_SUITE("evaluation") {
     const Vector3d rotation(0.01, -0.02, 0.03);
     const Quaterniond q(AngleAxisd(rotation.norm(), rotation.normalized()));
     m.q_c0_c1[0] = q.w(), m.q_c0_c1[1] = q.x(), m.q_c0_c1[2] = q.y(), m.q_c0_c1[3] = q.z();
-    Vector3d::Map(m.p_c0_c1) = Vector3d(1, 0.004, -0.002);  // any length: directions alone count
+    Vector3d::Map(m.p_c0_c1) = Vector3d(1, 0.004, -0.002);  // any length: only directions matter
     const double sigmas[6] = {0.01, 0.05, 0.02, 0.3, 0.002, 0.004};
     for (int i = 0; i < 6; ++i) m.covariance[7 * i] = sigmas[i] * sigmas[i];
     const MotionConsistency f = motion_consistency(truth, {m});

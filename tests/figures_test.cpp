@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What benchmarks measure, on made-up cases with a known answer.
+// Benchmark figures on synthetic cases with known answers.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -32,7 +32,7 @@ constexpr double kDegree = EIGEN_PI / 180;
 
 Quaterniond yaw(double rad) { return Quaterniond(AngleAxisd(rad, Vector3d::UnitZ())); }
 
-/// One metre a second to the north, then after half the time to the east, and the camera looks along.
+/// One metre per second to the north, after half the time to the east; the camera looks along the path.
 Trajectory corner(int seconds) {
   Trajectory t;
   Vector3d p(5, -3, 1);
@@ -44,7 +44,7 @@ Trajectory corner(int seconds) {
   return t;
 }
 
-/// The same as somebody has it who knows neither where he is nor what is north.
+/// The same with unknown position and north.
 Trajectory moved(const Trajectory& truth, double rad, const Vector3d& by, double scale = 1) {
   Trajectory t = truth;
   for (StampedPose& x : t) x.p = yaw(rad) * (scale * x.p) + by, x.q = yaw(rad) * x.q;
@@ -75,7 +75,7 @@ odo_step step_of(int64_t start_ns, int64_t end_ns, double length_m, double sigma
 
 }  // namespace
 
-TEST_CASE("a track that is right but for place and heading has no error after either start") {
+TEST_CASE("a track that is correct up to position and heading has no error after either alignment") {
   const Trajectory truth = corner(60), track = moved(truth, 0.7, {20, 30, 0});
   CHECK(horizontal_error(truth, track, 30 * kSecond) > 10);
   for (const double e : horizontal_errors(truth, started(truth, track, 12))) CHECK(e < 1e-9);
@@ -85,7 +85,7 @@ TEST_CASE("a track that is right but for place and heading has no error after ei
     CHECK(e < 1e-6);
 }
 
-TEST_CASE("a track is turned in all axes onto the first true pose") {
+TEST_CASE("a track is rotated in all axes onto the first true pose") {
   const Trajectory truth = corner(4);
   const Quaterniond off(AngleAxisd(1.1, Vector3d(1, 2, 3).normalized()));
   Trajectory track = truth;
@@ -95,7 +95,7 @@ TEST_CASE("a track is turned in all axes onto the first true pose") {
   CHECK(turned.back().q.angularDistance(truth.back().q) < 1e-9);
 }
 
-TEST_CASE("a yaw alignment leads from the track to the truth and back") {
+TEST_CASE("a yaw alignment maps the track to the truth and back") {
   const StampedPose truth{0, yaw(1.0), {1, 2, 3}}, estimate{0, yaw(-2.5), {4, 4, 4}};
   const YawAlignment a = yaw_alignment(estimate, truth);
   CHECK(std::abs(a.yaw_error(estimate.q, truth.q)) < 1e-12);
@@ -104,7 +104,7 @@ TEST_CASE("a yaw alignment leads from the track to the truth and back") {
   CHECK(yaw_error(yaw(0.1), yaw(0.4)) == doctest::Approx(0.3));
 }
 
-TEST_CASE("poses that err by one sigma have a NEES of one, and those that are off by four say for how long") {
+TEST_CASE("poses with errors of one sigma have a NEES of one, and the time beyond four sigma is reported") {
   const Trajectory truth = corner(20);
   std::vector<odo_pose> poses;
   for (const StampedPose& x : truth) poses.push_back(pose_of(x, 0.5, 0.02));
@@ -127,7 +127,7 @@ TEST_CASE("poses that err by one sigma have a NEES of one, and those that are of
   CHECK(horizontal_nees({2, 3, 100}, covariance) == doctest::Approx(10));
 }
 
-TEST_CASE("the covariance of a track in other axes is turned onto the truth with its positions") {
+TEST_CASE("a track's covariance is rotated onto the truth together with its positions") {
   const Trajectory truth = corner(20);
   for (const double yaw_rad : {0.0, 1.5, -0.7}) {
     CAPTURE(yaw_rad);
@@ -149,7 +149,7 @@ TEST_CASE("the scale error of poses is that of their path") {
   CHECK(pose_consistency(poses, truth).scale_error == doctest::Approx(0.05));
 }
 
-TEST_CASE("a motion off by one sigma in rotation and across its direction is consistent") {
+TEST_CASE("a motion with errors of one sigma in rotation and across its direction is consistent") {
   const Trajectory truth = {{0, Quaterniond::Identity(), {0, 0, 0}},
                             {kSecond / 10, Quaterniond::Identity(), {0, 0, 1}}};
   auto m = make_message<odo_vo_motion>(ODO_TYPE_VO_MOTION, kSecond / 10);
@@ -166,7 +166,7 @@ TEST_CASE("a motion off by one sigma in rotation and across its direction is con
   CHECK(motion_consistency(truth, {m}).rotation.empty());
 }
 
-TEST_CASE("steps are counted, timed and measured against the true ones") {
+TEST_CASE("steps are counted, timed and compared with the true ones") {
   Recording r;
   for (int i = 0; i < 10; ++i) r.true_steps.push_back(step_of(i * kSecond, (i + 1) * kSecond, 0.7));
   for (int i = 0; i <= 2000; ++i) {
@@ -180,7 +180,7 @@ TEST_CASE("steps are counted, timed and measured against the true ones") {
   std::vector<odo_motion_mode> modes(2, make_message<odo_motion_mode>(ODO_TYPE_MOTION_MODE, 0));
   modes[0].mode = ODO_MODE_WALKING_TEXTING, modes[1].mode = ODO_MODE_WALKING_SWINGING,
   modes[1].header.t_ns = 60 * kSecond;
-  std::vector<odo_attitude> attitudes;  // tilted by 2 degrees, and 6 degrees a minute of drift
+  std::vector<odo_attitude> attitudes;  // tilted by 2 degrees, with 6 degrees per minute of drift
   for (int i = 0; i <= 1000; ++i) {
     auto a = make_message<odo_attitude>(ODO_TYPE_ATTITUDE, i * kSecond / 10);
     const Quaterniond q = yaw(0.1 * kDegree * 0.1 * i) * Quaterniond(AngleAxisd(2 * kDegree, Vector3d::UnitX()));
@@ -205,13 +205,13 @@ TEST_CASE("steps are counted, timed and measured against the true ones") {
   CHECK(std::isnan(heading_drift({attitudes.begin(), attitudes.begin() + 50}, own)));
 }
 
-TEST_CASE("a pose stream's early poses are held against later ones, and its jumps against the truth's steps") {
+TEST_CASE("a pose stream's early poses are compared with later ones, and its jumps with the truth's steps") {
   const Trajectory truth = corner(10);
   PoseStream stream;
   for (const StampedPose& x : truth) stream.poses[x.t_ns] = pose_of(x, 1, 1);
   for (const StampedPose& x : truth) {
     StampedPose off = x;
-    off.p.x() += x.t_ns >= 8 * kSecond ? 0.3 : 0.0;  // it jumps once, and the smooth one does not
+    off.p.x() += x.t_ns >= 8 * kSecond ? 0.3 : 0.0;  // it jumps once; the smooth one does not
     off.q = yaw(1 * kDegree) * x.q;
     stream.polls.push_back({x.t_ns, pose_of(off, 1, 1), pose_of(x, 1, 1)});
   }
@@ -222,12 +222,12 @@ TEST_CASE("a pose stream's early poses are held against later ones, and its jump
   CHECK(f.without_position == 1);
   CHECK(percentile(f.orientation_deg, 0.5) == doctest::Approx(1));
   CHECK(percentile(f.position_m, 1) == doctest::Approx(0.3));
-  CHECK(f.repeated == 49);  // but where it turned
+  CHECK(f.repeated == 49);  // except at the corner
   CHECK(f.jump_m == doctest::Approx(std::hypot(0.3, 0.1) - 0.1));
   CHECK(f.smooth_jump_m < 1e-9);
 }
 
-TEST_CASE("fixes are held against the truth and their own covariance") {
+TEST_CASE("fixes are compared with the truth and their own covariance") {
   Recording r;
   r.truth = corner(20);
   r.true_skylines = {{10 * kSecond, std::vector<float>(30, 0.3f), {}},
@@ -252,7 +252,7 @@ TEST_CASE("fixes are held against the truth and their own covariance") {
   CHECK(tilt_errors_deg(r.truth, tilted).at(7) == doctest::Approx(3));
 }
 
-TEST_CASE("a walk between houses is scored once it has settled, and while the receiver is off") {
+TEST_CASE("a walk between buildings is scored after it has settled, and while the receiver is off") {
   std::vector<TrueState> truth;
   Trajectory track;
   for (int i = 0; i <= 200 * 150; ++i) {
@@ -268,7 +268,7 @@ TEST_CASE("a walk between houses is scored once it has settled, and while the re
   CHECK(f.in_reflection_m == doctest::Approx(9));
 }
 
-TEST_CASE("a gait's figures are those of the sine that it is made of") {
+TEST_CASE("the gait figures of a sine match the sine") {
   GaitSeries s;
   for (int i = 0; i < 50 * 60; ++i) {
     const double t = i / kGaitRate_hz;
@@ -287,7 +287,7 @@ TEST_CASE("a gait's figures are those of the sine that it is made of") {
   CHECK(power == doctest::Approx(0.5 * (4 + 0.25)).epsilon(0.05));
 }
 
-TEST_CASE("corners of a picture that moves by three pixels are followed, with that flow, until it ends") {
+TEST_CASE("corners of a picture that moves by three pixels are tracked with that flow until it ends") {
   cv::Mat wide(240, 700, CV_8U, cv::Scalar(90));
   cv::RNG random(4);
   for (int k = 0; k < 300; ++k)
@@ -305,12 +305,12 @@ TEST_CASE("corners of a picture that moves by three pixels are followed, with th
   CHECK(percentile(f.lengths, 0.5) == doctest::Approx(12));
 }
 
-TEST_CASE("a path's shape is right whatever its scale, and a scale that changes is told from a wrong direction") {
+TEST_CASE("the shape error is independent of the scale, and separates a changing scale from a wrong direction") {
   const Trajectory truth = corner(30);
   std::vector<odo_vo_motion> motions(4, make_message<odo_vo_motion>(ODO_TYPE_VO_MOTION, kSecond / 10));
   for (odo_vo_motion& m : motions) m.state = ODO_TRACKING;
   motions[3].state = ODO_LOST;
-  for (int k = 0; k < 2; ++k) {  // one that errs by a sigma, and one that is right
+  for (int k = 0; k < 2; ++k) {  // one with errors of one sigma, and an exact one
     odo_vo_motion& m = motions[static_cast<size_t>(k)];
     m.header.flags = ODO_VO_COVARIANCE;
     const Quaterniond q(AngleAxisd(k == 0 ? 0.01 * std::sqrt(3.0) : 0, Vector3d(1, 1, 1).normalized()));
@@ -330,14 +330,14 @@ TEST_CASE("a path's shape is right whatever its scale, and a scale that changes 
   CHECK(right.tracking_share == doctest::Approx(0.75));
   CHECK(right.lost_share == doctest::Approx(0.25));
 
-  Trajectory grown = truth;  // a quarter too long from the corner on
+  Trajectory grown = truth;  // a quarter too long after the corner
   for (size_t i = 1; i < truth.size(); ++i)
     grown[i].p = grown[i - 1].p + (i > 150 ? 1.25 : 1.0) * (truth[i].p - truth[i - 1].p);
   const VoShape changed = vo_shape(truth, motions, {truth, grown});
   CHECK(changed.end_per_frame_m < 1e-6);
   CHECK(std::abs(percentile(changed.scale_change, 1) - 0.2) < 0.004);
   CHECK(changed.ape_m > 0.2);
-  // The window about the corner is 5 m north, 6.25 m east, and gets the length of 5 m and 5 m.
+  // The window about the corner is 5 m north, 6.25 m east, and is scaled to the length of 5 m and 5 m.
   const double factor = std::hypot(5, 5) / std::hypot(5, 6.25);
   CHECK(changed.end_per_window_m == doctest::Approx(std::hypot(5 - factor * 5, 5 - factor * 6.25)).epsilon(0.05));
 
@@ -348,7 +348,7 @@ TEST_CASE("a path's shape is right whatever its scale, and a scale that changes 
   CHECK(none.lost_share == doctest::Approx(0.25));
 }
 
-TEST_CASE("the scale along a path is the metric windows', and otherwise that of displacements by their median") {
+TEST_CASE("the scale along a path is that of metric windows, otherwise the median of the displacements") {
   const Trajectory truth = corner(40);
   VoFigures figures;
   figures.windows = {{0, kSecond, 3, std::log(1.1), 0.1}};
@@ -361,7 +361,7 @@ TEST_CASE("the scale along a path is the metric windows', and otherwise that of 
   for (const auto& [at_m, scale] : along) CHECK(scale == doctest::Approx(1));
 }
 
-TEST_CASE("position errors are told by axis, and displacements by their length") {
+TEST_CASE("position errors are given by axis, and displacements by their length") {
   const Trajectory truth = corner(10);
   const PositionErrors shifted = position_errors(truth, moved(truth, 0, {1, -2, 5}));
   CHECK(shifted.north_m.size() == truth.size());
@@ -374,7 +374,7 @@ TEST_CASE("position errors are told by axis, and displacements by their length")
   CHECK(scaled.displacement_m[7] == doctest::Approx(0.01));
 }
 
-TEST_CASE("a place is found by the distance walked to it") {
+TEST_CASE("a position is found by the distance walked") {
   Recording r;
   for (int i = 0; i < 10; ++i) r.true_steps.push_back(step_of(i * kSecond, (i + 1) * kSecond, 0.7));
   r.truth = corner(10);

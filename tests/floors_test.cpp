@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Floors as whole numbers, and lifts: neither walking nor standing still.
+// Floors as integers, and lifts, which are neither walking nor standing.
 #include <array>
 #include <cmath>
 
@@ -24,7 +24,7 @@ namespace {
 
 constexpr int64_t kSecond = 1'000'000'000;
 
-/// Half a minute on each of these heights, a third of a metre a second between them, with noise.
+/// Half a minute at each height, a third of a metre per second between them, with noise.
 struct Ascent {
   FloorEstimator floors;
   Random random{7, 1};
@@ -42,7 +42,7 @@ struct Ascent {
 
 }  // namespace
 
-TEST_CASE("storeys of usual height are counted up and down, and a floor seen before is known again") {
+TEST_CASE("storeys of usual height are counted up and down, and a floor seen before is recognised") {
   Ascent ascent;
   CHECK(ascent.to(0).floor == 0);
   const auto first = ascent.to(3.3);
@@ -57,13 +57,13 @@ TEST_CASE("storeys of usual height are counted up and down, and a floor seen bef
   CHECK(ascent.to(-3.1).floor == -1);
 }
 
-TEST_CASE("the probability is true over buildings of all kinds, whose landings people rest on") {
+TEST_CASE("the probability is calibrated over buildings of all kinds with rests on landings") {
   Random random{11, 3};
   int places = 0, right = 0, certain = 0, certain_right = 0;
   double stated = 0;
   for (uint64_t building = 0; building < 80; ++building) {
     const double mean_m = random.uniform(2.6, 4.6);
-    std::array<double, 12> floor_m{};  // from -3 to 8, the walk begins on 0
+    std::array<double, 12> floor_m{};  // from -3 to 8, the walk starts on 0
     for (size_t i = 1; i < floor_m.size(); ++i) floor_m[i] = floor_m[i - 1] + mean_m * (1 + 0.1 * random.normal());
     Ascent walk;
     walk.random = Random{building, 2};
@@ -89,7 +89,7 @@ TEST_CASE("the probability is true over buildings of all kinds, whose landings p
   CHECK(certain_right > 0.93 * certain);
 }
 
-TEST_CASE("higher than any floor that is told apart, and down again: the floors are known as before") {
+TEST_CASE("after leaving the range of distinguishable floors and returning, the floors are recognised") {
   Ascent tower;
   tower.to(0), tower.to(3.3);
   CHECK(tower.to(400).probability < 0.1);
@@ -98,22 +98,23 @@ TEST_CASE("higher than any floor that is told apart, and down again: the floors 
   CHECK(tower.floors.floor().probability > 0.95);
 }
 
-TEST_CASE("a building with high storeys is learnt from its first one") {
+TEST_CASE("a building's high storeys are learnt from the first one") {
   Ascent learnt, unlearnt;
   learnt.to(0), unlearnt.to(0);
   learnt.to(4.3), learnt.to(8.6);
   const auto after = learnt.to(17.2), at_once = unlearnt.to(17.2);
   CHECK(after.floor == 4);
   CHECK(after.probability > 0.6);
-  CHECK(at_once.probability < 0.5);  // four high ones, five usual ones or six low ones: it says that it does not know
+  CHECK(at_once.probability < 0.5);  // four high ones, five usual ones or six low ones: ambiguous
 }
 
-TEST_CASE("half way up, on a landing, the floor is a guess and says so; a ramp or a step is none") {
+TEST_CASE(
+    "halfway up, on a landing, the floor is uncertain and reported as such, and a ramp or a step is not a floor") {
   Ascent ascent;
   ascent.to(0);
   CHECK(ascent.to(1.65, 3).probability < 0.8);
   CHECK(ascent.to(3.3).floor == 1);
-  for (const double landing_m : {1.4, 1.65, 1.9}) {  // to read a plate, say: it does not become a floor
+  for (const double landing_m : {1.4, 1.65, 1.9}) {  // to read a sign, for example: it does not become a floor
     CAPTURE(landing_m);
     Ascent rest;
     rest.to(0);
@@ -129,7 +130,7 @@ TEST_CASE("half way up, on a landing, the floor is a guess and says so; a ramp o
   CHECK(ramp.to(0.6).probability > 0.95);
 }
 
-TEST_CASE("pressure that drifts by a storey in an hour of one floor changes no floor") {
+TEST_CASE("pressure drift by a storey within an hour on one floor does not change the floor") {
   Ascent ascent;
   ascent.to(0);
   for (int minute = 0; minute < 60; ++minute) ascent.up_m = 0.05 * minute, ascent.to(0.05 * minute, 60);
@@ -139,7 +140,7 @@ TEST_CASE("pressure that drifts by a storey in an hour of one floor changes no f
 
 namespace {
 
-/// Rises at a speed for a time between two stands, with a barometer of that rate; whether and when a ride was seen.
+/// A ride between two stands at a given speed and barometer rate; whether and when it was detected.
 struct Ride {
   bool seen = false, over = false;
   double since_s = 0, seen_s = 0;
@@ -165,7 +166,7 @@ Ride ride_of(double mps, double ride_s, double rate_hz, bool walks, double scatt
 
 }  // namespace
 
-TEST_CASE("a lift is seen after a few seconds, an escalator before its end; stairs that are walked are neither") {
+TEST_CASE("a lift is detected after a few seconds, an escalator before its end, and walked stairs are neither") {
   for (const double rate_hz : {1.0, 6.0, 25.0}) {
     CAPTURE(rate_hz);
     const Ride lift = ride_of(1.0, 10, rate_hz, false);
@@ -183,11 +184,11 @@ TEST_CASE("a lift is seen after a few seconds, an escalator before its end; stai
   }
 }
 
-TEST_CASE("a walk with rides in a lift: the height follows, poses say that one is carried, and on which floor") {
+TEST_CASE("a walk with lift rides: the height follows, and poses report the lift and the floor") {
   Scenario s;
   s.walker.stand_s = 4;
   s.route = {{0, 0, 0}, {60, 0, 0}};
-  s.events = {{20.0, "lift", 15.0}, {40.0, "lift", 15.0}};  // up by 14 m, and down again
+  s.events = {{20.0, "lift", 15.0}, {40.0, "lift", 15.0}};  // up by 14 m and down again
   const auto recording = simulated(s, 31);
   REQUIRE(recording);
   RunOptions options;
@@ -214,7 +215,7 @@ TEST_CASE("a walk with rides in a lift: the height follows, poses say that one i
       REQUIRE((pose.header.flags & ODO_POSE_FLOOR) != 0);
       CHECK(pose.floor >= 3);  // 14 m are four floors, or five
       CHECK(pose.floor <= 5);
-      CHECK(pose.floor_probability < 0.9);  // and nobody knows which
+      CHECK(pose.floor_probability < 0.9);  // ambiguous
     }
   }
   CHECK(late < 0.15 * on_floors);
@@ -228,8 +229,7 @@ TEST_CASE("a walk with rides in a lift: the height follows, poses say that one i
   CHECK(std::abs(result->track.back().p.z() - result->track.front().p.z()) < 1.5);
 }
 
-TEST_CASE(
-    "a lift is a source of motion: what it moves is a motion and no correction, and steps move the track again after") {
+TEST_CASE("a lift is a source of motion: its motion is no correction, and steps move the track again afterwards") {
   CouplingConfig config;
   config.type = CouplingType::localizer;
   Composer composer(config, {}, {false, false});

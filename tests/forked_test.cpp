@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What a child of the app's process may do with what it has inherited.
+// Use of inherited objects by a forked child of the app's process.
 #include <doctest/doctest.h>
 
 #include <csignal>
@@ -17,8 +17,7 @@ namespace fs = std::filesystem;
 
 TEST_SUITE_BEGIN("forked");
 
-TEST_CASE(
-    "a child that was forked beside a live session is told so by flush, and does not wait for a thread it lacks") {
+TEST_CASE("flush in a child forked beside a live session returns an error and does not wait for the missing thread") {
   App app(kWalk, ODO_RUN_LIVE);
   REQUIRE(app.status == ODO_OK);
   app.walk(0, 100);
@@ -34,7 +33,7 @@ TEST_CASE(
   CHECK(odo_session_flush(app.session) == ODO_OK);
 }
 
-TEST_CASE("what a writer left that is gone excludes nobody, nor does a child that was forked meanwhile") {
+TEST_CASE("files left by a terminated writer lock nobody out, and neither does a child forked meanwhile") {
   const TemporaryFolder folder;
   const fs::path file = write_text(folder / "out.txt", "old");
   write_text(folder / "out.txt.part", "left by a crash");

@@ -12,7 +12,7 @@ using namespace odograph;
 
 TEST_SUITE_BEGIN("frame_store");
 
-TEST_CASE("plugins may keep all frames of the quota but one, which stays free for the next") {
+TEST_CASE("plugins may keep all frames of the quota but one, which stays free for the next frame") {
   FrameStore store(3);
   std::vector<uint8_t> pixels(8 * 8, 90);
   std::vector<odo_frame> frames(4, make_message<odo_frame>(ODO_TYPE_FRAME, 1'000'000'000));
@@ -31,14 +31,14 @@ TEST_CASE("plugins may keep all frames of the quota but one, which stays free fo
   REQUIRE(store.adopt(reinterpret_cast<odo_borrowed&>(frames[2])) == ODO_OK);
   CHECK(frames[2].loan.retain(frames[2].loan.owner) == ODO_E_EXHAUSTED);
   frames[2].loan.release(frames[2].loan.owner);
-  CHECK(store.adopt(reinterpret_cast<odo_borrowed&>(frames[3])) == ODO_OK);  // the next one has a place
+  CHECK(store.adopt(reinterpret_cast<odo_borrowed&>(frames[3])) == ODO_OK);  // there is room for the next one
   for (const size_t i : {0, 1, 3}) frames[i].loan.release(frames[i].loan.owner);
   CHECK(store.in_use() == 0);
 }
 
 namespace {
 
-/// A plane in this table's own words: one sample for so many pixels across and down, of so many bytes.
+/// A plane by this table: one sample per block of pixels, with a number of bytes.
 struct Sampled {
   uint32_t across, down, bytes;
 };
@@ -59,7 +59,7 @@ std::vector<Sampled> planes_of(uint32_t format) {
 struct Padded {
   odo_frame frame = make_message<odo_frame>(ODO_TYPE_FRAME, 0);
   std::vector<std::vector<uint8_t>> memory;
-  std::vector<uint8_t> expected;  ///< without gaps between rows; 0 where a pixel stride leaves a gap
+  std::vector<uint8_t> expected;  ///< without gaps between rows; 0 in the gaps of a pixel stride
 
   Padded(uint32_t format, uint32_t w, uint32_t h, uint32_t chroma_stride, bool bottom_up, bool masked) {
     frame.format = format, frame.width = w, frame.height = h;
@@ -91,7 +91,7 @@ struct Padded {
 
 }  // namespace
 
-TEST_CASE("a copied frame has every sample of every plane, of each format at odd and even sizes, and nothing beyond") {
+TEST_CASE("a copied frame has every sample of every plane in each format, at odd and even sizes, and nothing beyond") {
   for (uint32_t format = ODO_FORMAT_GREY8; format <= ODO_FORMAT_BGRA8; ++format)
     for (uint32_t w = 1; w <= 6; ++w)
       for (uint32_t h = 1; h <= 6; ++h)

@@ -29,7 +29,7 @@ std::vector<gait::Step> steps_at(const PlainWalk& walk, double hz, double noise,
 
 }  // namespace
 
-TEST_CASE("steps of a plain walk are found at every sample rate") {
+TEST_CASE("the steps of a plain walk are found at every sample rate") {
   for (const double hz : {25.0, 50.0, 100.0, 200.0, 500.0}) {
     for (const double speed : {0.9, 1.35, 1.8}) {
       const PlainWalk walk(speed, 0.5 + 0.17 * speed, static_cast<uint64_t>(hz + 10 * speed));
@@ -37,7 +37,7 @@ TEST_CASE("steps of a plain walk are found at every sample rate") {
       CAPTURE(hz);
       CAPTURE(speed);
       CHECK(std::abs(static_cast<double>(steps.size()) - static_cast<double>(walk.steps.size())) <= 3);
-      // In the middle of the walk, each step ends near a true contact.
+      // In the middle of the walk each step ends near a true contact.
       std::vector<double> off;
       for (const auto& step : steps) {
         double nearest = 1;
@@ -52,7 +52,7 @@ TEST_CASE("steps of a plain walk are found at every sample rate") {
   }
 }
 
-TEST_CASE("frequency comes from the spectrum and is right within 2 %") {
+TEST_CASE("the frequency is estimated from the spectrum, within 2 %") {
   for (const double hz : {50.0, 200.0}) {
     for (const double f : {1.4, 1.9, 2.4}) {
       gait::StepFrequency frequency;
@@ -63,7 +63,7 @@ TEST_CASE("frequency comes from the spectrum and is right within 2 %") {
   }
 }
 
-TEST_CASE("no steps while the device lies or is held still") {
+TEST_CASE("there are no steps while the device lies or is held still") {
   gait::Gait gait({}, {}, Eigen::Vector3d(0, 1, -1));
   Random random(2, 3);
   int steps = 0;
@@ -75,8 +75,7 @@ TEST_CASE("no steps while the device lies or is held still") {
   CHECK(steps == 0);
 }
 
-TEST_CASE("the real walks: steps, distance and position stay what they are or get better" *
-          doctest::test_suite("gait_data")) {
+TEST_CASE("real walks: steps, distance and position do not get worse" * doctest::test_suite("gait_data")) {
   const auto folder = data_or_skip("phone_walks");
   if (folder.empty()) return;
   std::vector<double> distance;
@@ -84,7 +83,7 @@ TEST_CASE("the real walks: steps, distance and position stay what they are or ge
   uint64_t steps = 0;
   int k = 0;
   for (const auto& entry : std::filesystem::directory_iterator(folder)) {
-    if (entry.path().extension() != ".txt" || k++ % 4 != 0) continue;  // a quarter of them: this is a regression test
+    if (entry.path().extension() != ".txt" || k++ % 4 != 0) continue;  // a quarter of them: a regression test
     const auto recording = read_recording(entry.path());
     REQUIRE(recording.ok());
     RunOptions options;
@@ -99,7 +98,7 @@ TEST_CASE("the real walks: steps, distance and position stay what they are or ge
     CHECK(result->statistics.late == 0);
     CHECK(result->statistics.plugin_faults == 0);
   }
-  CHECK(reference / static_cast<double>(steps) > 0.60);  // metres a step of real walkers
+  CHECK(reference / static_cast<double>(steps) > 0.60);  // metres per step of real walkers
   CHECK(reference / static_cast<double>(steps) < 0.72);
   CHECK(percentile(distance, 0.5) < 0.13);
   CHECK(std::abs(estimate / reference - 1) < 0.12);

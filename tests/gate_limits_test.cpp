@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What a sensor can have measured, at each limit and of each component; scales that are joined, at each limit.
+// Plausible ranges of sensors, at each limit and for each component; joined scales, at each limit.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -48,7 +48,7 @@ odo_vo_motion motion(int64_t t_ns, uint32_t group) {
 
 }  // namespace
 
-TEST_CASE("each component of each sensor is within its range up to the limit, on both sides") {
+TEST_CASE("each component of each sensor is valid up to its limit, on both sides") {
   const SampleGate gate;
   for (int axis = 0; axis < 3; ++axis)
     for (const double sign : {-1.0, 1.0}) {
@@ -64,7 +64,7 @@ TEST_CASE("each component of each sensor is within its range up to the limit, on
       CHECK_FALSE(within(0, 180.001, 0));
       CHECK_FALSE(within(0, 0, 5.601e-3));
       odo_imu gyro_alone = imu(0, ODO_IMU_GYRO), accel_alone = imu(0, ODO_IMU_ACCEL);
-      gyro_alone.accel_b[axis] = accel_alone.gyro_b[axis] = sign * 1e9;  // not valid, not looked at
+      gyro_alone.accel_b[axis] = accel_alone.gyro_b[axis] = sign * 1e9;  // not valid, not read
       CHECK(gate.within_range(gyro_alone.header));
       CHECK(gate.within_range(accel_alone.header));
     }
@@ -76,7 +76,7 @@ TEST_CASE("each component of each sensor is within its range up to the limit, on
   }
 }
 
-TEST_CASE("a spike is one whose distance is beyond the limit, over all axes, and of neighbours within 50 ms") {
+TEST_CASE("a spike is a sample beyond the limit, over all axes, against neighbours within 50 ms") {
   struct Case {
     double gyro[3], accel[3];
     bool spike;
@@ -94,7 +94,7 @@ TEST_CASE("a spike is one whose distance is beyond the limit, over all axes, and
     CHECK(gate.spikes == (c.spike ? 1 : 0));
     CHECK(gate.out.size() == (c.spike ? 2 : 3));
   }
-  for (const int64_t apart : {50 * kMs - 1, 50 * kMs}) {  // before it, and behind it
+  for (const int64_t apart : {50 * kMs - 1, 50 * kMs}) {  // before and after it
     for (const bool before : {false, true}) {
       Gate gate;
       odo_imu sticks_out = imu(before ? apart : 10 * kMs);
@@ -105,13 +105,13 @@ TEST_CASE("a spike is one whose distance is beyond the limit, over all axes, and
   }
 }
 
-TEST_CASE("a spike is held until the next one, sources and sensors apart, and a reset forgets it") {
+TEST_CASE("a suspected spike is held until the next sample, per source and sensor, and a reset discards it") {
   Gate gate;
   odo_imu wild = imu(10 * kMs);
   wild.gyro_b[0] = 30;
   gate.add(imu(0)), gate.add(wild);
   CHECK(gate.out == std::vector<int64_t>{0});
-  gate.add(imu(11 * kMs, kBoth, 1));  // another IMU's
+  gate.add(imu(11 * kMs, kBoth, 1));  // of another IMU
   CHECK(gate.out == std::vector<int64_t>{0, 11 * kMs});
   gate.add(imu(20 * kMs));
   CHECK(gate.spikes == 1);
@@ -119,23 +119,23 @@ TEST_CASE("a spike is held until the next one, sources and sensors apart, and a 
   gate.add(wild);
   odo_imu still = wild;
   still.header.t_ns = 40 * kMs;
-  gate.add(still);  // it lasts: both go on, in order
+  gate.add(still);  // persistent: both continue, in order
   CHECK(gate.out == std::vector<int64_t>{0, 11 * kMs, 20 * kMs, 30 * kMs, 40 * kMs});
   wild.header.t_ns = 50 * kMs, wild.gyro_b[0] = 0;
   gate.add(wild);
   CHECK(gate.out.size() == 5);
   gate.reset();
-  gate.add(imu(1));  // the one that was held is gone with the old clock
+  gate.add(imu(1));  // the held one is discarded with the old clock
   CHECK(gate.out.back() == 1);
   CHECK(gate.out.size() == 6);
 }
 
-TEST_CASE("a scale holds for motions that end behind its beginning and up to its end, of its own group") {
+TEST_CASE("a scale applies to motions that end after its start and up to its end, of its own group") {
   for (const auto& [t_ns, holds] :
        {std::pair<int64_t, bool>{49, false}, {50, false}, {51, true}, {100, true}, {101, false}})
     for (const uint32_t group : {7u, 8u}) {
       ScaleJoin join(1), asked(1);
-      CHECK(join.note(0, scale_of(7, 50, 100)));  // before the first motion anything may still be of use
+      CHECK(join.note(0, scale_of(7, 50, 100)));  // before the first motion it may still apply
       join.begin(motion(t_ns, group));
       CHECK((join.joined() != nullptr) == (holds && group == 7));
       CHECK(join.motion_ns() == t_ns);
@@ -147,7 +147,7 @@ TEST_CASE("a scale holds for motions that end behind its beginning and up to its
     }
 }
 
-TEST_CASE("scales and sigmas of zero join nothing, and what is joined follows from those that may be") {
+TEST_CASE("scales and sigmas of zero are ignored, and the joined scale follows from valid ones") {
   for (const auto& [value, sigma] : {std::pair{0.0, 0.1}, {2.0, 0.0}, {2.0, -0.1}}) {
     ScaleJoin join(2);
     join.begin(motion(60, 7));
@@ -156,7 +156,7 @@ TEST_CASE("scales and sigmas of zero join nothing, and what is joined follows fr
     CHECK(join.joined()->scale == 3);
     CHECK(join.joined()->sigma == 0.3);
   }
-  ScaleJoin join(1);  // a source that says more than once to one motion: the newest counts
+  ScaleJoin join(1);  // a source with several scales for one motion: the newest is used
   join.begin(motion(60, 7));
   join.answer(0, scale_of(7, 50, 100, 3)), join.answer(0, scale_of(7, 50, 100, 4));
   CHECK(join.joined()->scale == 4);
@@ -164,7 +164,7 @@ TEST_CASE("scales and sigmas of zero join nothing, and what is joined follows fr
   CHECK(join.joined()->scale == 4);
 }
 
-TEST_CASE("a gyroscope waits 0.1 s for its accelerometer, not less; 64 wait at most; a reset forgets them") {
+TEST_CASE("a gyroscope sample waits 0.1 s for its accelerometer sample, at most 64 wait, and a reset discards them") {
   for (const int64_t later : {100 * kMs, 100 * kMs + 1}) {
     ImuJoiner joiner;
     std::vector<odo_imu> taken;
@@ -174,7 +174,7 @@ TEST_CASE("a gyroscope waits 0.1 s for its accelerometer, not less; 64 wait at m
     joiner.reset();
     add(imu(10 * kMs, ODO_IMU_ACCEL)), add(imu(20 * kMs, ODO_IMU_ACCEL));
     CHECK(taken.size() == (later > 100 * kMs ? 1 : 0));
-    for (int i = 0; i < 65; ++i) add(imu(20 * kMs + i, ODO_IMU_GYRO));  // all within the wait
+    for (int i = 0; i < 65; ++i) add(imu(20 * kMs + i, ODO_IMU_GYRO));  // all within the waiting time
     CHECK(taken.size() == (later > 100 * kMs ? 2 : 1));
     CHECK(taken.back().header.flags == ODO_IMU_GYRO);
     odo_imu end = imu(20 * kMs + 128, ODO_IMU_ACCEL);

@@ -17,16 +17,16 @@ TEST_SUITE_BEGIN("gnss_heading");
 
 namespace {
 
-/// What is done to the whole of a walk before it is told.
+/// Transformation of a whole walk.
 struct Change {
-  double steps_rad = 0;   ///< the attitude's heading, and with it the steps', is so much more
-  double places_rad = 0;  ///< the satellites' n is turned
-  bool mirrored = false;  ///< left and right
+  double steps_rad = 0;   ///< offset of the attitude's heading and hence of the steps
+  double places_rad = 0;  ///< rotation of the satellites' n
+  bool mirrored = false;  ///< mirrored left to right
   int64_t later_ns = 0;
   Vector2d origin_m = Vector2d::Zero();
 };
 
-/// Everything that is told of the yaw of a walk around two corners, with wandering positions and a jump.
+/// All yaws reported in a walk around two corners, with wandering positions and a jump.
 std::vector<PathHeading::Yaw> told_of(uint64_t seed, const Change& change) {
   PathHeading path({});
   Random random(seed, 5);
@@ -55,7 +55,7 @@ std::vector<PathHeading::Yaw> told_of(uint64_t seed, const Change& change) {
 
 double apart(double a, double b) { return std::abs(std::remainder(a - b, 2 * M_PI)); }
 
-/// Whether what is told follows the change: as much, as sure, the yaw `by` farther.
+/// Checks that the reports follow the change: the same number and sigmas, the yaw larger by `by`.
 void follows(const std::vector<PathHeading::Yaw>& plain, const std::vector<PathHeading::Yaw>& changed, double sign,
              double by, double within) {
   REQUIRE(plain.size() == changed.size());
@@ -67,33 +67,33 @@ void follows(const std::vector<PathHeading::Yaw>& plain, const std::vector<PathH
 
 }  // namespace
 
-TEST_CASE("what satellites tell of a path's yaw is the same whatever the attitude's heading is off by") {
+TEST_CASE("the reported yaw of a path is independent of the offset of the attitude's heading") {
   for (const uint64_t seed : {1u, 2u, 3u}) {
     const auto plain = told_of(seed, {});
     REQUIRE(plain.size() >= 4);
     for (int k = 1; k < 72; ++k) follows(plain, told_of(seed, {.steps_rad = 0.0873 * k}), 1, -0.0873 * k, 1e-6);
-    // Those that are told as nearly half a turn: to either side of it.
+    // Reports of nearly half a turn may have either sign.
     for (const auto& yaw : plain)
       for (const double beside : {-0.01, 0.01})
         follows(plain, told_of(seed, {.steps_rad = yaw.rad + M_PI + beside}), 1, -yaw.rad - M_PI - beside, 1e-6);
   }
 }
 
-TEST_CASE("the yaw follows when n is turned, is its opposite when left is right, and does not ask when and where") {
+TEST_CASE("the yaw rotates with n, changes sign when mirrored, and is independent of time and origin") {
   const auto plain = told_of(4, {});
   REQUIRE(plain.size() >= 4);
   for (const double rotation : {0.4, 1.9, 3.1, -2.6})
     follows(plain, told_of(4, {.places_rad = rotation}), 1, rotation, 1e-6);
   follows(plain, told_of(4, {.mirrored = true}), -1, 0, 1e-6);
   follows(plain, told_of(4, {.later_ns = 1'700'000'000'000'000'000}), 1, 0, 1e-6);
-  follows(plain, told_of(4, {.origin_m = {300, -500}}), 1, 0, 1e-3);  // of a place that may be anywhere within 100 km
+  follows(plain, told_of(4, {.origin_m = {300, -500}}), 1, 0, 1e-3);  // of a position with a sigma of 100 km
 }
 
-TEST_CASE("an offset of the yaw is the attitude's error: positive where the path lies to the left of the positions") {
+TEST_CASE("a yaw offset is the attitude's error: positive if the path lies to the left of the positions") {
   for (const auto& yaw : told_of(5, {.steps_rad = -0.8})) CHECK(apart(yaw.rad, 0.8) < 4 * yaw.sigma_rad + 0.2);
 }
 
-TEST_CASE("correlated errors, jumps and corrections of the path: as a plain reckoning has them") {
+TEST_CASE("correlated errors, jumps and path corrections equal a reference calculation") {
   const CorrelatedError::Parameters p;
   int jumps = 0, corrections = 0;
   for (const uint64_t seed : {1u, 2u, 3u, 4u, 5u}) {
@@ -116,7 +116,7 @@ TEST_CASE("correlated errors, jumps and corrections of the path: as a plain reck
       const double sigma = random.uniform(2, 6);
       const Vector2d seen = path + Vector2d(random.normal(), random.normal()) + (k % 40 < 20 ? 0 : 50) * Vector2d(0, 1);
       const auto found = error.on_position(std::llround(t * 1e9), seen, sigma);
-      // The plain reckoning.
+      // Reference calculation.
       const double age = last_t < 0 ? 0 : t - last_t, decay = std::exp(-age / p.bias_s);
       bias *= decay, variance *= decay * decay;
       Vector2d place = seen - bias;
@@ -139,7 +139,7 @@ TEST_CASE("correlated errors, jumps and corrections of the path: as a plain reck
     }
     error.reset();
     CHECK(error.bias_m().norm() == 0);
-    CHECK(error.on_position(std::llround(t * 1e9) + 1, {500, 500}, 3).sigma_m == 3);  // nothing is known of it before
+    CHECK(error.on_position(std::llround(t * 1e9) + 1, {500, 500}, 3).sigma_m == 3);  // nothing is known before it
   }
   CHECK(jumps > 10);
   CHECK(corrections > 10);

@@ -22,7 +22,7 @@ TEST_SUITE_BEGIN("gnss");
 
 namespace {
 
-/// A walk to the north at 1.3 m/s of which the path is known, positions once a second with a Gauss-Markov error.
+/// A walk to the north at 1.3 m/s with a known path, and positions once a second with a Gauss-Markov error.
 struct Canyon {
   CorrelatedError filter{CorrelatedError::Parameters{}};
   Random random;
@@ -46,7 +46,7 @@ struct Canyon {
 
 }  // namespace
 
-TEST_CASE("the mean of correlated positions is as far off as their variance says") {
+TEST_CASE("the error of the mean of correlated positions matches their variance") {
   double squares = 0, variance = 0;
   for (uint64_t seed = 1; seed <= 200; ++seed) {
     Canyon canyon(seed, 12);
@@ -60,10 +60,10 @@ TEST_CASE("the mean of correlated positions is as far off as their variance says
     squares += (sum / weights).squaredNorm() / 2 / 200, variance += 1 / weights / 200;
   }
   CHECK(squares / variance > 0.5);
-  CHECK(squares / variance < 1.6);  // independent ones would be 40 times as sure
+  CHECK(squares / variance < 1.6);  // independent ones would have a 40 times smaller variance
 }
 
-TEST_CASE("a reflection of 40 m for a minute is taken off while it lasts, and is no bias after it") {
+TEST_CASE("a reflection of 40 m for a minute is subtracted while it lasts, and leaves no bias") {
   int whole = 0;
   for (uint64_t seed = 1; seed <= 30; ++seed) {
     Canyon canyon(seed, 6);
@@ -73,7 +73,7 @@ TEST_CASE("a reflection of 40 m for a minute is taken off while it lasts, and is
       const bool reflected = k >= 60 && k < 120;
       const auto seen = canyon.next(reflected ? Eigen::Vector2d(0, 40) : Eigen::Vector2d::Zero());
       jumps += seen.jumped;
-      // How far an estimator that trusts the fix as told is pulled in one go, of a prior of 5 m.
+      // Pull on an estimator that trusts the reported fix, for a prior of 5 m.
       const double gain = 25 / (25 + seen.sigma_m * seen.sigma_m);
       worst_m = std::max(worst_m, gain * (seen.position_m - canyon.place()).norm());
     }
@@ -84,7 +84,7 @@ TEST_CASE("a reflection of 40 m for a minute is taken off while it lasts, and is
   CHECK(whole >= 27);
 }
 
-TEST_CASE("an error that only wanders is no jump, nor is a path that was corrected") {
+TEST_CASE("a wandering error is no jump, and neither is a corrected path") {
   int jumps = 0;
   for (uint64_t seed = 1; seed <= 30; ++seed) {
     Canyon canyon(seed, 12);
@@ -99,9 +99,9 @@ TEST_CASE("an error that only wanders is no jump, nor is a path that was correct
 
 namespace {
 
-/// 75 s of a straight walk to the north whose attitude is off by `yaw`, positions with a Gauss-Markov error of 12 m,
-/// off to the east by 40 m from 40 s on, velocities where they have a sigma. Steps are 5 % too long and sway by 0.05
-/// rad, and the attitude may drift; its yaw offset is `yaw` at the end.
+/// 75 s of a straight walk to the north with an attitude yaw offset `yaw`, positions with a Gauss-Markov error of 12 m
+/// and an offset of 40 m to the east from 40 s on, and velocities if they have a sigma. Steps are 5 % too long with a
+/// heading noise of 0.05 rad, and the attitude may drift; its yaw offset is `yaw` at the end.
 void walk(PathHeading& path, uint64_t seed, double yaw, double velocity_sigma,
           std::vector<PathHeading::Yaw>* news = nullptr, double drift_radps = 0, double velocity_told = 0) {
   Random random(seed, 5);
@@ -127,9 +127,9 @@ void walk(PathHeading& path, uint64_t seed, double yaw, double velocity_sigma,
 
 }  // namespace
 
-TEST_CASE("a path's yaw against satellites is known as well as they can tell, and is as far off as it says") {
-  // The bound for 12 m, 20 s and 100 m is 9.2 degrees (README), so a median of 6.2; an attitude that may drift by 5
-  // mrad/s is known less well at the end of a path than over it.
+TEST_CASE("a path's yaw by satellites reaches the attainable accuracy, and its error matches its sigma") {
+  // The bound for 12 m, 20 s and 100 m is 9.2 degrees (README), so a median of 6.2; for an attitude with a drift of 5
+  // mrad/s the yaw at the end of a path is less accurate than over it.
   for (const double velocity_sigma : {0.0, 0.5, 0.25}) {
     CAPTURE(velocity_sigma);
     std::vector<double> off_deg;
@@ -152,12 +152,12 @@ TEST_CASE("a path's yaw against satellites is known as well as they can tell, an
   }
 }
 
-TEST_CASE("the yaw of an attitude whose gyroscope has a bias is told as it is now") {
+TEST_CASE("with a gyroscope bias the reported yaw of the attitude is the present one") {
   std::vector<double> off_deg;
   double nis = 0;
   for (uint64_t seed = 1; seed <= 60; ++seed) {
     PathHeading path({});
-    walk(path, seed, 0.3, 0.25, nullptr, seed % 2 ? 0.006 : -0.006);  // by 26 degrees within the walk
+    walk(path, seed, 0.3, 0.25, nullptr, seed % 2 ? 0.006 : -0.006);  // by 26 degrees during the walk
     const auto seen = path.yaw();
     REQUIRE(seen);
     const double off = std::remainder(seen->rad - 0.3, 2 * EIGEN_PI);
@@ -165,11 +165,11 @@ TEST_CASE("the yaw of an attitude whose gyroscope has a bias is told as it is no
     nis += off * off / (seen->sigma_rad * seen->sigma_rad) / 60;
   }
   MESSAGE("median " << percentile(off_deg, 0.5) << " deg, 90 % " << percentile(off_deg, 0.9));
-  CHECK(percentile(off_deg, 0.5) < 4);  // its mean over the walk would be 13 degrees off
+  CHECK(percentile(off_deg, 0.5) < 4);  // its mean over the walk is 13 degrees off
   CHECK(nis < 1.6);
 }
 
-TEST_CASE("velocities are believed as far as they have shown, whatever was told of them") {
+TEST_CASE("velocities are weighted by their observed accuracy, whatever their reported sigma") {
   for (const double sigma : {0.15, 0.25, 1.0}) {
     CAPTURE(sigma);
     std::vector<double> off_deg, known_deg;
@@ -190,12 +190,12 @@ TEST_CASE("velocities are believed as far as they have shown, whatever was told 
     CHECK(learnt / sigma > 0.7);
     CHECK(learnt / sigma < 1.3);
     CHECK(percentile(off_deg, 0.5) < 1.1 * percentile(known_deg, 0.5) + 0.1);
-    CHECK(nis > 0.25);  // steps that sway less than they may
+    CHECK(nis > 0.25);  // steps with less noise than assumed
     CHECK(nis < 1.6);
   }
 }
 
-TEST_CASE("what is told of a yaw piece by piece adds up to what is known of it") {
+TEST_CASE("the successive reports of a yaw add up to its total information") {
   PathHeading path({});
   std::vector<PathHeading::Yaw> news;
   walk(path, 3, 0.3, 0.5, &news);
@@ -207,13 +207,13 @@ TEST_CASE("what is told of a yaw piece by piece adds up to what is known of it")
   }
   const auto all = path.yaw();
   REQUIRE(all);
-  // Each piece is news of its own time, and what is known of the yaw now has aged: their sum is surer. Measured: 0.63.
+  // Each report refers to its own time, and the present information has decayed: their sum is larger. Measured: 0.63.
   CHECK(1 / std::sqrt(information) > 0.6 * all->sigma_rad);
   CHECK(1 / std::sqrt(information) < 0.82 * all->sigma_rad);
   CHECK(std::abs(sum / information - all->rad) < all->sigma_rad);
 }
 
-TEST_CASE("who has not moved has no heading, and steps without positions have none either") {
+TEST_CASE("there is no heading without motion, and none from steps without positions") {
   PathHeading still({}), blind({});
   for (int s = 0; s < 60; ++s) still.add_position(1'000'000'000LL * s, {0.1 * (s % 3), 0}, 5);
   CHECK_FALSE(still.news());
@@ -221,7 +221,8 @@ TEST_CASE("who has not moved has no heading, and steps without positions have no
   CHECK_FALSE(blind.news());
 }
 
-TEST_CASE("40 m off for a minute in a canyon pull a simulated walk far less than independent fixes would") {
+TEST_CASE(
+    "an offset of 40 m for a minute in a street canyon pulls a simulated walk far less than independent fixes would") {
   const TemporaryFolder folder;
   Scenario s;
   s.walker.stand_s = 4;
@@ -264,7 +265,7 @@ TEST_CASE("40 m off for a minute in a canyon pull a simulated walk far less than
   CHECK(percentile(worst[1], 0.5) < 0.75 * percentile(worst[0], 0.5));
 }
 
-TEST_CASE("NED and geodetic coordinates are each other's inverse to a micrometre over 20 km") {
+TEST_CASE("NED and geodetic coordinates are inverse to a micrometre over 20 km") {
   Geodesy geodesy;
   geodesy.set_origin({0.8238, -0.0271, 20.0});
   for (const std::array<double, 3> p : {std::array<double, 3>{0, 0, 0}, {20000, -15000, -300}, {-7, 12000, 40}}) {
@@ -278,7 +279,7 @@ TEST_CASE("NED and geodetic coordinates are each other's inverse to a micrometre
   CHECK(down[2] == doctest::Approx(15.0));
 }
 
-TEST_CASE("a fix that tells latitude and longitude alone is one of north and east") {
+TEST_CASE("a fix with latitude and longitude only has north and east") {
   Geodesy geodesy;
   geodesy.set_origin({0.8238, -0.0271, 20.0});
   auto fix = make_message<odo_fix>(ODO_TYPE_FIX, 1);
@@ -292,7 +293,7 @@ TEST_CASE("a fix that tells latitude and longitude alone is one of north and eas
   CHECK(std::abs(fix.p_n[1] + 40) < 1e-3);
 }
 
-TEST_CASE("a jump is taken off, and forgotten with its time constant when the receiver stays there") {
+TEST_CASE("a jump is subtracted, and decays with its time constant if the receiver stays there") {
   CorrelatedError error({});
   bool jumped = false;
   double then_m = 0;

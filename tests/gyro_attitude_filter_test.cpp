@@ -13,7 +13,7 @@ namespace {
 
 constexpr int64_t kSecond = 1'000'000'000;
 
-/// A body that rotates by `rate_b` for a while and accelerates by `accel_n`; the gyroscope is off by `bias`.
+/// A body that rotates by `rate_b` and accelerates by `accel_n`; the gyroscope has the bias `bias`.
 void add_imu(GyroAttitudeFilter& filter, Eigen::Quaterniond q, int64_t from, int64_t to, const Vector3d& rate_b,
              const Vector3d& accel_n, const Vector3d& bias) {
   constexpr int64_t kStep = 5'000'000;
@@ -33,7 +33,7 @@ const Eigen::Matrix3d kOneDegree = Eigen::Matrix3d::Identity() * 3e-4;
 
 }  // namespace
 
-TEST_CASE("a gyroscope's filter turns as the body does, whatever the camera's mounting") {
+TEST_CASE("a gyroscope attitude filter rotates with the body, for any camera mount") {
   GyroAttitudeFilter filter;
   filter.reset(kLevel, kOneDegree);
   const Eigen::Quaterniond mounted(Eigen::AngleAxisd(0.7, Vector3d(1, 2, 3).normalized()));
@@ -43,10 +43,10 @@ TEST_CASE("a gyroscope's filter turns as the body does, whatever the camera's mo
   const Eigen::Quaterniond rotation_b(Eigen::AngleAxisd(std::sqrt(1.13), Vector3d(0.3, -0.2, 1.0).normalized()));
   CHECK(imu->q_c0_c1.angularDistance(mounted.conjugate() * rotation_b * mounted) < 1e-9);
   CHECK_FALSE(filter.between(0, kSecond * 2, mounted));     // samples end before
-  CHECK_FALSE(filter.between(-kSecond, kSecond, mounted));  // or begin later
+  CHECK_FALSE(filter.between(-kSecond, kSecond, mounted));  // or start later
 }
 
-TEST_CASE("standing, pictures tell the gyroscope's bias and the accelerometer the vertical; braking tells nothing") {
+TEST_CASE("at rest pictures give the gyroscope's bias and the accelerometer the vertical, and braking gives neither") {
   GyroAttitudeFilter filter;
   const Eigen::Quaterniond leaning(Eigen::AngleAxisd(0.02, Vector3d::UnitX()));
   filter.reset(leaning, kOneDegree);
@@ -66,7 +66,7 @@ TEST_CASE("standing, pictures tell the gyroscope's bias and the accelerometer th
   CHECK((filter.bias_c() - bias).norm() < 0.0005);
   const Vector3d up = filter.q_n_c() * -Vector3d::UnitZ();
   CHECK(std::hypot(up.x(), up.y()) < 0.004);
-  drive(5 * kSecond, 10 * kSecond, {1.8, 0, 0}, false);  // five seconds of accelerating
+  drive(5 * kSecond, 10 * kSecond, {1.8, 0, 0}, false);  // acceleration for five seconds
   const Vector3d after = filter.q_n_c() * -Vector3d::UnitZ();
   CHECK(std::hypot(after.x(), after.y()) < 0.012);
   const double sigma = std::sqrt(filter.covariance_n()(0, 0));
@@ -74,7 +74,7 @@ TEST_CASE("standing, pictures tell the gyroscope's bias and the accelerometer th
   CHECK(sigma < 0.02);
 }
 
-TEST_CASE("orientation fixes correct a gyroscope's filter, and its bias; a wild one is refused") {
+TEST_CASE("orientation fixes correct a gyroscope attitude filter and its bias, and an outlier is rejected") {
   GyroAttitudeFilter filter;
   filter.reset(kLevel, kOneDegree);
   const Vector3d bias(0, 0, 0.008);

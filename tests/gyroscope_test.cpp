@@ -18,7 +18,7 @@ namespace {
 constexpr int64_t kMilli = 1'000'000;
 const GyroscopeParameters kParameters;
 
-/// 100 Hz up to `last_ms`, beginning at a second.
+/// 100 Hz up to `last_ms`, starting at one second.
 Gyroscope sampled(int64_t last_ms, const Vector3d& rate) {
   Gyroscope gyroscope;
   for (int64_t ms = 1000; ms <= last_ms; ms += 10) gyroscope.add(ms * kMilli, rate);
@@ -27,16 +27,16 @@ Gyroscope sampled(int64_t last_ms, const Vector3d& rate) {
 
 }  // namespace
 
-TEST_CASE("a gyroscope that falls silent before the frame tells no rotation, nor does one with a gap, nor a late one") {
+TEST_CASE("a gyroscope with an early end, a gap or a late start gives no rotation") {
   const int64_t gap = kParameters.longest_gap_ns / kMilli;
   const Vector3d rate(0.2, -0.4, 1.5), none = Vector3d::Zero();
   const Gyroscope gyroscope = sampled(1200, rate);
   const auto whole = gyroscope.between(1100 * kMilli, (1200 + gap) * kMilli, none);
-  REQUIRE(whole);  // the last rate goes on for a moment
+  REQUIRE(whole);  // the last rate is extrapolated for a short time
   CHECK((log_rotation(whole->q_c0_c1) - 0.001 * static_cast<double>(100 + gap) * rate).norm() < 1e-6);
   CHECK_FALSE(gyroscope.between(1100 * kMilli, (1201 + gap) * kMilli, none));
-  CHECK_FALSE(gyroscope.between(1200 * kMilli, 1210 * kMilli, none));         // no sample later than its beginning
-  CHECK_FALSE(gyroscope.between((999 - gap) * kMilli, 1100 * kMilli, none));  // began too late
+  CHECK_FALSE(gyroscope.between(1200 * kMilli, 1210 * kMilli, none));         // no sample after its start
+  CHECK_FALSE(gyroscope.between((999 - gap) * kMilli, 1100 * kMilli, none));  // started too late
   CHECK(gyroscope.between((1000 - gap) * kMilli, 1100 * kMilli, none));
   Gyroscope broken = sampled(1200, rate);
   broken.add((1201 + gap) * kMilli, rate);
@@ -44,7 +44,7 @@ TEST_CASE("a gyroscope that falls silent before the frame tells no rotation, nor
   CHECK(broken.between(1150 * kMilli, 1190 * kMilli, none));
 }
 
-TEST_CASE("samples that come twice or go back are passed over, and what is cleared is gone") {
+TEST_CASE("repeated and backward samples are ignored, and cleared ones are gone") {
   Gyroscope gyroscope = sampled(1200, {0, 0, 1});
   gyroscope.add(1200 * kMilli, {0, 0, 50});
   gyroscope.add(1100 * kMilli, {0, 0, 50});
@@ -56,9 +56,9 @@ TEST_CASE("samples that come twice or go back are passed over, and what is clear
   CHECK_FALSE(gyroscope.rate(1200 * kMilli));
 }
 
-TEST_CASE("a sample stands for the mean of it and the one before, up to its time; the bias is taken off") {
+TEST_CASE("a sample counts as the mean of it and the previous one, up to its time, without the bias") {
   Gyroscope gyroscope;
-  const double rates[] = {10, 50, -30, 80};  // so quick that the scale's error counts
+  const double rates[] = {10, 50, -30, 80};  // fast enough for the scale error to matter
   for (int k = 0; k < 4; ++k) gyroscope.add((1000 + 10 * k) * kMilli, {0, rates[k], 0});
   const auto part = gyroscope.between(1004 * kMilli, 1027 * kMilli, {0, 0.2, 0});
   REQUIRE(part);
@@ -71,7 +71,7 @@ TEST_CASE("a sample stands for the mean of it and the one before, up to its time
   CHECK(std::abs(part->sigma_rad / sigma_rad - 1) < 1e-6);
 }
 
-TEST_CASE("the rate at a time is the newest sample's before it, while that is young") {
+TEST_CASE("the rate at a time is the latest sample's, while that is recent") {
   Gyroscope gyroscope;
   for (int k = 0; k < 20; ++k) gyroscope.add((1000 + 10 * k) * kMilli, {0, 0, 0.1 * k});
   CHECK(gyroscope.rate(1057 * kMilli)->z() == doctest::Approx(0.5));

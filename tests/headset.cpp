@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// A consumer of Monado's VIT interface, as strangers write them: it loads libodograph_vit.so by the names of its 21
+// A consumer of Monado's VIT interface, as written by others: it loads libodograph_vit.so by the names of its 21
 // functions and plays a recording into it, the IMU on one thread at full speed, pictures on another, poses fetched from
-// two. They are those of `odograph run` over the same recording, whose inertial samples are rounded as the interface
-// rounds them.
-//   odograph-headset LIBRARY CONFIG RECORDING
+// two. They must equal those of `odograph run` over the same recording with inertial samples rounded to the interface's
+// precision.
+// odograph-headset LIBRARY CONFIG RECORDING
 #include <dlfcn.h>
 
 #include <atomic>
@@ -32,7 +32,7 @@ void check(bool good, const std::string& what) {
   ++failures;
 }
 
-/// Every function of the interface, by its name.
+/// Every function of the interface, by name.
 struct Library {
   void* handle;
   explicit Library(const char* path) : handle(dlopen(path, RTLD_NOW | RTLD_LOCAL)) {
@@ -154,7 +154,7 @@ class Consumer {
     const vit_img_sample sample{0,      frame.header.t_ns,     pixels.data(),       frame.width, frame.height,
                                 stride, stride * frame.height, VIT_IMAGE_FORMAT_L8, 0,           nullptr};
     expect(VIT_SUCCESS, "tracker_push_img_sample", &sample);
-    std::fill(pixels.begin(), pixels.end(), uint8_t{0});  // the consumer uses it again
+    std::fill(pixels.begin(), pixels.end(), uint8_t{0});  // the consumer reuses it
   }
 
   const Library& library_;
@@ -233,8 +233,8 @@ void compare(const RunResult& run, const odo_calibration& calibration, const std
   check(timed == compared && followed > compared / 2, "times or features");
 }
 
-/// To what the interface has of it: no exposures, no row times, inertial samples in single precision. Returns the
-/// camera.
+/// Reduces a recording to the interface's content: no exposures, no row times, inertial samples in single precision.
+/// Returns the camera.
 odo_calibration reduce(Recording& recording) {
   odo_calibration calibration{};
   std::erase_if(recording.messages, [](const RecordedMessage& m) {
@@ -283,7 +283,7 @@ int main(int argc, char** argv) {
   consumer.expect(VIT_SUCCESS, "tracker_start");
   const int64_t end_ns = recording->messages.back().message.header().t_ns;
   consumer.play(*recording, end_ns / 2 + run->track.front().t_ns / 2);
-  consumer.expect(VIT_SUCCESS, "tracker_reset");  // forgets all of that
+  consumer.expect(VIT_SUCCESS, "tracker_reset");  // discards all of that
   consumer.poses.clear();
   consumer.play(*recording, end_ns);
   consumer.expect(VIT_SUCCESS, "tracker_stop");

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Poses of the past that are held: the oracle is the pose now, which a pose held now is.
+// Held poses of the past. The oracle is the present pose, which equals a pose held now.
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -15,7 +15,7 @@ using Eigen::Vector3d;
 
 TEST_SUITE_BEGIN("held_poses");
 
-TEST_CASE("what is held changes nothing of the filter, to the bit") {
+TEST_CASE("holding a pose does not change the filter, bit for bit") {
   const auto run = [](bool holds) {
     WalkMeasurements what;
     what.fix_every_s = 5;
@@ -37,7 +37,7 @@ TEST_CASE("what is held changes nothing of the filter, to the bit") {
   CHECK(same);
 }
 
-TEST_CASE("a held pose is nearer to the truth after the fixes that come later, as near as it says") {
+TEST_CASE("later fixes improve a held pose, consistently with its covariance") {
   double squares = 0, before_m = 0, after_m = 0;
   int count = 0;
   for (uint64_t seed = 1; seed <= 12; ++seed) {
@@ -82,7 +82,7 @@ TEST_CASE("a held pose is nearer to the truth after the fixes that come later, a
   CHECK(squares / count > 0.2);
 }
 
-TEST_CASE("what considers the pose leaves held poses where they are, and what moves the pose moves them as it") {
+TEST_CASE("updates that consider the pose leave held poses unchanged, and those that move the pose move them equally") {
   Localizer localizer;
   for (const StateIndex i : {kNorth, kEast, kHeading, kStepHeading}) localizer.set(i, 0, 0.04);
   localizer.P(kHeading, kStepHeading) = localizer.P(kStepHeading, kHeading) = 0.03;

@@ -122,7 +122,7 @@ static void check_signals(const char* plugins) {
   odo_session_destroy(session);
 }
 
-/* GNSS at a walk's start, and again after a minute: the track has drifted by metres. */
+/* GNSS at the start of a walk, and again after a minute: the track has drifted by metres. */
 static void check_corrections(const char* plugins) {
   odo_session* session = create(
       "odograph: 1\nattitude:\n  plugin: attitude/vqf\nstep_estimator:\n  plugin: step/weinberg2002\n"

@@ -25,7 +25,7 @@ odo_imu sample(int64_t i) {
   return imu;
 }
 
-/// What the same call costs without a border.
+/// Cost of the same call without the ABI.
 struct Direct {
   virtual ~Direct() = default;
   virtual void on(const odo_imu& imu) = 0;
@@ -64,7 +64,7 @@ void plugin_call(benchmark::State& state) {
 }
 BENCHMARK(plugin_call);
 
-/// IMU sample into the session until its attitude is out at the callback (attitude/vqf); with steps as the second one.
+/// Latency from an IMU sample's push to its attitude in the callback (attitude/vqf); with steps for the second config.
 void imu_push(benchmark::State& state, const char* yaml) {
   odo_session_options options{};
   options.struct_size = sizeof options;
@@ -96,7 +96,7 @@ BENCHMARK_CAPTURE(imu_push, attitude_and_steps_renaudin2012,
                   "odograph: 1\nattitude:\n  plugin: attitude/vqf\nstep_estimator:\n  plugin: step/renaudin2012\n"
                   "time_ordering:\n  max_wait: 0\n");
 
-/// Whole frames through the session, decoding not counted. One iteration is the whole clip.
+/// Complete frames through the session, without decoding. One iteration is the whole clip.
 void vo_frames(benchmark::State& state, const char* config) {
   const auto recording = read_recording(std::filesystem::path(ODOGRAPH_DATA) / "tsukuba_90");
   if (!recording) return state.SkipWithError("no tsukuba_90");
@@ -115,7 +115,7 @@ void vo_frames(benchmark::State& state, const char* config) {
 BENCHMARK_CAPTURE(vo_frames, five_point, "monocular.yaml")->Unit(benchmark::kMillisecond)->Iterations(5);
 BENCHMARK_CAPTURE(vo_frames, odograph, "monocular_odograph.yaml")->Unit(benchmark::kMillisecond)->Iterations(5);
 
-/// Resident memory of a session with attitude and steps: at rest, and after an hour of IMU samples at 200 Hz.
+/// Resident memory of a session with attitude and steps: initially, and after an hour of IMU samples at 200 Hz.
 double resident_mb() {
   std::ifstream file("/proc/self/statm");
   double total = 0, resident = 0;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Does next to nothing, so that what is measured is the passage through the ABI.
+// Does almost nothing, so that the benchmark measures the passage through the ABI.
 #include <odograph/plugin.hpp>
 
 struct Noop {

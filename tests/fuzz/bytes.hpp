@@ -8,7 +8,7 @@
 
 namespace fuzz {
 
-/// Takes numbers and strings of bytes off an input; what is not there any more is zero and empty.
+/// Consumes numbers and strings of bytes from an input; beyond its end they are zero and empty.
 class Bytes {
  public:
   Bytes(const uint8_t* data, size_t size) : left_(data, size) {}
@@ -25,7 +25,7 @@ class Bytes {
     left_ = left_.subspan(part.size());
     return part;
   }
-  /// Up to the next byte of this value, which is passed over.
+  /// Up to the next byte with this value, which is skipped.
   std::span<const uint8_t> take_until(uint8_t end) {
     const auto found = std::find(left_.begin(), left_.end(), end);
     const auto part = left_.first(static_cast<size_t>(found - left_.begin()));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Configs, where the plugins that they may name are linked in: two short manifests.
+// Configs that name linked plugins: two short manifests.
 #include <cstdint>
 #include <cstdlib>
 #include <string>
@@ -14,7 +14,7 @@
 
 namespace {
 
-/// One that no session is ever made of.
+/// No session is created with it.
 template <int Number>
 int32_t ODO_CALL entry(const odo_host*, odo_plugin*) {
   return ODO_E_UNSUPPORTED - Number;

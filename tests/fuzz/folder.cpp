@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Recordings that are folders. The first byte says which, the files follow, each up to a byte 0x1e.
+// Recordings that are folders. The first byte selects the kind; the files follow, each up to a byte 0x1e.
 #include <vector>
 
 #include "sdk/tools/recording/read_phone.hpp"

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-//
-// What an app pushes and what a plugin emits: any bytes of any type, into a pipeline of every kind of plugin. Each
-// message is a type's number, its size, how its time is meant, and its bytes. What comes out is checked (session.hpp).
+// | Messages pushed by an app and events emitted by a plugin: any bytes of any type, into a pipeline with every kind of
+// plugin. A message is a type number, its size, the meaning of its time, and its bytes. session.hpp checks the output.
 #include <cstring>
 #include <vector>
 
@@ -25,7 +24,7 @@ struct alignas(8) Message {
   odo_header& header(size_t at = 0) { return *reinterpret_cast<odo_header*>(bytes + at); }
 };
 
-/// Its pixels are the app's: sizes and pointers are ones that an app may give.
+/// The pixels belong to the app: sizes and pointers are valid ones.
 void give_pixels(odo_frame& frame) {
   static const std::vector<uint8_t> pixels(size_t(kMaxPixels) * kMaxPixels * 16, 90);
   frame.width %= kMaxPixels + 1, frame.height %= kMaxPixels + 1;
@@ -37,7 +36,7 @@ void give_pixels(odo_frame& frame) {
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
-  // One session takes many inputs, each later than the one before: to make one takes longer than what it does.
+  // One session takes many inputs with increasing times: creating one is slower than running an input.
   static odo_session* session = nullptr;
   static int64_t now_ns = 1'000'000'000;
   static int inputs = 0;
@@ -64,7 +63,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
     inner.struct_size = static_cast<uint32_t>(bytes);
     inner.type = is_event ? kEvents[number - std::size(kInputs)] : kInputs[number];
     now_ns += int64_t(time % 64) * 1'000'000;
-    if (time < 224) inner.t_ns = now_ns;  // the rest keep the input's own
+    if (time < 224) inner.t_ns = now_ns;  // otherwise the input's own time
     if (is_event) {
       odo_header& outer = message.header();
       outer.struct_size = static_cast<uint32_t>(sizeof(odo_header) + bytes);

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Recordings whose checksums are right: the input is cut into records (type, size, payload), which a writer puts
-// together.
+// Recordings with correct checksums: the input is split into records (type, size, payload), which a writer assembles.
 #include <filesystem>
 
 #include "sdk/tools/recording/odo_file.hpp"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Without libFuzzer: runs the fuzz function over each seed and over random changes of it, the same every time.
+// Replacement for libFuzzer: runs the fuzz function over each seed and reproducible random mutations of it.
 #include <cstdint>
 #include <cstdio>
 #include <filesystem>

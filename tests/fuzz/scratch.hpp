@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Files for readers that take a path: in memory where the system has such a folder, and one for each process.
+// Files for readers that take a path: in memory if the system has such a folder, separate for each process.
 #pragma once
 
 #include <cstdint>
@@ -15,7 +15,7 @@
 
 namespace fuzz {
 
-/// A folder of this process's own, which is there for as long as the process.
+/// A folder of this process, removed at its end.
 inline const std::filesystem::path& folder() {
   struct Folder {
     std::filesystem::path path;
@@ -34,8 +34,8 @@ inline const std::filesystem::path& folder() {
   return mine.path;
 }
 
-/// Writes a file of this name, folders included, and returns its path. The files stay open: to open one takes longer
-/// than most readers.
+/// Writes a file of this name, folders included, and returns its path. The files stay open: opening one is slower than
+/// most readers.
 inline const std::filesystem::path& put(const std::string& name, std::span<const uint8_t> bytes) {
   struct File {
     std::filesystem::path path;

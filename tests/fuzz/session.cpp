@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Sequences of calls of the C API on two sessions, with plugins that fail as they are told: samples of every type are
-// whole, their times and numbers are anything. The input's second half may run on a second thread.
+// Sequences of C API calls on two sessions, with plugins that fail on command: samples of every type are complete,
+// their times and numbers arbitrary. The input's second half may run on a second thread.
 #include <atomic>
 #include <cstring>
 #include <thread>
@@ -33,7 +33,7 @@ const char* const kConfigs[] = {
     "scale_source: {plugin: test/obeys}\ncoupling: {orientation: gyroscope}\nabsolute_fixers: [{plugin: fix/gnss}]\n",
 };
 
-/// What all calls of one input share.
+/// State common to all calls of one input.
 struct World {
   odo_session* sessions[2] = {};
   std::atomic<int64_t> now_ns{1'000'000'000};
@@ -50,7 +50,7 @@ struct World {
   }
 };
 
-/// One thread's calls.
+/// The calls of one thread.
 class Caller {
  public:
   Caller(World& world, Bytes left) : world_(world), left_(left) {}
@@ -69,7 +69,7 @@ class Caller {
   T take() {
     return left_.take<T>();
   }
-  /// Around its usual size, or anything.
+  /// Near its usual size, or anything.
   double number(double usual) {
     constexpr double kOdd[] = {0, NAN, HUGE_VAL, -HUGE_VAL, 1e300, -1e300, 1e-300, 1e9, -1e9, 1e15, 90, -181};
     const auto byte = take<uint8_t>();
@@ -87,7 +87,7 @@ class Caller {
     for (int i = 0; i < 4; ++i) norm += q[i] * q[i];
     for (int i = 0; i < 4 && norm > 0; ++i) q[i] /= std::sqrt(norm);
   }
-  /// Soon after the last one, a little off, after a pause or a jump back of up to a century, or anywhere.
+  /// Soon after the last one, slightly off, after a pause or a jump back of up to a century, or anywhere.
   int64_t time() {
     const auto how = take<uint8_t>();
     int64_t step_ns = int64_t(how % 64) * 1'000'000;
@@ -97,8 +97,7 @@ class Caller {
     step_ns = 1;
     for (int power = how % 19; power > 0; --power) step_ns *= 10;
     const int64_t now_ns = world_.now_ns;
-    if (now_ns > INT64_C(4) << 60 || now_ns < -(INT64_C(4) << 60))
-      step_ns = -now_ns;  // where none is possible any more
+    if (now_ns > INT64_C(4) << 60 || now_ns < -(INT64_C(4) << 60)) step_ns = -now_ns;  // if no later time is possible
     return world_.now_ns += how % 2 ? step_ns : -step_ns / 10;
   }
   template <class Message>
@@ -286,7 +285,8 @@ class Caller {
     odo_session_load(session_, blob_.data(), take<uint8_t>() % 8 ? blob_.size() : take<uint8_t>() % (blob_.size() + 1));
   }
   void listen() {
-    const odo_callback callback = [](void* user, const odo_header* event) {  // it calls back, as it may
+    const odo_callback callback = [](void* user,
+                                     const odo_header* event) {  // calls the API from the callback, which is allowed
       fuzz::check(*event);
       auto* session = static_cast<odo_session*>(user);
       odo_pose pose{};

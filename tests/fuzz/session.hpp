@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Sessions over plugins that are linked in, so that making one reads no file, and what must hold for all that they
-// give.
+// Sessions with linked plugins, so that creating one reads no file, and the invariants of their output.
 #pragma once
 
 #include <algorithm>
@@ -29,14 +28,14 @@ FUZZ_FOR_EACH_PLUGIN(FUZZ_DECLARE)
 
 namespace fuzz {
 
-/// Ends the program where it does not hold.
+/// Aborts the program if the invariant is violated.
 inline void require(bool holds, const char* what) {
   if (holds) return;
   std::fprintf(stderr, "not held: %s\n", what);
   std::abort();
 }
 
-/// An event of a host: possible by the table of bounds, and a pose is one of numbers.
+/// An event of a host: within the table of bounds, and a pose is finite.
 inline void check(const odo_header& event) {
   using namespace odograph;
   if (event.type == ODO_TYPE_REPORT && event.t_ns == INT64_MIN) return;  // before the first sample

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Saved states, with the checksum that hides all that lies behind it made right.
+// Saved states with a corrected checksum, which would otherwise hide the code behind it.
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
@@ -14,13 +14,13 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
       "  - plugin: step/renaudin2012\nabsolute_fixers:\n  plugin: fix/barometer\n");
   std::vector<uint8_t> blob(data, data + size);
   if (size > 8) {
-    uint64_t hash = 14695981039346656037u;  // FNV-1a, as saved_state.cpp takes it
+    uint64_t hash = 14695981039346656037u;  // FNV-1a, as in saved_state.cpp
     for (size_t i = 0; i + 8 < size; ++i) hash = (hash ^ blob[i]) * 1099511628211u;
     std::memcpy(blob.data() + size - 8, &hash, sizeof hash);
   }
   if (odo_session_load(session, blob.data(), blob.size()) != ODO_OK) return 0;
   std::vector<uint8_t> saved(static_cast<size_t>(odo_session_save(session, nullptr, 0)));
   odo_session_save(session, saved.data(), saved.size());
-  if (odo_session_load(session, saved.data(), saved.size()) != ODO_OK) std::abort();  // what it saved it must take
+  if (odo_session_load(session, saved.data(), saved.size()) != ODO_OK) std::abort();  // a saved state must be accepted
   return 0;
 }

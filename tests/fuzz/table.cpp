@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Readers of one table of text: trajectories, truth, traces. The first byte says which.
+// Readers of a single text table: trajectories, truth, traces. The first byte selects the kind.
 #include "sdk/tools/recording/recording.hpp"
 #include "tests/fuzz/scratch.hpp"
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Models of the ground and of objects. The first byte says in which format.
+// Models of the ground and of objects. The first byte selects the format.
 #include <stdexcept>
 
 #include "plugins/fix/terrain/terrain.hpp"
@@ -14,7 +14,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   try {
     double height_m = 0;
     (void)odograph::terrain::read_terrain(file.string()).height_at(1, 2, 3, height_m);
-  } catch (const std::runtime_error&) {  // refused, with a reason
+  } catch (const std::runtime_error&) {  // rejected, with a reason
   }
   if (data[0] % 3 == 1) (void)odograph::read_city_model(file);
   return 0;

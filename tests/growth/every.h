@@ -13,13 +13,13 @@
 #define QUESTION ODO_TYPE_VENDOR(9, 1)
 #define MAX_ROWS 32u
 
-/* What the plugin saw, in a message of its own. */
+/* What the plugin received, in a message of its own. */
 struct answer {
   odo_header header;
   double grown[MAX_ROWS]; /* by row of ODO_FOR_EACH_MESSAGE: what a later version added, -1 absent, -2 not received */
   double services;        /* a bit each */
   double seed;
-  double state; /* what was loaded */
+  double state; /* the loaded state */
 };
 
 union message {
@@ -39,7 +39,7 @@ static uint32_t row_of(uint32_t number) {
   return row;
 }
 
-/* What a later version added to a message: -1 where it is absent, 0 where this version has not heard of it. */
+/* Fields of a message from a later version: -1 if absent, 0 if unknown to this version. */
 static double grown_of(const odo_header* message) {
 #ifdef ODO_TEST_GROWN
   switch (message->type) {
@@ -57,7 +57,7 @@ static double grown_of(const odo_header* message) {
 
 static void unit(double* q) { q[0] = 1; }
 
-/* A message whose fields are within what a host accepts. */
+/* A message whose fields a host accepts. */
 static void fill(union message* m, uint32_t number, int64_t t_ns) {
   memset(m, 0, sizeof *m);
   switch (number) {

@@ -115,7 +115,7 @@ static int32_t replay(odo_session* session, const char* path) {
   return worst | session_flush(session);
 }
 
-/* Loads the state where there is one, otherwise returns 0. */
+/* Loads the state if there is one, otherwise returns 0. */
 static int load_state(odo_session* session, const char* path) {
   LOAD(int32_t, session_load, (odo_session*, const void*, uint64_t));
   static char data[65536];
@@ -137,7 +137,7 @@ static void save_state(odo_session* session, const char* path) {
   if (file) fclose(file);
 }
 
-/* Outputs: what was written is stated, and is all that both sides have. */
+/* Outputs: written fields are within the stated size, which is common to both sides. */
 static void check_outputs(odo_session* session, int host_is_new) {
   LOAD(int32_t, session_get_pose, (odo_session*, int64_t, odo_pose*));
   LOAD(int32_t, session_get_statistics, (odo_session*, odo_statistics*));
@@ -210,7 +210,7 @@ static int run(char** argv) {
   expect(seen.answer.header.type == ANSWER, 1, "an answer came");
   check_messages(host_is_new, plugin_is_new, recorded_is_new);
   expect(seen.answer.state, loaded ? 7 : 0, "saved state");
-  /* odo.wake/1 is not offered to a plugin in a process of its own. */
+  /* odo.wake/1 is not offered to a plugin in a separate process. */
   expect(seen.answer.services, strstr(argv[4], "isolation: process") ? 15 : 31, "services");
   expect(seen.reports, 1, "reports");
   check_outputs(session, host_is_new);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Reports which services it is offered and what they give, and has more state to save than is kept.
+// Reports which services it is offered and their results, and has more state to save than the host keeps.
 #include <odograph/plugin.hpp>
 
 namespace {

@@ -3,9 +3,8 @@
 
 #include <cstdlib>
 
-/// What a plugin in a process of its own may not be able to do to its host, its user or its machine: named attempts,
-/// each true where it came off. The tests say in the environment which process the host is, and which folder is the
-/// victim.
+/// Attacks of an isolated plugin on its host, its user or its machine: named attempts, each true if it succeeded. The
+/// tests pass the host process and the victim folder in the environment.
 namespace hostile {
 
 struct Attempt {

@@ -45,7 +45,7 @@ int readable() {
   static const int fd = open(file(), O_RDONLY);
   return fd;
 }
-/// Whether it can be done to the memory of the host's pixels.
+/// Whether the operation succeeds on the memory of the host's pixels.
 template <class Deed>
 bool to_pixels(Deed deed) {
   std::FILE* maps = std::fopen("/proc/self/maps", "r");
@@ -62,7 +62,7 @@ bool to_pixels(Deed deed) {
 bool writes_pixels() {
   return to_pixels([](void* at, size_t bytes) { return mprotect(at, bytes, PROT_READ | PROT_WRITE) == 0; });
 }
-/// The room would count for other memory. Linux before 6.10 cannot forbid it.
+/// The space would count for other memory. Linux before 6.10 cannot forbid it.
 bool gives_pixels_back() {
   utsname system{};
   int major = 0, minor = 0;

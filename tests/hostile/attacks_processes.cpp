@@ -45,8 +45,8 @@ bool opens(const std::string& path) {
   return fd >= 0;
 }
 std::string of_host(const char* name) { return "/proc/" + std::to_string(host_process()) + "/" + name; }
-// An attempt that comes off, where the sandbox is broken, harms the test alone.
-/// Whether a process was made; it ends at once.
+// An attempt that succeeds, with a broken sandbox, harms the test only.
+/// Whether a process was created; it ends at once.
 bool child(long made) {
   if (made == 0) _exit(0);
   if (made > 0) waitpid(static_cast<pid_t>(made), nullptr, 0);
@@ -234,7 +234,7 @@ const Attempt kAttempts[] = {
     {"bpf", [] { return call(SYS_bpf, 0, nullptr, 0) || errno != EPERM; }},
     {"performance counters", [] { return call(SYS_perf_event_open, nullptr, 0, -1, -1, 0) || errno != EPERM; }},
     {"a timer's signal to a thread", [] { return call(SYS_timer_create, 0, nullptr, nullptr) || errno != EPERM; }},
-    // With arguments that the system refuses with another error, were it to look at them.
+    // With arguments that the system would reject with another error if it checked them.
     {"the clock", [] { return call(SYS_clock_settime, CLOCK_MONOTONIC, nullptr) || errno != EPERM; }},
     {"the machine's name",
      [] {

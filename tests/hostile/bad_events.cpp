@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Emits what must not get through: NaN, another kind's event, an event that is too small, null, and far too many.
+// Emits invalid events: NaN, another kind's event, an event that is too small, null, and far too many.
 #include <limits>
 
 #include "tests/hostile/table.hpp"

@@ -8,7 +8,7 @@
 
 namespace hostile {
 
-/// What it shares with the host in a process of its own; null in the app's.
+/// The memory shared with the host in a separate process; null in the app's.
 inline volatile odograph::wire::Control* control() {
   std::ifstream maps("/proc/self/maps");
   for (std::string line; std::getline(maps, line);)

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A fixer that asks for corrections: a fix 5 m beside the pose after some seconds, and each correction that it is told
-// as a fix that nobody may use.
+// A fixer that requests corrections: emits a fix 5 m beside the pose after some seconds, and each correction it
+// receives as a fix that nobody may use.
 #define HOSTILE_ID "test/correction_echo"
 #include <odograph/absolute_fixer.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A level attitude that crashes at its 300th sample, in every life anew.
+// A horizontal attitude that crashes at its 300th sample, after each restart.
 #define HOSTILE_ID "test/crashing_attitude"
 #include <csignal>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Says it made an instance and gives none.
+// Reports success of create but returns no instance.
 #include "tests/hostile/table.hpp"
 
 extern "C" int32_t ODO_PLUGIN_ENTRY(const odo_host*, odo_plugin* out) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Throws in its constructor, with a C++ runtime of its own: the guard in the wrapper must turn it into a status.
+// Throws in its constructor, with its own C++ runtime: the wrapper must convert it to a status.
 #include <odograph/plugin.hpp>
 
 struct Thrower {
@@ -7,7 +7,7 @@ struct Thrower {
   static inline bool armed = false;
   Thrower() {
     if (armed) throw std::runtime_error("the constructor has a bad day");
-    armed = true;  // the table is built from one object, with its defaults
+    armed = true;  // the table is built from one object with its defaults
   }
   static std::vector<odo::Parameter<Thrower>> parameters() { return {}; }
 };

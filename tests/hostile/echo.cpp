@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A front-end that says whatever it is told to say: the bytes behind the head of ODO_TYPE_VENDOR(0, 1) are an event.
+// A front-end that emits what it receives: the bytes behind the head of ODO_TYPE_VENDOR(0, 1) are an event.
 #define HOSTILE_ID "test/echo"
 #include <odograph/vo_frontend.h>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// An attitude source that attacks its host, its user and its machine once, as ODOGRAPH_TEST_ATTACK says, and reports
-// what came off.
+// An attitude source that attacks its host, its user and its machine once, as selected by ODOGRAPH_TEST_ATTACK, and
+// reports the attacks that succeeded.
 #define HOSTILE_ID "test/escape"
 #include <csignal>
 #include <ctime>
@@ -33,7 +33,7 @@ void report(const std::string& what, const std::string& said) {
   reports->report(host, 1, ODO_SEVERITY_WARNING, &key, &text);
 }
 
-/// Each attempt's name that came off.
+/// Name of each successful attempt.
 std::string attempts() {
   std::string done;
   unsigned long count = 0;
@@ -43,7 +43,7 @@ std::string attempts() {
   return "of " + std::to_string(count) + " attempts: " + (done.empty() ? "none" : done);
 }
 
-/// What it needs for its work.
+/// What the plugin needs for its work.
 std::string needs() {
   bool ran = false;
   std::thread([&] { ran = true; }).join();
@@ -66,7 +66,7 @@ std::string threads() {
   return std::to_string(made) + " threads";
 }
 
-/// What can be held outside its address space: in pipes, as many and as full as it gets them.
+/// Memory outside its address space: as many full pipes as possible.
 std::string pipes() {
   static char block[1 << 16];
   long held = 0;
@@ -75,7 +75,7 @@ std::string pipes() {
   return std::to_string(held >> 20) + " MiB in pipes";
 }
 
-/// Every thread of its process in a signal's handler for ever, and it too.
+/// Blocks every thread of its process in a signal handler forever.
 [[noreturn]] void outlive() {
   struct sigaction stuck {};
   stuck.sa_handler = [](int) {
