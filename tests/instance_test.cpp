@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The life of one plugin: when it is reset, left out, started anew, saved; each at its limits.
+// Life cycle of a plugin at its limits: reset, disabling, restart, save.
 #include <doctest/doctest.h>
 
 #include <map>
@@ -61,7 +61,7 @@ struct Obedient {
     o.learn = what;
     give(o);
   }
-  /// What it has learnt and how many orders it has had, this one among them; {-1, -1} where it does not answer.
+  /// Its state and the number of its orders, including this one; {-1, -1} if it does not answer.
   std::pair<double, double> state(int64_t t_ns) {
     Order o = order(t_ns);
     o.emits = 1;
@@ -77,7 +77,8 @@ constexpr auto kInside = Isolation::Kind::none, kProcess = Isolation::Kind::proc
 
 }  // namespace
 
-TEST_CASE("five failures in a row are the end, a success between them begins anew, and each one resets") {
+TEST_CASE(
+    "five consecutive failures disable a plugin, a success restarts the count, and each failure resets the plugin") {
   for (const auto kind : {kInside, kProcess})
     for (const int32_t status : {ODO_E_ERROR, ODO_E_STATE, ODO_E_MEMORY, ODO_E_DATA, ODO_E_NOT_FOUND}) {
       CAPTURE(status);
@@ -98,7 +99,7 @@ TEST_CASE("five failures in a row are the end, a success between them begins ane
     }
 }
 
-TEST_CASE("what is discarded costs no reset, however often; what is fatal is the end at once") {
+TEST_CASE("discarded samples never cause a reset, and a fatal status disables at once") {
   for (const int32_t status : {ODO_E_DISCARD, ODO_E_ARGUMENT, ODO_E_EXHAUSTED, ODO_E_UNSUPPORTED}) {
     CAPTURE(status);
     Obedient one(kInside);
@@ -116,7 +117,7 @@ TEST_CASE("what is discarded costs no reset, however often; what is fatal is the
   CHECK_FALSE(one.plugin->alive());
 }
 
-TEST_CASE("one call gives 256 events at most, and what is beyond is told once a call") {
+TEST_CASE("a call emits at most 256 events, and the excess is reported once per call") {
   for (const auto kind : {kInside, kProcess}) {
     Obedient one(kind);
     Order o = order(0);
@@ -131,7 +132,8 @@ TEST_CASE("one call gives 256 events at most, and what is beyond is told once a 
   }
 }
 
-TEST_CASE("what ends in a row is back at once, then after 0.1 s, and each wait is twice the one before up to 10 s") {
+TEST_CASE(
+    "consecutive crashes restart at once, then after 0.1 s, and each wait is twice the previous one, up to 10 s") {
   Obedient one(kProcess);
   int64_t t = 100 * kSecond;
   for (const int64_t wait_ms : {0, 100, 200, 400, 800, 1600, 3200, 6400, 10000, 10000, 10000}) {
@@ -151,7 +153,7 @@ TEST_CASE("what ends in a row is back at once, then after 0.1 s, and each wait i
   CHECK(one.plugin->faults() == 11);
 }
 
-TEST_CASE("what has run for more than a second begins its ends anew, and is called recovering for one") {
+TEST_CASE("a run of more than a second restarts the count of crashes, and the plugin is recovering for one call") {
   for (const int64_t ran : {kSecond, kSecond + 1}) {
     Obedient one(kProcess);
     one.end(10 * kSecond);
@@ -161,11 +163,11 @@ TEST_CASE("what has run for more than a second begins its ends anew, and is call
     one.give(order(11 * kSecond));
     CHECK_FALSE(one.plugin->recovering());
     one.end(10 * kSecond + ran);
-    CHECK(one.plugin->alive() == (ran > kSecond));  // else it is the second in a row, and waits
+    CHECK(one.plugin->alive() == (ran > kSecond));  // otherwise it is the second in a row and waits
   }
 }
 
-TEST_CASE("at its third end in a row, not before, the fallback takes its place and its number") {
+TEST_CASE("the third consecutive crash, and not an earlier one, activates the fallback with the same number") {
   PluginChoice choice = choice_of(kProcess);
   auto fallback = std::make_shared<PluginChoice>(choice_of(kInside));
   choice.fallback = fallback;
@@ -186,14 +188,14 @@ TEST_CASE("at its third end in a row, not before, the fallback takes its place a
   CHECK(one.plugin->take_reset());
   CHECK(one.plugin->recovering());
   CHECK(one.state(t += kMs).second == 1);
-  // In the host's own process it has its five failures.
+  // In the host's process it is allowed five failures.
   for (int i = 0; i < 4; ++i) one.fails(t += kMs, ODO_E_ERROR);
   CHECK(one.plugin->alive());
   one.fails(t += kMs, ODO_E_ERROR);
   CHECK_FALSE(one.plugin->alive());
 }
 
-TEST_CASE("what one outside has learnt is kept every ten seconds, and that is what it has after its end") {
+TEST_CASE("the state of an isolated plugin is kept every ten seconds and restored after a crash") {
   for (const int64_t until : {10 * kSecond - 1, 10 * kSecond, 15 * kSecond, 20 * kSecond - 1, 20 * kSecond}) {
     CAPTURE(until);
     Obedient one(kProcess);
@@ -209,7 +211,7 @@ TEST_CASE("what one outside has learnt is kept every ten seconds, and that is wh
   }
 }
 
-TEST_CASE("what is loaded into one outside survives its end, and one inside is saved as it is") {
+TEST_CASE("a state loaded into an isolated plugin survives its crash, and one in process is saved as it is") {
   for (const auto kind : {kInside, kProcess}) {
     Obedient one(kind);
     CHECK(one.plugin->save().empty());
@@ -223,7 +225,7 @@ TEST_CASE("what is loaded into one outside survives its end, and one inside is s
   }
 }
 
-TEST_CASE("a reset that is asked for is told once, and costs no fault") {
+TEST_CASE("a requested reset is reported once and is not a fault") {
   for (const auto kind : {kInside, kProcess}) {
     Obedient one(kind);
     one.give(order(1)), one.give(order(2));

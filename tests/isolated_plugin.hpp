@@ -13,7 +13,7 @@
 
 namespace odograph {
 
-/// An attitude filter or a front-end in a process of its own, without a session.
+/// An attitude filter or a front-end in a separate process, without a session.
 struct IsolatedPlugin {
   std::vector<std::string> said;
   HostServices host{0, {"."}, [this](const Report& report) { said.push_back(report.text); }};

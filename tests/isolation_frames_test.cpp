@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Frames of plugins in processes of their own: where the pixels lie, who holds them, what it costs.
+// Frames of isolated plugins: location of the pixels, ownership, cost.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -29,7 +29,7 @@ odo_frame grey_frame(const std::vector<uint8_t>& pixels, int number) {
   return frame;
 }
 
-/// What test/keeper_vo says of the frames it keeps, with so many frames in the session's store.
+/// Reports of test/keeper_vo about the frames it keeps, with this many frames in the session's store.
 std::vector<odo_vo_motion> keep(const std::string& isolation, int frames) {
   const TestPlugins plugins{"keeper_vo"};
   App app("odograph: 1\ntime_ordering: {frames: " + std::to_string(frames) +
@@ -40,7 +40,7 @@ std::vector<odo_vo_motion> keep(const std::string& isolation, int frames) {
   odo_session_push(app.session, &lens.header);
   std::vector<uint8_t> pixels(kBytes);
   for (int i = 0; i < 30; ++i) {
-    std::fill(pixels.begin(), pixels.end(), static_cast<uint8_t>(i));  // the host has its own by now
+    std::fill(pixels.begin(), pixels.end(), static_cast<uint8_t>(i));  // the host has copied them
     const odo_frame frame = grey_frame(pixels, i);
     CHECK(odo_session_push(app.session, &frame.header) >= 0);
     odo_session_flush(app.session);
@@ -51,7 +51,7 @@ std::vector<odo_vo_motion> keep(const std::string& isolation, int frames) {
 
 }  // namespace
 
-TEST_CASE("a frame of the session is seen by isolated plugins where it lies") {
+TEST_CASE("isolated plugins see a session's frame without a copy") {
   const TestPlugins plugins{"needy_vo"};
   IsolatedPlugin isolated("vo_frontend: {plugin: test/needy_vo, isolation: process}\n", plugins.path());
   const auto lens = calibration(kWidth, kHeight);
@@ -67,9 +67,9 @@ TEST_CASE("a frame of the session is seen by isolated plugins where it lies") {
     frame.loan.release(frame.loan.owner);
     CHECK(store.in_use() == 0);
   }
-  CHECK(shared.reserved() == kBytes);  // one picture's worth: no copy was ever made
+  CHECK(shared.reserved() == kBytes);  // memory of one picture: it was never copied
 
-  for (int i = 10; i < 20; ++i) {  // frames of another memory are copied, and each copy gives its place back
+  for (int i = 10; i < 20; ++i) {  // frames of other memory are copied, and each copy is freed
     const odo_frame frame = grey_frame(pixels, i);
     CHECK(isolated.plugin->process(frame.header).size() == 1);
   }
@@ -77,7 +77,7 @@ TEST_CASE("a frame of the session is seen by isolated plugins where it lies") {
   CHECK(isolated.plugin->faults() == 0);
 }
 
-TEST_CASE("frames that an isolated plugin keeps stay as they were, and are not kept beyond the quota") {
+TEST_CASE("frames kept by an isolated plugin do not change, and none is kept beyond the quota") {
   for (const int frames : {2, 3, 8}) {
     CAPTURE(frames);
     const auto inside = keep("none", frames), outside = keep("process", frames);
@@ -94,7 +94,7 @@ TEST_CASE("frames that an isolated plugin keeps stay as they were, and are not k
   }
 }
 
-TEST_CASE("places for pixels: of any size, given back, and never more than there is") {
+TEST_CASE("pixel memory of any size is allocated, freed and never exceeds the total") {
   SharedPixels pixels;
   const auto small = pixels.take(10'000), large = pixels.take(100'000);
   REQUIRE(small.size() >= 10'000);
@@ -102,18 +102,18 @@ TEST_CASE("places for pixels: of any size, given back, and never more than there
   CHECK(large.data() >= small.data() + small.size());
   std::memset(large.data(), 7, large.size());
   pixels.give_back(large);
-  CHECK(pixels.take(9'000).data() == large.data());  // the small place is taken
+  CHECK(pixels.take(9'000).data() == large.data());  // the small one is taken
   pixels.give_back(large);
   pixels.give_back(small);
-  CHECK(pixels.take(9'000).data() == small.data());  // the smallest that is large enough
+  CHECK(pixels.take(9'000).data() == small.data());  // the smallest one that is large enough
   CHECK(pixels.take(SharedPixels::kBytes).empty());
   CHECK(pixels.take(SharedPixels::kBytes + 1).empty());
   pixels.give_back(small);
-  CHECK(pixels.take(SharedPixels::kBytes).size() == SharedPixels::kBytes);  // nothing is in use: all of it again
+  CHECK(pixels.take(SharedPixels::kBytes).size() == SharedPixels::kBytes);  // all free: the whole memory again
   CHECK(pixels.take(1).empty());
 }
 
-TEST_CASE("what isolation adds to a frame") {
+TEST_CASE("isolation overhead per frame") {
   const TestPlugins plugins{"needy_vo"};
   IsolatedPlugin isolated("vo_frontend: {plugin: test/needy_vo, isolation: process}\n", plugins.path());
   const auto lens = calibration(kWidth, kHeight);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Plugins in processes of their own: whatever they do, the host goes on and says who it was.
+// Isolated plugins: whatever they do, the host continues and names the plugin.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -33,7 +33,7 @@ std::string install(const TemporaryFolder& folder, const std::string& animal, co
   return install_unasked(folder, kZoo / (animal + ".so"), animal, "zoo/animal", kind);
 }
 
-/// How the pose and its states came out.
+/// The poses and their states.
 struct Outcome {
   int32_t status;
   std::string message;
@@ -61,7 +61,7 @@ Outcome walk(App& app, int from, int to) {
 
 }  // namespace
 
-TEST_CASE("the same bytes come out of a plugin inside and outside the process") {
+TEST_CASE("a plugin emits identical bytes in process and isolated") {
   const auto events = [](const std::string& yaml) {
     App app(yaml);
     REQUIRE_MESSAGE(app.status == ODO_OK, app.message);
@@ -76,7 +76,7 @@ TEST_CASE("the same bytes come out of a plugin inside and outside the process") 
   CHECK(inside == outside);
 }
 
-TEST_CASE("what a plugin has learnt is saved out of its process and loaded into it") {
+TEST_CASE("an isolated plugin's state is saved and loaded") {
   const std::string yaml = "odograph: 1\nattitude:\n  plugin: attitude/vqf\nstep_estimator:\n  plugin: step/odograph\n";
   const auto saved = [](const std::string& text) {
     App app(text);
@@ -92,7 +92,7 @@ TEST_CASE("what a plugin has learnt is saved out of its process and loaded into 
   CHECK(saved(yaml) == saved(yaml + "plugins:\n  isolation: process\n"));
 }
 
-TEST_CASE("every plugin of the zoo, isolated as a scale source or an odometry: the host goes on and gives poses") {
+TEST_CASE("the host continues and publishes poses with every faulty plugin isolated as a scale source or an odometry") {
   size_t animals = 0, ended = 0;
   for (const auto& entry : fs::directory_iterator(kZoo)) {
     if (entry.path().extension() != ".so") continue;
@@ -105,7 +105,7 @@ TEST_CASE("every plugin of the zoo, isolated as a scale source or an odometry: t
       const std::string plugins = install(folder, animal, kind);
       CAPTURE(animal);
       CAPTURE(key);
-      // A good plugin of the kind stands first, so that poses do not hang on the animal.
+      // A good plugin of the kind comes first, so that poses do not depend on the faulty one.
       const std::string pipeline =
           "odograph: 1\nattitude:\n  - plugin: attitude/vqf\n" +
           std::string(key == "attitude" ? "  - {plugin: zoo/animal, isolation: process, time_limit: 0.3 s}\n" : "") +
@@ -122,7 +122,7 @@ TEST_CASE("every plugin of the zoo, isolated as a scale source or an odometry: t
       for (int i = 0; app.session && i < 60; ++i)
         app.walk(5 * i, 5 * i + 5), app.frame(1'000'000'000 + 50'000'000LL * i);
       const Outcome out = walk(app, 300, 310);
-      if (!app.session) {  // refused in words, naming it
+      if (!app.session) {  // rejected with its name
         CHECK(out.message.find(animal + ".so") != std::string::npos);
         continue;
       }
@@ -138,7 +138,7 @@ TEST_CASE("every plugin of the zoo, isolated as a scale source or an odometry: t
   CHECK(ended >= 10);
 }
 
-TEST_CASE("what ended a plugin's process is said with its name and the call") {
+TEST_CASE("the end of a plugin's process is reported with the plugin and the call") {
   const std::pair<const char*, const char*> cases[] = {
       {"entry_loads__exit_in_static", "ended its process with status 0 in load"},
       {"entry_loads__abort_in_static", "was ended by a signal (Aborted) in load"},
@@ -172,11 +172,11 @@ TEST_CASE("what ended a plugin's process is said with its name and the call") {
   }
 }
 
-TEST_CASE("a thousand kills are survived, and each time the plugin is back at once") {
+TEST_CASE("a thousand kills are survived with an immediate restart each time") {
   IsolatedPlugin isolated;
   std::vector<double> back_ms;
   for (int i = 0; i < 1000; ++i) {
-    for (int k = 0; k < 120; ++k) isolated.sample();  // good for more than a second of sensor time
+    for (int k = 0; k < 120; ++k) isolated.sample();  // resets the count: more than a second of sensor time
     REQUIRE(isolated.plugin->alive());
     const uint64_t faults = isolated.plugin->faults();
     kill(isolated.plugin->process_id(), SIGKILL);
@@ -194,7 +194,7 @@ TEST_CASE("a thousand kills are survived, and each time the plugin is back at on
   CHECK(isolated.plugin->recovering());
 }
 
-TEST_CASE("what isolation adds to a batch") {
+TEST_CASE("isolation overhead per batch") {
   IsolatedPlugin isolated;
   std::vector<double> us;
   for (int i = 0; i < 20'000; ++i) {
@@ -207,7 +207,7 @@ TEST_CASE("what isolation adds to a batch") {
   CHECK(us[10'000] < 250);
 }
 
-TEST_CASE("a plugin that ends again and again waits longer each time, and gives way to its fallback") {
+TEST_CASE("a plugin that crashes repeatedly waits longer each time, and is replaced by its fallback") {
   const TemporaryFolder folder;
   const std::string plugins = install(folder, "entry_loads__exit_in_static", ODO_INTERFACE_ATTITUDE);
   const std::string chosen = "odograph: 1\nattitude: {plugin: zoo/animal, isolation: process";
@@ -226,7 +226,7 @@ TEST_CASE("a plugin that ends again and again waits longer each time, and gives 
   CHECK(out.poses > 0);
 }
 
-TEST_CASE("while its plugin comes back the pose goes on and says degraded, and then tracking again") {
+TEST_CASE("while a plugin restarts the pose continues as degraded, then as tracking") {
   const TestPlugins plugins{"crashing_attitude"};
   App app(
       "odograph: 1\nattitude: {plugin: test/crashing_attitude, isolation: process}\n"
@@ -234,14 +234,14 @@ TEST_CASE("while its plugin comes back the pose goes on and says degraded, and t
       ODO_RUN_REPLAY, plugins.path());
   REQUIRE_MESSAGE(app.status == ODO_OK, app.message);
   const Outcome out = walk(app, 0, 1500);
-  CHECK(app.statistics().plugin_faults == 5);  // at 3, 6, 9, 12 and 15 s, each time at once back
+  CHECK(app.statistics().plugin_faults == 5);  // at 3, 6, 9, 12 and 15 s, each with an immediate restart
   CHECK(out.poses >= 15);
   CHECK(out.degraded >= 3);
   CHECK(out.degraded < out.poses / 2);
   CHECK(out.says("test/crashing_attitude: was ended by a signal (Segmentation fault) in process; restarting"));
 }
 
-TEST_CASE("a plugin that takes memory without end ends alone" * doctest::skip(!kMemoryLimited)) {
+TEST_CASE("a plugin that allocates without end fails alone" * doctest::skip(!kMemoryLimited)) {
   const TestPlugins plugins{"greedy"};
   App app("odograph: 1\nattitude: {plugin: test/greedy, isolation: process, memory_limit: 256}\n", ODO_RUN_REPLAY,
           plugins.path());
@@ -250,7 +250,7 @@ TEST_CASE("a plugin that takes memory without end ends alone" * doctest::skip(!k
   CHECK_FALSE(out.said.empty());
 }
 
-TEST_CASE("a plugin that is swapped with its manifest while it runs is not started anew") {
+TEST_CASE("a plugin that is replaced with its manifest while it runs is not restarted") {
   const TemporaryFolder folder;
   fs::copy_file(plugin_folder() / "attitude_vqf.so", folder / "one.so");
   REQUIRE(write_manifest_beside(folder / "one.so").ok());
@@ -269,7 +269,7 @@ TEST_CASE("a plugin that is swapped with its manifest while it runs is not start
   CHECK(again.failure().text.find("its hash differs from the manifest's") != std::string::npos);
 }
 
-TEST_CASE("a library that changes all the time, allowed by its hash, runs as it was hashed or is refused") {
+TEST_CASE("a library that changes constantly, allowed by its hash, runs as hashed or is rejected") {
   const fs::path hostile = fs::path(ODOGRAPH_BUILD) / "tests/hostile";
   const TemporaryFolder folder;
   const fs::path library = folder / "one.so";
@@ -295,7 +295,7 @@ TEST_CASE("a library that changes all the time, allowed by its hash, runs as it 
     ran += made.ok();
     const bool differs = why.find("its hash differs") != std::string::npos;
     refused += differs;
-    CHECK_MESSAGE((made.ok() || differs), why);  // "it refused to start" would be of what was not hashed
+    CHECK_MESSAGE((made.ok() || differs), why);  // the alternative would be a start failure of unhashed content
   }
   ends = true;
   swapping.join();
@@ -304,7 +304,7 @@ TEST_CASE("a library that changes all the time, allowed by its hash, runs as it 
   CHECK(refused > 0);
 }
 
-TEST_CASE("where descriptors run out that is said, and with descriptors left the plugin starts") {
+TEST_CASE("a lack of descriptors is reported, and with free descriptors the plugin starts") {
   HostServices host(0, {}, nullptr);
   const auto config = read_pipeline_config("odograph: 1\nattitude: {plugin: attitude/vqf, isolation: process}\n",
                                            "<text>", {plugin_folder()});
@@ -322,7 +322,7 @@ TEST_CASE("where descriptors run out that is said, and with descriptors left the
   CHECK(PluginInstance::make(config->attitudes.front(), LibraryCheck::none, 1, host).ok());
 }
 
-TEST_CASE("events from a thread of the plugin's own are refused and told") {
+TEST_CASE("events from a plugin's own thread are rejected and reported") {
   for (const char* isolation : {"none", "process"}) {
     CAPTURE(isolation);
     const TemporaryFolder folder;
@@ -333,7 +333,7 @@ TEST_CASE("events from a thread of the plugin's own are refused and told") {
     REQUIRE_MESSAGE(app.status == ODO_OK, app.message);
     app.walk(0, 60);
     odo_session_flush(app.session);
-    CHECK(app.all<odo_attitude>(ODO_TYPE_ATTITUDE).size() == 60);  // and not the one from the thread
+    CHECK(app.all<odo_attitude>(ODO_TYPE_ATTITUDE).size() == 60);  // without the one from the thread
     CHECK(std::any_of(app.reports.begin(), app.reports.end(),
                       [](const odo_report& report) { return std::string(report.key) == "foreign_thread"; }));
   }

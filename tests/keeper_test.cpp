@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What stands between a plugin's process and its host: that all of it ends, what it says of the system, and what it
-// lets through.
+// The keeper between an isolated plugin and its host: complete termination, report of missing system features, and the
+// filtering of reports.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -28,7 +28,7 @@ namespace {
 
 const std::string kEscape = "attitude: {plugin: test/escape, isolation: process, time_limit: 60 s}\n";
 
-/// Whether all below a host are gone soon after it is killed whose output goes to `output` while its plugin writes.
+/// Kills a host whose output goes to `output` while its plugin writes; whether all processes below it end soon.
 bool ends_with_host(int output) {
   const TestPlugins plugins{"escape"};
   const Victim victim("chatter");
@@ -39,7 +39,7 @@ bool ends_with_host(int output) {
     plugin.sample();
     _exit(0);
   }
-  std::this_thread::sleep_for(std::chrono::milliseconds(700));  // what takes output is full by then
+  std::this_thread::sleep_for(std::chrono::milliseconds(700));  // the receiver's buffer is full by then
   const auto below = descendants(host);
   CHECK(below.size() >= 2);
   kill(host, SIGKILL);
@@ -59,7 +59,7 @@ std::string line_of(const std::string& text, const std::string& key) {
 
 }  // namespace
 
-TEST_CASE("a plugin that writes ends with its host where nobody reads the pipe") {
+TEST_CASE("a writing plugin ends with its host if nobody reads the pipe") {
   int ends[2];
   REQUIRE(pipe(ends) == 0);
   fcntl(ends[1], F_SETPIPE_SZ, 4096);
@@ -67,9 +67,9 @@ TEST_CASE("a plugin that writes ends with its host where nobody reads the pipe")
   close(ends[0]), close(ends[1]);
 }
 
-TEST_CASE("a plugin that writes ends with its host where the terminal takes nothing") {
+TEST_CASE("a writing plugin ends with its host if the terminal accepts no output") {
   const int terminal = posix_openpt(O_RDWR | O_NOCTTY);
-  if (terminal < 0) return;  // none can be made here
+  if (terminal < 0) return;  // not available here
   REQUIRE(grantpt(terminal) == 0);
   REQUIRE(unlockpt(terminal) == 0);
   const int output = open(ptsname(terminal), O_RDWR | O_NOCTTY);
@@ -78,7 +78,7 @@ TEST_CASE("a plugin that writes ends with its host where the terminal takes noth
   close(output), close(terminal);
 }
 
-TEST_CASE("what the system lacks is said before anything of the library has run") {
+TEST_CASE("missing system features are reported before any code of the library runs") {
   const TestPlugins plugins{"escape"};
   const Victim victim("forge the start");
   const std::string said = in_a_process([&] {
@@ -90,7 +90,7 @@ TEST_CASE("what the system lacks is said before anything of the library has run"
   CHECK_MESSAGE(said.find("no Landlock") != std::string::npos, said);
 }
 
-TEST_CASE("nothing is left of a plugin's processes for who inherits orphans, however they end") {
+TEST_CASE("no process of a plugin is left to the reaper of orphans, however it ends") {
   const TestPlugins plugins{"escape", "crashing_attitude"};
   const std::string left = in_a_process([&] {
     prctl(PR_SET_CHILD_SUBREAPER, 1, 0, 0, 0);  // as the first process of a container
@@ -112,7 +112,7 @@ TEST_CASE("nothing is left of a plugin's processes for who inherits orphans, how
   CHECK_MESSAGE(left.empty(), left);
 }
 
-TEST_CASE("a plugin's process goes before its host where memory runs short, and has no huge pages") {
+TEST_CASE("when memory runs short a plugin's process is killed before its host, and it has no huge pages") {
   IsolatedPlugin plugin;
   plugin.sample();
   int found = 0;
@@ -131,7 +131,7 @@ TEST_CASE("neither the plugin's process nor its keeper can be traced by others o
     constexpr uid_t kSomebody = 65534;
     if (getuid() == 0 && (setgid(kSomebody) != 0 || setuid(kSomebody) != 0)) return "";
     prctl(PR_SET_DUMPABLE, 1, 0, 0, 0);
-    if (access(plugin_host_program().c_str(), X_OK) != 0) return "";  // the build's folder is not for everybody
+    if (access(plugin_host_program().c_str(), X_OK) != 0) return "";  // the build folder is not accessible to everybody
     IsolatedPlugin plugin;
     plugin.sample();
     std::string which;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Results that are kept beside the tests: docs/testing.md, "Kept results".
+// Results kept with the tests: docs/testing.md, "Kept results".
 #pragma once
 
 #include <cstdlib>
@@ -16,8 +16,8 @@
 #include "tests/digest.hpp"
 #include "tests/support.hpp"
 
-/// Kept on one kind of machine and with one set of libraries: elsewhere the last digits differ, and a RANSAC's choice
-/// with them. ctest switches off what processors have beyond the oldest of their kind.
+/// Kept for one kind of machine and one set of libraries: elsewhere the last digits differ, and with them the choice of
+/// RANSAC. ctest disables processor features beyond the baseline.
 inline bool kept_for_this_machine() {
 #if defined(__x86_64__) && defined(__GLIBC__)
   const std::string here = "x86-64, glibc " + std::string(gnu_get_libc_version()) + ", OpenCV " + CV_VERSION;
@@ -31,7 +31,7 @@ inline bool kept_for_this_machine() {
   return here == kept;
 }
 
-/// With what is kept under that name; with ODOGRAPH_KEEP_RESULTS in the environment that is written anew.
+/// Compares with the result kept under that name; with ODOGRAPH_KEEP_RESULTS in the environment writes it instead.
 inline void compare_kept(const std::string& name, const std::string& now, Tolerance tolerance) {
   const auto file = source("tests/kept_results") / (name + ".txt");
   if (std::getenv("ODOGRAPH_KEEP_RESULTS") != nullptr) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Estimates that are kept (docs/testing.md, "Kept results"): the composer on simulated walks, by both rules, told
-// something else, with everything that an estimator can be asked for, covariances whole.
+// Kept estimates (docs/testing.md, "Kept results"): the composer on simulated walks, by both rules, with varied inputs
+// and all outputs of an estimator, including whole covariances.
 #include <algorithm>
 #include <functional>
 #include <memory>
@@ -22,7 +22,7 @@ namespace {
 
 constexpr Tolerance kSame = {1e-6, false};
 
-/// A kind of walk: what is changed of the plain one, and what else the estimator is told after each pose.
+/// A kind of walk: changes to the plain one, and further inputs of the estimator after each pose.
 struct Told {
   const char* name;
   std::function<void(WalkMeasurements&)> what = [](WalkMeasurements&) {};
@@ -43,7 +43,7 @@ odo_scale scale(double t_s) {
   return told;
 }
 
-/// Of all parts of a fix in kind.
+/// Cycles through all parts of a fix.
 void all_fixes(double t_s, odo_fix& fix) {
   const int kind = static_cast<int>(t_s / 2) % 4;
   if (kind == 1) fix.header.flags |= ODO_FIX_DOWN | ODO_FIX_COVARIANCE, fix.p_n[2] = -1.2, fix.covariance_n[8] = 0.3;
@@ -172,7 +172,7 @@ std::string digest_of(const CouplingConfig& config, const Told& told) {
 
 TEST_SUITE_BEGIN("kept_estimates");
 
-TEST_CASE("the localizer, told each kind of thing") {
+TEST_CASE("the localizer with each kind of input") {
   if (!kept_for_this_machine()) return;
   CouplingConfig config;
   config.type = CouplingType::localizer;
@@ -180,7 +180,7 @@ TEST_CASE("the localizer, told each kind of thing") {
     compare_kept(std::string("estimate_localizer_") + told.name, digest_of(config, told), kSame);
 }
 
-TEST_CASE("the papers' rules, told each kind of thing, with each source of its orientation") {
+TEST_CASE("the papers' rules with each kind of input and each source of orientation") {
   if (!kept_for_this_machine()) return;
   for (const Told& told : all_told())
     if (const std::string name = told.name; name != "no_imu" && name != "pressure" && name != "scales")

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What each plugin without pictures gives for a walk full of troubles, beside what it gave when it was looked at last:
-// kept_results_test.cpp says how it is written down. Where a test says what is right, it is another one.
+// Output of each plugin without a camera on a walk with many faults, compared with the last reviewed one (see
+// kept_results_test.cpp). Correctness is the subject of other tests.
 #include <string>
 
 #include "tests/kept.hpp"
@@ -56,10 +56,10 @@ void add(Digest& digest, const std::string& of, const odo_header& header, int64_
 struct Choice {
   const char* plugin;
   PluginRun::Settings settings;
-  size_t at_least = 5;  ///< events, or the walk is none for it
+  size_t at_least = 5;  ///< min events for a valid test
 };
 
-/// Each choice's events for the walk; after a reset they are the same again.
+/// Events of each choice on the walk; they must be the same after a reset.
 std::string digest_of(const std::vector<Choice>& choices) {
   Digest digest;
   int number = 0;
@@ -84,7 +84,7 @@ void check(const char* name, const std::vector<Choice>& choices) {
 
 }  // namespace
 
-TEST_CASE("attitudes on a walk full of troubles") {
+TEST_CASE("attitudes on a walk with many faults") {
   check("troubled_attitude", {{"attitude_vqf", {}},
                               {"attitude_vqf", {{"magnetometer", "true"}, {"tau_mag", "2"}, {"tau_acc", "1"}}},
                               {"attitude_vqf", {{"forward_axis", "[1, 0.2, 0]"}}},
@@ -92,7 +92,7 @@ TEST_CASE("attitudes on a walk full of troubles") {
                               {"attitude_magyq", {{"magnetometer", "false"}}}});
 }
 
-TEST_CASE("steps on a walk full of troubles") {
+TEST_CASE("steps on a walk with many faults") {
   check("troubled_step", {{"step_odograph", {}},
                           {"step_odograph", {{"learn", "false"}, {"factor", "1.1"}, {"factor_sigma", "0.03"}}},
                           {"step_odograph", {{"forward_axis", "[1, 0, 0]"}}},
@@ -103,7 +103,7 @@ TEST_CASE("steps on a walk full of troubles") {
                           {"step_tian2016", {{"forward_axis", "[1, 0, 0]"}}}});
 }
 
-TEST_CASE("scales on a walk full of troubles") {
+TEST_CASE("scales on a walk with many faults") {
   check("troubled_scale",
         {{"scale_step_length", {}},
          {"scale_step_length", {{"hold", "1"}}},
@@ -116,7 +116,7 @@ TEST_CASE("scales on a walk full of troubles") {
          {"scale_inertial", {}}});
 }
 
-TEST_CASE("fixes on a walk full of troubles") {
+TEST_CASE("fixes on a walk with many faults") {
   check("troubled_fix",
         {{"fix_gnss", {}},
          {"fix_gnss", {{"height", "true"}, {"heading", "false"}, {"correlation", "0"}, {"min_satellites", "3"}}},

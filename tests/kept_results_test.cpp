@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Results that are kept: what pipelines and simulator give today is what they gave when it was looked at last. Any
-// change of a number shows here, one that is meant too: ODOGRAPH_KEEP_RESULTS=1 writes the files anew, and the commit
-// that has them says why.
+// Kept results: the output of pipelines and simulator, compared with the last reviewed one. Any change of a number
+// shows, intended ones too: ODOGRAPH_KEEP_RESULTS=1 writes the files again, and the commit with them gives the reason.
 #include <cmath>
 #include <cstdlib>
 #include <string>
@@ -20,12 +19,12 @@ using namespace odograph;
 
 namespace {
 
-/// Of the same pictures and sensors: the last of the digits that a file has. Of rendered pictures, which differ in
-/// single grey levels between machines, and of what RANSAC chose, whose choice hangs on the last digit: measured with
-/// other vector instructions.
+/// Tolerances: for identical pictures and sensors the last stored digit; for rendered pictures, which differ in single
+/// grey levels between machines, and for results of RANSAC, which depends on the last digit, as measured with other
+/// vector instructions.
 constexpr Tolerance kSame = {1e-6, false}, kRendered = {0.1, true}, kChosen = {0.3, true}, kDriven = {0.5, true};
 
-/// Times are kept since a run's first one: of days they would hide what a column's other digits say.
+/// Times are relative to the start of a run: absolute ones would hide the other digits of a column.
 struct Clock {
   int64_t start_ns;
   double operator()(int64_t t_ns) const { return static_cast<double>(t_ns - start_ns) * 1e-9; }
@@ -74,7 +73,7 @@ void add_motion(Digest& digest, const odo_vo_motion& x) {
   digest.add("motion.accel_bias_b", x.accel_bias_b, 3);
 }
 
-/// Each source has columns of its own, for they say different things in different sizes.
+/// Separate columns for each source, whose values differ in meaning and size.
 void add_fix(Digest& digest, const RunResult::Fix& f, const Clock& seconds) {
   const odo_fix& x = f.fix;
   const std::string fix = "fix_" + std::to_string(x.header.source);
@@ -116,7 +115,7 @@ std::string digest_of(const RunResult& result) {
 std::string digest_of(const Recording& recording) {
   Digest digest;
   const Clock seconds{recording.messages.front().message.header().t_ns};
-  constexpr double kEarth_m = 6378137;  // places are kept in metres from where they are supposed
+  constexpr double kEarth_m = 6378137;  // positions are kept in metres from their nominal values
   for (const RecordedMessage& message : recording.messages) {
     const odo_header& header = message.message.header();
     switch (header.type) {
@@ -145,7 +144,7 @@ std::string digest_of(const Recording& recording) {
   return digest.text();
 }
 
-/// Of a scenario file, without its pictures.
+/// From a scenario file, without pictures.
 Recording sensors_of(const std::string& scenario, uint64_t seed) {
   const auto drawn = read_scenario(source(scenario).string());
   REQUIRE_MESSAGE(drawn.ok(), drawn.failure().text);
@@ -160,7 +159,7 @@ Recording read(const std::filesystem::path& path) {
   return std::move(*recording);
 }
 
-/// With its pictures; the folder gets what a surveyor knows of houses and objects.
+/// With pictures; the folder gets the survey of buildings and objects.
 Recording rendered(const std::string& scenario, uint64_t seed, const TemporaryFolder& folder) {
   const auto drawn = read_scenario(source(scenario).string());
   REQUIRE_MESSAGE(drawn.ok(), drawn.failure().text);
@@ -185,7 +184,7 @@ void check(const std::string& name, const Recording& recording, const RunOptions
   compare_kept(name, digest_of(*result), tolerance);
 }
 
-/// One of the samples' configs.
+/// A sample config.
 void check(const std::string& config, const std::string& recording_name, const Recording& recording,
            Tolerance tolerance, const std::string& assets = "") {
   check(recording_name + "_" + config, recording, pipeline("samples/configs/" + config + ".yaml", assets), tolerance);
@@ -216,7 +215,7 @@ TEST_CASE("every attitude and step estimator, on walks without a camera") {
   }
 }
 
-TEST_CASE("every source of places, on a walk without a camera") {
+TEST_CASE("every source of positions, on a walk without a camera") {
   if (!kept_for_this_machine()) return;
   const Recording recording = sensors_of("tests/kept_results/walk.yaml", 13);
   RunOptions options = pipeline("tests/kept_results/all_fixes.yaml", source("tests/kept_results").string());
@@ -225,7 +224,7 @@ TEST_CASE("every source of places, on a walk without a camera") {
   check("walk_all_fixes_paper", recording, options, kSame);
 }
 
-TEST_CASE("a rendered walk past known objects, as a recording and as an app plays it") {
+TEST_CASE("a rendered walk past known objects, as a recording and as played by an app") {
   if (!kept_for_this_machine()) return;
   const TemporaryFolder folder;
   const Recording recording = rendered("tests/kept_results/walk.yaml", 14, folder);
@@ -255,7 +254,7 @@ TEST_CASE("a rendered walk past known objects, as a recording and as an app play
   compare_kept("walk_app", digest.text(), kRendered);
 }
 
-TEST_CASE("a rendered drive between the houses of a city model") {
+TEST_CASE("a rendered drive between the buildings of a city model") {
   if (!kept_for_this_machine()) return;
   const TemporaryFolder folder;
   const Recording recording = rendered("samples/scenarios/drive_short.yaml", 14, folder);
@@ -265,7 +264,7 @@ TEST_CASE("a rendered drive between the houses of a city model") {
 TEST_SUITE_END();
 TEST_SUITE_BEGIN("kept_results_data");
 
-TEST_CASE("a phone through a house, a drone in a hall, a hand in a room") {
+TEST_CASE("a phone through a house, a drone in a hall and a hand-held camera in a room") {
   if (!kept_for_this_machine()) return;
   const auto house = data_or_skip("phone_house"), hall = data_or_skip("euroc_mh05"),
              tsukuba = data_or_skip("tsukuba_90");

@@ -19,7 +19,7 @@ Pose beside(const Pose& pose, double right_m) {
 
 }  // namespace
 
-TEST_CASE("a second copy in the plane is recognised by a part of it, through every lens and in a shadow") {
+TEST_CASE("a second copy in the plane is recognised from a part of it, through every lens and in shadow") {
   const PlaneObject o = poster();
   const Surroundings surroundings({}, {o});
   for (int kind = 0; kind < 3; ++kind)
@@ -41,7 +41,7 @@ TEST_CASE("a second copy in the plane is recognised by a part of it, through eve
         CHECK_FALSE(single.twin);
         CHECK(single.clear[0]);
         CHECK(single.clear[1]);
-        // Another board of the same layout beside it is none.
+        // Another board of the same layout beside it is not a copy.
         const auto other = surroundings.look(
             0, frame_of({flat(o, o.picture, pose), flat(o, poster(2).picture, second)}, c, shot), {}, lens_of(c), pose);
         CHECK_FALSE(other.twin);
@@ -62,11 +62,11 @@ TEST_CASE("a second copy in the plane is recognised by a part of it, through eve
             .twin);
 }
 
-TEST_CASE("a side that is out of the picture, or masked, is not clear") {
+TEST_CASE("a side that is outside the picture or masked is not clear") {
   const PlaneObject o = poster();
   const Surroundings surroundings({}, {o});
   const odo_calibration c = calibration(0);
-  const Scene scene(o, 5, 0), aside(o, 2.2, 0, -0.8);  // the latter looks past its left rim
+  const Scene scene(o, 5, 0), aside(o, 2.2, 0, -0.8);  // the latter does not see its left rim
   const auto look = [&](const Scene& s, const cv::Mat& mask) {
     return surroundings.look(0, frame_of({flat(o, o.picture, s.pose(o))}, c), mask, lens_of(c), s.pose(o)).clear;
   };
@@ -80,7 +80,9 @@ TEST_CASE("a side that is out of the picture, or masked, is not clear") {
   CHECK_FALSE(look(scene, mask)[1]);
 }
 
-TEST_CASE("what may be a copy beside the object is told when both sides have been seen, or the prior excludes it") {
+TEST_CASE(
+    "an object that may be a neighbouring copy gives a fix once both sides have been seen or the prior excludes the "
+    "copy") {
   const PlaneObject o = poster();
   const Scene scene(o, 5, 0.3);
   Judge judge({});
@@ -100,17 +102,17 @@ TEST_CASE("what may be a copy beside the object is told when both sides have bee
   CHECK(judge.refusals().beside > 0);
   CHECK(told(scene.prior(), left, right));  // one after the other
   Prior prior = scene.prior();
-  prior.horizontal_sigma_m = 0.3;  // a copy 1.2 m aside is four sigmas away
+  prior.horizontal_sigma_m = 0.3;  // a copy 1.2 m to the side is four sigmas away
   CHECK(told(prior, left, left));
   CHECK(told(prior, right, right));
-  prior.p_n.y() += 0.9;  // to the right, and the camera is left of that: a copy on the left explains it better
+  prior.p_n.y() += 0.9;  // the camera is left of the prior, which a copy on the left explains better
   CHECK_FALSE(told(prior, right, right));
   CHECK(told(prior, left, left));
-  prior.placed = false;  // nothing excludes it then
+  prior.placed = false;  // then nothing excludes it
   CHECK_FALSE(told(prior, left, left));
 }
 
-TEST_CASE("who passes the copy first, with the original out of the picture, gets no fix from it") {
+TEST_CASE("passing the copy first, with the original out of the picture, gives no fix from the copy") {
   const PlaneObject o = poster();
   const odo_calibration c = calibration(0);
   const RollingLens lens = lens_of(c);
@@ -121,7 +123,7 @@ TEST_CASE("who passes the copy first, with the original out of the picture, gets
     Finder finder({}, {o});
     Judge judge(parameters);
     std::vector<double> error_m;
-    // To the right along the wall, 2.5 m before it; the copy hangs on the left, or there is none.
+    // To the right along the wall at 2.5 m; the copy hangs on the left, or there is none.
     for (int k = 0; k < 30; ++k) {
       const int64_t t = k * 200'000'000LL;
       Scene scene(o, 2.5, 0, 0);
@@ -137,7 +139,7 @@ TEST_CASE("who passes the copy first, with the original out of the picture, gets
     return error_m;
   };
   CHECK(pass(false, {}).empty());
-  const auto wrong = pass(false, careless);  // what it would get
+  const auto wrong = pass(false, careless);  // result without the check
   REQUIRE_FALSE(wrong.empty());
   CHECK(wrong.front() == doctest::Approx(spacing_m).epsilon(0.1));
   const auto right = pass(true, {});

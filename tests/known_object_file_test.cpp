@@ -32,13 +32,13 @@ std::string why(const std::filesystem::path& file) {
 
 }  // namespace
 
-TEST_CASE("YAML and GeoJSON tell the same object, by its corners and by its middle") {
+TEST_CASE("YAML and GeoJSON give the same object, by its corners and by its centre") {
   const TemporaryFolder folder;
   cv::imwrite((folder / "p.png").string(), poster_picture(1, 1, {60, 90}));
   const double latitude = 47.2, longitude = -1.55, height = 20;
   Geodesy earth;
   earth.set_origin({latitude * kDegree, longitude * kDegree, height});
-  // It faces east: one reads it looking west, right is north.
+  // It faces east: the reader looks west, right is north.
   const Vector3d corners[] = {{-0.6, 0, 0.9}, {0.6, 0, 0.9}, {0.6, 0, -0.9}, {-0.6, 0, -0.9}};
   std::string yaml = "odograph_objects: 1\nobjects:\n  - id: p\n    picture: p.png\n    corners:\n", ring;
   for (int k = 0; k < 5; ++k) {
@@ -78,7 +78,7 @@ TEST_CASE("YAML and GeoJSON tell the same object, by its corners and by its midd
   }
 }
 
-TEST_CASE("what is wrong with a file of objects is named, with the object") {
+TEST_CASE("an error in a file of objects is reported with the object") {
   const TemporaryFolder folder;
   const std::string head = "odograph_objects: 1\nobjects:\n  - ";
   const auto says = [&](const std::string& text, const std::string& expected) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// A poster, lenses and a camera before it, for the tests of fix/known_object.
+// A poster, lenses and a camera in front of it, for the tests of fix/known_object.
 #pragma once
 
 #include <algorithm>
@@ -22,7 +22,7 @@ using Eigen::Vector3d;
 
 constexpr double kDegree = EIGEN_PI / 180;
 
-/// Read looking north: right is east, down is down, into the wall is north.
+/// For a reader looking north: right is east, down is down, into the wall is north.
 inline Matrix3d wall_axes() {
   Matrix3d R;
   R << 0, 0, 1, 1, 0, 0, 0, 1, 0;
@@ -108,7 +108,7 @@ inline cv::Mat frame_of(const std::vector<FlatPicture>& pictures, const odo_cali
   return PosterCamera(c).take(all, shot);
 }
 
-/// A sighting as good as a picture of the poster makes it, with the plane's other pose beside it.
+/// An ideal sighting of the poster, with the plane's second pose.
 inline Sighting sighting_of(const Scene& scene, const PlaneObject& o, int64_t t_ns, double cost_of_other) {
   Sighting s;
   s.t_ns = t_ns;

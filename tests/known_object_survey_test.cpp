@@ -18,7 +18,7 @@ using Eigen::Vector3d;
 
 TEST_SUITE_BEGIN("known_object");
 
-TEST_CASE("a poster and a tag beside a simulated walk are where the survey has them") {
+TEST_CASE("a poster and a tag beside a simulated walk are at their surveyed positions") {
   const TemporaryFolder folder;
   Scenario s;
   s.route = {{0, 0, 0}, {5, 0, 0}};
@@ -62,7 +62,7 @@ TEST_CASE("a poster and a tag beside a simulated walk are where the survey has t
   CHECK(seen[1] >= 3);
 }
 
-TEST_CASE("a survey whose corners err shifts and turns the camera as the covariance says") {
+TEST_CASE("survey errors of the corners shift and rotate the camera as the covariance states") {
   using namespace known_object_tests;
   PlaneObject o = poster();
   o.sigma_m = 0.02;

@@ -13,7 +13,7 @@ using namespace odograph::known_object_tests;
 
 TEST_SUITE_BEGIN("known_object");
 
-TEST_CASE("the lens's derivative is the numeric one, in rows that are exposed one after the other") {
+TEST_CASE("the lens's derivative equals the numeric one with a rolling shutter") {
   for (int kind = 0; kind < 3; ++kind) {
     CAPTURE(kind);
     RollingLens lens = lens_of(calibration(kind));
@@ -25,7 +25,7 @@ TEST_CASE("the lens's derivative is the numeric one, in rows that are exposed on
       const Eigen::Vector2d numeric = (lens.project(p + step)->pixel - lens.project(p - step)->pixel) / 2e-5;
       CHECK((numeric - seen->by_point.col(k)).norm() < 1e-3);
     }
-    // Rows above the middle are earlier: a camera that goes to the right has seen more to the right then.
+    // Rows above the middle are earlier: a camera moving to the right saw the point farther right then.
     lens.line_time_s = 30e-6, lens.velocity_c = {1, 0, 0};
     const auto rolling = lens.project(p);
     const double after_s = (rolling->pixel.y() - 239.5) * 30e-6;
@@ -35,7 +35,7 @@ TEST_CASE("the lens's derivative is the numeric one, in rows that are exposed on
   }
 }
 
-TEST_CASE("alignment finds the pose to a few millimetres from some pixels away, through every lens") {
+TEST_CASE("alignment converges to a few millimetres from some pixels away, through every lens") {
   const PlaneObject o = poster();
   const Pyramid pyramid(o);
   const Aligner aligner{Aligner::Parameters{}};
@@ -59,7 +59,7 @@ TEST_CASE("alignment finds the pose to a few millimetres from some pixels away, 
     }
 }
 
-TEST_CASE("a poster is found from aside; mirrored, exchanged and doubled ones are not") {
+TEST_CASE("a poster is found from the side, and mirrored, exchanged and doubled ones are not") {
   const PlaneObject o = poster();
   const odo_calibration c = calibration(1);
   const RollingLens lens = lens_of(c);
@@ -89,7 +89,7 @@ TEST_CASE("a poster is found from aside; mirrored, exchanged and doubled ones ar
   CHECK(look({flat(o, o.picture, left)}).size() == 1);
 }
 
-TEST_CASE("what was seen at two places is not believed at one of them for half a minute") {
+TEST_CASE("an object seen at two positions is rejected for half a minute") {
   const PlaneObject o = poster();
   const odo_calibration c = calibration(0);
   const RollingLens lens = lens_of(c);
@@ -97,7 +97,7 @@ TEST_CASE("what was seen at two places is not believed at one of them for half a
   const Scene scene(o, 6, 0.1);
   Pose left = scene.pose(o), right = left;
   left.t_c_o -= 0.8 * left.R_c_o.col(0), right.t_c_o += 0.8 * right.R_c_o.col(0);
-  cv::Mat soiled = o.picture.clone();  // too far gone to be recognised by itself, and yet no other board
+  cv::Mat soiled = o.picture.clone();  // too damaged to be recognised by itself, but still a copy
   poster(3).picture.rowRange(0, soiled.rows * 2 / 5).copyTo(soiled.rowRange(0, soiled.rows * 2 / 5));
   const auto at = [&](double s, const std::vector<FlatPicture>& pictures) {
     return finder.find(static_cast<int64_t>(1e9 * s), frame_of(pictures, c), {}, lens, {}).size();
@@ -111,7 +111,7 @@ TEST_CASE("what was seen at two places is not believed at one of them for half a
   CHECK(at(35, {flat(o, o.picture, left)}) == 1);
 }
 
-TEST_CASE("a tag is found and followed, another number is not") {
+TEST_CASE("a tag is found and tracked, another number is not") {
   PlaneObject o = poster();
   o.width_m = o.height_m = 0.8;
   o.tag = 7, o.family = "36h11";
@@ -130,17 +130,17 @@ TEST_CASE("a tag is found and followed, another number is not") {
   REQUIRE(seen.size() == 1);
   CHECK((scene.place_by(seen[0].poses[0].pose, o) - scene.p_n).norm() < 0.05);
   CHECK(finder.find(1'000'000'000, on_board(8), {}, lens_of(c), {}).empty());
-  CHECK(finder.find(2'000'000'000, on_board(7), {}, lens_of(c), {0}).empty());  // not where one may be in view
+  CHECK(finder.find(2'000'000'000, on_board(7), {}, lens_of(c), {0}).empty());  // not if it may not be in view
 }
 
-TEST_CASE("a plane's two poses: the better one, the possible one, or none") {
+TEST_CASE("of a plane's two poses the better or the possible one is used, or none") {
   const PlaneObject o = poster();
   const Scene scene(o, 5, 0.6);
   Judge judge({});
   const auto clear = after_frames(judge, scene, o, scene.prior(), 5, 30);
   REQUIRE(clear);
   CHECK((clear->p_n - scene.p_n).norm() < 0.04);
-  // Alike by the picture: the other one is 5 m away, which the prior excludes.
+  // Equal by the picture: the other one is 5 m away, which the prior excludes.
   judge.forget();
   Prior prior = scene.prior();
   prior.horizontal_sigma_m = 0.3;
@@ -151,7 +151,7 @@ TEST_CASE("a plane's two poses: the better one, the possible one, or none") {
   CHECK(judge.refusals().ambiguous > 0);
 }
 
-TEST_CASE("an object that leans against gravity, or is not where it belongs, is refused") {
+TEST_CASE("a tilted or misplaced object is rejected") {
   const PlaneObject o = poster();
   const Scene scene(o, 5, 0.3);
   Judge judge({});
@@ -173,13 +173,13 @@ TEST_CASE("an object that leans against gravity, or is not where it belongs, is 
     CHECK(after_frames(judge, scene, o, prior, 20).has_value() == (off_m < 4.5));
   }
   judge.forget();
-  // 12 m off after a path of 300 m is drift, and what the object is for.
+  // 12 m off after a path of 300 m is drift, which the object corrects.
   prior = scene.prior();
   prior.p_n += Vector3d(0, 12, 0), prior.path_m = 300;
   CHECK(after_frames(judge, scene, o, prior, 5));
 }
 
-TEST_CASE("what a path may have drifted counts from the last fix, not from the start of the walk") {
+TEST_CASE("the drift allowance counts from the last fix, not from the start of the walk") {
   const PlaneObject o = poster();
   const Scene scene(o, 5, 0.3);
   Judge judge({});
@@ -194,7 +194,7 @@ TEST_CASE("what a path may have drifted counts from the last fix, not from the s
   CHECK(after_frames(judge, scene, o, prior, 20, -1, 400));
 }
 
-TEST_CASE("who has stood before it for seconds gets a fix that later ones from walking do not replace") {
+TEST_CASE("standing in front of the object gives a fix that later ones while walking do not replace") {
   const PlaneObject o = poster();
   const Scene scene(o, 3, 0.1), grazing(o, 3, 1.1);
   Judge judge({});
@@ -208,7 +208,7 @@ TEST_CASE("who has stood before it for seconds gets a fix that later ones from w
   CHECK_FALSE(after_frames(judge, grazing, o, grazing.prior(), 20, -1, 45));
 }
 
-TEST_CASE("far views are worth less than near ones") {
+TEST_CASE("distant views have less weight than near ones") {
   const PlaneObject o = poster();
   const auto told = [&](const Scene& scene) {
     Judge judge({});

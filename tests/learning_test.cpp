@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What a session learns of its walker: from fixes, from a camera, and from the session before.
+// Estimation of the walker's parameters in a session: from fixes, from a camera, and from the previous session.
 #include "tests/session_app.hpp"
 
 using namespace odograph;
 
 TEST_SUITE_BEGIN("learning");
 
-TEST_CASE("position fixes teach the step estimator the walker's step length") {
+TEST_CASE("position fixes calibrate the step estimator to the walker's step length") {
   const std::string yaml =
       "odograph: 1\nattitude:\n  plugin: attitude/vqf\nstep_estimator:\n  plugin: step/odograph\n"
       "absolute_fixers:\n  - plugin: fix/waypoint\n    parameters: {use: all}\ncoupling:\n  fix_gate: 0\n";
-  // Where the walker would be with his model's steps; the marks say that each is a tenth longer.
+  // The walker's path with the model's steps; the waypoints imply steps longer by a tenth.
   App model(yaml);
   model.walk(0, 12000);
   odo_session_flush(model.session);
@@ -49,7 +49,7 @@ TEST_CASE("position fixes teach the step estimator the walker's step length") {
     }
     return sum / std::max(1, n);
   };
-  mean_step_m(0, 400);  // setting out
+  mean_step_m(0, 400);  // the first steps after standing
   const double before_m = mean_step_m(400, 1000), after_m = mean_step_m(1000, 12000);
   mean_step_m(12000, 12001);
   CHECK(app.statistics().fixes_accepted > 5);
@@ -59,8 +59,8 @@ TEST_CASE("position fixes teach the step estimator the walker's step length") {
   CHECK(after_m > before_m);
 }
 
-TEST_CASE("a camera that knows the metre teaches the step estimator too") {
-  // The system made for the tests of vo/vit goes a metre a second; by his steps' model the walker goes 1.08.
+TEST_CASE("a metric camera calibrates the step estimator too") {
+  // The VIT system of the vo/vit test moves at a metre per second; by the step model the walker moves at 1.08 m/s.
   App app(std::string("odograph: 1\nattitude:\n  plugin: attitude/vqf\nstep_estimator:\n  plugin: step/odograph\n") +
           "vo_frontend:\n  plugin: vo/vit\n  parameters: {library: " + ODOGRAPH_TEST_VIT + ", wait: 5 s}\n");
   REQUIRE_MESSAGE(app.session, app.message);
@@ -94,7 +94,7 @@ TEST_CASE("a camera that knows the metre teaches the step estimator too") {
   CHECK(speed(lengths.size() - 20, lengths.size()) == doctest::Approx(1.0).epsilon(0.025));
 }
 
-TEST_CASE("what a session has learnt goes on in the next one") {
+TEST_CASE("a session's estimates continue in the next session") {
   const std::string yaml = "odograph: 1\nattitude:\n  plugin: attitude/vqf\nstep_estimator:\n  plugin: step/odograph\n";
   const auto saved = [](const App& app) {
     std::string blob(static_cast<size_t>(odo_session_save(app.session, nullptr, 0)), ' ');
@@ -106,7 +106,7 @@ TEST_CASE("what a session has learnt goes on in the next one") {
     odo_session_flush(app.session);
     return app.statistics().distance_m;
   };
-  App before(yaml + "  parameters: {factor: 1.2}\n");  // as if it had been learnt
+  App before(yaml + "  parameters: {factor: 1.2}\n");  // as an estimated value
   const std::string blob = saved(before);
   CHECK(blob.find("step/odograph") != std::string::npos);
   App plain(yaml), next(yaml);
@@ -115,14 +115,14 @@ TEST_CASE("what a session has learnt goes on in the next one") {
   const double next_m = walked_m(next), plain_m = walked_m(plain);
   CHECK(next_m == doctest::Approx(1.2 * plain_m).epsilon(0.01));
 
-  for (size_t i = 0; i < blob.size(); ++i) {  // whatever is damaged, nothing is taken
+  for (size_t i = 0; i < blob.size(); ++i) {  // nothing is loaded from damaged data
     std::string damaged = blob;
     damaged[i] = static_cast<char>(damaged[i] ^ 0x10);
     CHECK(odo_session_load(plain.session, damaged.data(), damaged.size()) == ODO_E_DATA);
     CHECK(odo_session_load(plain.session, blob.data(), i) == ODO_E_DATA);
   }
   CHECK(saved(plain) == saved(App(yaml)));
-  App other(kWalk);  // another estimator's is passed over
+  App other(kWalk);  // another estimator's data is ignored
   CHECK(odo_session_load(other.session, blob.data(), blob.size()) == ODO_OK);
   CHECK(odo_session_load(nullptr, blob.data(), blob.size()) == ODO_E_ARGUMENT);
 

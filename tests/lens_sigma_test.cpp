@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// A lens calibration's sigmas and figures against known noise.
+// Sigmas and residuals of a lens calibration against known noise.
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -16,7 +16,7 @@ namespace {
 
 constexpr double kNoise_px = 0.2, kTilt_rad = 0.55;
 
-/// Eight views, tilted by so much about axes all round, of corners with noise on each coordinate.
+/// Eight views, tilted about axes in all directions, with noise on each coordinate of the corners.
 std::vector<BoardView> noisy_views(uint64_t seed) {
   Random random(seed, 9);
   std::vector<BoardView> views;
@@ -41,7 +41,7 @@ std::vector<BoardView> noisy_views(uint64_t seed) {
 }  // namespace
 
 TEST_SUITE("calibration") {
-  TEST_CASE("tilt and cover are those of the boards; residuals are measured less modelled") {
+  TEST_CASE("tilt and coverage are those of the boards, and residuals are measured minus modelled") {
     auto views = noisy_views(1);
     const auto found = calibrate_lens(views, {640, 480}, {.coefficients = 0});
     REQUIRE(found);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// A fixer and a front-end that say whatever comes to their mind: nothing impossible is accepted, and every pose is one.
+// A fixer and a front-end with random events: nothing impossible is accepted, and every pose is valid.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -28,7 +28,7 @@ struct Lies {
   size_t poses = 0, broken = 0, accepted = 0, outside = 0, restarts = 0;
 };
 
-/// So many samples with 20 lies each.
+/// A number of samples with 20 random events each.
 Lies lied(const std::string& yaml, int samples) {
   const TestPlugins plugins{"liar"};
   App app(yaml, ODO_RUN_REPLAY, plugins.path());
@@ -66,8 +66,7 @@ Lies lied(const std::string& yaml, int samples) {
 
 }  // namespace
 
-TEST_CASE(
-    "of 100,000 random fixes and motions none makes a pose that is no number, and no impossible one is accepted") {
+TEST_CASE("none of 100,000 random fixes and motions causes a non-finite pose, and no impossible one is accepted") {
   const std::string walk =
       "odograph: 1\nattitude: {plugin: attitude/vqf}\nstep_estimator: {plugin: step/renaudin2012}\n";
   const std::string fixer = "absolute_fixers: [{plugin: test/liar}]\n", paper = "coupling: {type: paper}\n";
@@ -85,8 +84,7 @@ TEST_CASE(
   CHECK(all.accepted > 0);
 }
 
-TEST_CASE(
-    "where the localizer itself has come to no number, no such pose leaves: it starts anew, and that is reported") {
+TEST_CASE("if the localizer's state becomes non-finite, no such pose is published, and it restarts with a report") {
   const TestPlugins plugins{"echo"};
   const auto config =
       read_pipeline_config("odograph: 1\nattitude: {plugin: attitude/vqf}\nvo_frontend: {plugin: test/echo}\n",
@@ -104,7 +102,7 @@ TEST_CASE(
                                  });
   REQUIRE(pipeline.ok());
   int64_t t_ns = 1'000'000'000;
-  const auto see = [&](double mounted_m) {  // past the session, which would refuse a mount that is no number
+  const auto see = [&](double mounted_m) {  // without the session, which would reject a non-finite mount
     poses = 0;
     auto c = calibration(64, 48);
     c.header.t_ns = t_ns, c.header.flags = ODO_CALIBRATION_EXTRINSICS;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Plugins that are linked into the program and registered: these are the test program's own.
+// Registered plugins that are linked into the program: the test program's own.
 #include <doctest/doctest.h>
 
 #include <thread>
@@ -89,7 +89,8 @@ using namespace odograph;
 
 TEST_SUITE_BEGIN("linked_plugins");
 
-TEST_CASE("an entry is registered once; null, another ABI, a refusal and a second plugin of its id are refused") {
+TEST_CASE(
+    "an entry is registered once, and null, another ABI, a refusal and a second plugin with its id are rejected") {
   std::vector<std::thread> threads;
   std::atomic<int> good{0};
   for (int i = 0; i < 8; ++i)
@@ -106,7 +107,7 @@ TEST_CASE("an entry is registered once; null, another ABI, a refusal and a secon
   CHECK(contains(again.why, "another registered plugin has the id 'linked/one'"));
 }
 
-TEST_CASE("a registered plugin is found by its id without any file, and its parameters are checked") {
+TEST_CASE("a registered plugin is found by its id without a file, and its parameters are checked") {
   REQUIRE(registered(linked_entry).status == ODO_OK);
   App app("odograph: 1\nattitude: {plugin: linked/one, parameters: {gain: 2 m}}\n");
   REQUIRE_MESSAGE(app.status == ODO_OK, app.message);
@@ -120,7 +121,7 @@ TEST_CASE("a registered plugin is found by its id without any file, and its para
   CHECK(contains(App("odograph: 1\nscale_source: {plugin: linked/one}\n").message, "plugin 'linked/one' serves"));
 }
 
-TEST_CASE("saved state is by the plugin's id: its kind's next version keeps it") {
+TEST_CASE("saved state belongs to the plugin's id, and a new version of the plugin keeps it") {
   REQUIRE(registered(linked_entry).status == ODO_OK);
   const std::string yaml = "odograph: 1\nattitude: {plugin: linked/one}\n";
   const auto saved = [](const App& app) {
@@ -139,7 +140,7 @@ TEST_CASE("saved state is by the plugin's id: its kind's next version keeps it")
   CHECK(saved(second) == blob);
 }
 
-TEST_CASE("a registered plugin cannot run in a process of its own, and the allow list applies to its id") {
+TEST_CASE("a registered plugin cannot be isolated, and the allow list applies to its id") {
   REQUIRE(registered(linked_entry).status == ODO_OK);
   for (const char* config : {"attitude: {plugin: linked/one, isolation: process}\n",
                              "plugins: {isolation: process}\nattitude: {plugin: linked/one}\n",
@@ -152,13 +153,13 @@ TEST_CASE("a registered plugin cannot run in a process of its own, and the allow
   }
   CHECK(contains(App("odograph: 1\nplugins: {allow: [a/b]}\nattitude: {plugin: linked/one}\n").message,
                  "is not on the allow list"));
-  const std::string key(64, 'a');  // nobody has signed anything
+  const std::string key(64, 'a');  // with an empty signer list
   const App app("odograph: 1\nplugins: {allow: [linked/one], signers: [{key: " + key +
                 "}]}\nattitude: {plugin: linked/one}\n");
   CHECK_MESSAGE(app.status == ODO_OK, app.message);
 }
 
-TEST_CASE("a registered plugin comes before one of its id that lies in a folder") {
+TEST_CASE("a registered plugin takes precedence over one with its id in a folder") {
   const auto folder = std::filesystem::path(ODOGRAPH_BUILD) / "tests/same_class";
   REQUIRE(write_manifest_beside(folder / (std::string("same_class_1") + ODOGRAPH_LIBRARY)).ok());
   const auto config = [&] {
@@ -174,7 +175,7 @@ TEST_CASE("a registered plugin comes before one of its id that lies in a folder"
   CHECK(manifest.version == "1.2.3");
 }
 
-TEST_CASE("plugins whose classes have one name share nothing, linked in or loaded") {
+TEST_CASE("plugins with the same class name share nothing, linked or loaded") {
   CHECK(id_of(same_entry_1) == "same/linked_1");
   CHECK(id_of(same_entry_2) == "same/linked_2");
   for (const char* number : {"1", "2"}) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What the filter and its composer must hold to, by closed forms.
+// Invariants of the filter and its composer, by closed forms.
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -25,7 +25,7 @@ odo_fix north_east(int64_t t_ns, const Vector3d& p_n, double sigma_m) {
   return fix;
 }
 
-/// A front-end that states metres and walks 0.1 m forward in each frame.
+/// A metric front-end that moves 0.1 m forward per frame.
 odo_vo_motion forward(int frame, uint32_t flags = ODO_VO_ROTATION | ODO_VO_TRANSLATION | ODO_VO_METRIC) {
   auto motion = make_message<odo_vo_motion>(ODO_TYPE_VO_MOTION, kStart_ns + frame * kFrame_ns);
   motion.header.flags = flags;
@@ -58,7 +58,7 @@ void walk(Composer& composer, int from, int to) {
   }
 }
 
-/// A phone whose rear camera looks level: the body's axes as the first frame without an attitude has them.
+/// A phone with a horizontal rear camera: the body axes of the first frame without an attitude.
 odo_imu sample(int64_t t_ns, const Vector3d& gyro_b) {
   auto imu = make_message<odo_imu>(ODO_TYPE_IMU, t_ns);
   imu.header.flags = ODO_IMU_GYRO | ODO_IMU_ACCEL;
@@ -99,11 +99,11 @@ Vector3d position(const Composer& composer) {
 }  // namespace
 
 TEST_SUITE("localizer") {
-  TEST_CASE("An update is the Kalman filter's, a considered state counts and stays") {
+  TEST_CASE("An update equals the Kalman filter's, and a considered state has an effect but does not change") {
     Localizer localizer;
     localizer.set(kNorth, 1, 4);
     localizer.set(kBarometer, 2, 5);
-    Innovation<1> seen;  // of the sum of both
+    Innovation<1> seen;  // measures the sum of both
     seen.residual[0] = 3;
     seen.H(0, kNorth) = seen.H(0, kBarometer) = 1;
     seen.noise(0, 0) = 1;
@@ -117,7 +117,7 @@ TEST_SUITE("localizer") {
     CHECK(std::abs(localizer.P(kNorth, kBarometer) + 4 * 5 / 10.0) < 1e-12);
   }
 
-  TEST_CASE("A measurement of a time before the drift is weighed without it") {
+  TEST_CASE("A measurement from before the drift is weighted without the drift") {
     Localizer late, early;
     for (Localizer* localizer : {&late, &early}) localizer->set(kNorth, 0, 4);
     Innovation<1> seen;
@@ -133,7 +133,7 @@ TEST_SUITE("localizer") {
     CHECK(std::abs(late.P(kNorth, kNorth) - early.P(kNorth, kNorth)) < 1e-12);
   }
 
-  TEST_CASE("A front-end's metres are the track's, from the start that is given") {
+  TEST_CASE("A metric front-end's track is metric from the given start") {
     Composer composer(coupling(CouplingType::localizer), given_start(), {true, false});
     walk(composer, 1, 50);
     const Vector3d moved = position(composer);
@@ -153,7 +153,7 @@ TEST_SUITE("localizer") {
     CHECK((position(in_time) - position(late)).norm() < 2e-3);
   }
 
-  TEST_CASE("A fix of a time that the track no longer reaches is refused with a word") {
+  TEST_CASE("A fix older than the stored track is rejected with a reason") {
     Composer composer(coupling(CouplingType::localizer), given_start(), {true, false});
     walk(composer, 1, 1200);
     const odo_fix fix = north_east(kStart_ns + 10 * kFrame_ns, Vector3d(1, 0, 0), 0.5);
@@ -162,7 +162,7 @@ TEST_SUITE("localizer") {
     CHECK(std::string(composer.take_notice().key) == "late_fix");
   }
 
-  TEST_CASE("A clock that jumps by a hundred years costs no time and is no distance") {
+  TEST_CASE("A clock jump of a hundred years costs no time and adds no distance") {
     Composer composer(coupling(CouplingType::localizer), given_start(), {true, false});
     walk(composer, 1, 20);
     const Vector3d before = position(composer);
@@ -176,7 +176,7 @@ TEST_SUITE("localizer") {
     CHECK(composer.localizer().P.allFinite());
   }
 
-  TEST_CASE("A held pose goes with a later fix by what it shares with it") {
+  TEST_CASE("A held pose is corrected by a later fix through their correlation") {
     Composer composer(coupling(CouplingType::localizer), given_start(), {true, false});
     walk(composer, 1, 100);
     const uint64_t id = composer.hold_pose(kStart_ns + 50 * kFrame_ns);
@@ -193,11 +193,11 @@ TEST_SUITE("localizer") {
     CHECK(after.own(3, 3) < before.own(3, 3));
   }
 
-  TEST_CASE("A front-end that answers 700 ms late is not overtaken by the steps of that time") {
+  TEST_CASE("The steps of 700 ms do not overtake a front-end that answers with that delay") {
     Composer late(coupling(CouplingType::localizer), given_start(), {true, false});
     walk(late, 1, 40);
     for (int k = 41; k <= 100; ++k) {
-      if (k % 5 == 4 && k > 44) {  // too long by half, told 0.4 s after its end
+      if (k % 5 == 4 && k > 44) {  // half too long, reported 0.4 s after its end
         const odo_step step = step_of(kStart_ns + (k - 9) * kFrame_ns, kStart_ns + (k - 4) * kFrame_ns, 0.8);
         late.update(&step);
       }
@@ -210,7 +210,7 @@ TEST_SUITE("localizer") {
     CHECK(std::abs(last.p_n_b.norm() - 9.3) < 0.01);
   }
 
-  TEST_CASE("Steps that come late move the track, which is no correction") {
+  TEST_CASE("Late steps move the track, which is not a correction") {
     Composer composer(coupling(CouplingType::localizer), given_start(), {true, false});
     const odo_attitude attitude = upright(kStart_ns, 0);
     composer.update(&attitude);
@@ -232,7 +232,7 @@ TEST_SUITE("localizer") {
     CHECK(std::holds_alternative<StepSource>(composer.source()));
   }
 
-  TEST_CASE("A rotation that the gyroscope contradicts is none of the phone's, and moves nothing") {
+  TEST_CASE("A rotation that contradicts the gyroscope is rejected and moves nothing") {
     Composer composer(coupling(CouplingType::localizer), given_start(), {true, false});
     still(composer, kStart_ns - kFrame_ns, kStart_ns + 21 * kFrame_ns);
     walk(composer, 1, 20);
@@ -246,7 +246,7 @@ TEST_SUITE("localizer") {
     CHECK((after.p_n_b - before.p_n_b).norm() < 1e-3);
   }
 
-  TEST_CASE("Where the gyroscope ends the front-end's rotation is taken, with the doubt that nothing checks it") {
+  TEST_CASE("Beyond the gyroscope's end the front-end's rotation is used, with the uncertainty of an unchecked one") {
     Composer composer(coupling(CouplingType::localizer), given_start(), {true, false});
     still(composer, kStart_ns - kFrame_ns, kStart_ns + 20 * kFrame_ns);
     walk(composer, 1, 20);
@@ -263,7 +263,7 @@ TEST_SUITE("localizer") {
     CHECK(composer.localizer().sigma(kHeading) > sigma_rad + 0.3);
   }
 
-  TEST_CASE("Over a gap the attitude source's frame may have rotated; what it says afterwards is learnt anew") {
+  TEST_CASE("Over a gap the attitude source's frame may have rotated, and its offset is estimated again") {
     Composer composer(coupling(CouplingType::localizer), given_start(), {true, false});
     still(composer, kStart_ns - kFrame_ns, kStart_ns + 81 * kFrame_ns);
     for (int k = 0; k <= 20; ++k) {
@@ -302,7 +302,7 @@ TEST_SUITE("localizer") {
     CHECK(after.q_n_b.angularDistance(quaternion(fix.q_n_b)) < 0.015);
   }
 
-  TEST_CASE("A fix whose position is refused leaves nothing of its heading behind") {
+  TEST_CASE("A fix whose position is rejected has no effect on the heading") {
     Composer composer(coupling(CouplingType::localizer), given_start(), {true, false});
     walk(composer, 1, 50);
     Estimate before;
@@ -316,7 +316,7 @@ TEST_SUITE("localizer") {
     CHECK(heading(composer) == was);
   }
 
-  TEST_CASE("What the camera did not see while it led is as far as the carrier can be") {
+  TEST_CASE("Unobserved motion of the leading camera is bounded by the carrier's speed") {
     CouplingConfig config = coupling(CouplingType::localizer);
     config.fastest_mps = 2;
     Composer composer(config, given_start(), {true, false});
@@ -326,7 +326,7 @@ TEST_SUITE("localizer") {
     CHECK(std::abs(composer.localizer().sigma(kNorth) - 2 * 3) < 0.1);
   }
 
-  TEST_CASE("A correction of two centimetres is no event, one of thirty is") {
+  TEST_CASE("A correction of two centimetres is no event, and one of thirty is") {
     Composer composer(coupling(CouplingType::localizer), given_start(), {true, false});
     walk(composer, 1, 100);
     odo_pose pose;
@@ -341,7 +341,7 @@ TEST_SUITE("localizer") {
     CHECK(correction.reason == ODO_CORRECTION_FIX);
   }
 
-  TEST_CASE("What was learnt of a walker is forgotten over 200 steps, and never beyond how walkers differ") {
+  TEST_CASE("A walker's estimated factor decays over 200 steps, within the spread among walkers") {
     Localizer localizer;
     StepUpdate steps;
     steps.reset(localizer);
@@ -355,13 +355,13 @@ TEST_SUITE("localizer") {
     CHECK(std::abs(localizer.sigma(kLogFactor) - 0.10) < 1e-3);
   }
 
-  TEST_CASE("What a front-end states of its scale again and again is stated once") {
+  TEST_CASE("A scale that a front-end reports repeatedly counts once") {
     Composer composer(coupling(CouplingType::localizer), given_start(), {true, false});
     walk(composer, 1, 100);
     CHECK(composer.localizer().sigma(kLogScale) > 0.0099);
   }
 
-  TEST_CASE("What a better scale corrects is no distance") {
+  TEST_CASE("The correction by a better scale is not distance") {
     Composer composer(coupling(CouplingType::localizer), given_start(), {true, true});
     composer.update(FrameTime{kStart_ns});
     for (int k = 1; k <= 60; ++k) {
@@ -371,7 +371,7 @@ TEST_SUITE("localizer") {
       composer.update(FrameTime{motion.header.t_ns});
       composer.update(RelativeMotion{&motion, &scale});
     }
-    CHECK(position(composer).norm() > 7);  // all of it is 1.3 times as long
+    CHECK(position(composer).norm() > 7);  // everything is 1.3 times as long
     CHECK(std::abs(composer.distance_m() - (39 * 0.1 + 21 * 0.13)) < 0.15);
   }
 

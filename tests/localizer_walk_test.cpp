@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The localizer on simulated measurements of a front-end, steps and fixes: how near, and how near it says.
+// The localizer on simulated measurements of a front-end, steps and fixes: accuracy and consistency.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -20,12 +20,12 @@ using Eigen::Vector3d;
 constexpr int kSeeds = 8;
 
 struct Outcome {
-  double rms_m = 0;       ///< of the position against where the first one was
-  double worst_nees = 0;  ///< of the horizontal position, of the second half's mean by seed
+  double rms_m = 0;       ///< of the position relative to the first one
+  double worst_nees = 0;  ///< largest over the seeds, of the horizontal position, mean of the second half
   double mean_nees = 0;
 };
 
-/// Over several walks. `absolute`: positions are compared in n, otherwise from the first one on.
+/// Over several walks. `absolute`: positions are compared in n, otherwise relative to the first one.
 Outcome run(const WalkMeasurements& what, double length_m, bool absolute) {
   Outcome out;
   for (uint64_t seed = 51; seed < 51 + kSeeds; ++seed) {
@@ -59,7 +59,7 @@ Outcome run(const WalkMeasurements& what, double length_m, bool absolute) {
   return out;
 }
 
-/// `rms_m`: a tenth above what it was when this was written.
+/// `rms_m`: a tenth above the value at the time of writing.
 void check(const WalkMeasurements& what, double length_m, bool absolute, double rms_m) {
   const Outcome out = run(what, length_m, absolute);
   MESSAGE(out.rms_m << " m, NEES " << out.mean_nees << ", worst " << out.worst_nees);
@@ -78,23 +78,23 @@ WalkMeasurements with_inertial_front_end() {
 
 TEST_SUITE_BEGIN("localizer_walk");
 
-TEST_CASE("a front-end with inertia") { check(with_inertial_front_end(), 60, false, 1.35); }
+TEST_CASE("a visual-inertial front-end") { check(with_inertial_front_end(), 60, false, 1.35); }
 
-TEST_CASE("a front-end with inertia that is blind for five seconds, in which steps carry") {
+TEST_CASE("a visual-inertial front-end that is blind for five seconds, bridged by steps") {
   WalkMeasurements what = with_inertial_front_end();
   what.odometry.blind_from_s = 15, what.odometry.blind_to_s = 20;
   check(what, 60, false, 1.41);
 }
 
-TEST_CASE("the same without a frame") {
+TEST_CASE("the same without frames") {
   WalkMeasurements what = with_inertial_front_end();
   what.odometry.off_from_s = 15, what.odometry.off_to_s = 20;
   check(what, 60, false, 1.46);
 }
 
-// With steps alone the scale errs by the walker's factor, and the
-// position by that along the path, sigma L / sqrt(3) in the mean.
-TEST_CASE("a front-end without a metric scale goes by the walker's steps, and says how well") {
+// With steps alone the scale error is that of the walker's factor, and the position error is that along the path,
+// sigma L / sqrt(3) on average.
+TEST_CASE("a front-end without metric scale is scaled by the walker's steps, with a consistent covariance") {
   constexpr double kLength_m = 60;
   const WalkMeasurements what;
   const Outcome out = run(what, kLength_m, false);
@@ -103,14 +103,14 @@ TEST_CASE("a front-end without a metric scale goes by the walker's steps, and sa
   CHECK(out.worst_nees < 9);
 }
 
-TEST_CASE("steps alone, with fixes that come late") {
+TEST_CASE("steps alone, with late fixes") {
   WalkMeasurements what;
   what.camera = false;
   what.fix_every_s = 1, what.fix_sigma_m = 1.5;
   check(what, 100, true, 1.79);
 }
 
-TEST_CASE("a front-end with inertia, with fixes that come late") {
+TEST_CASE("a visual-inertial front-end with late fixes") {
   WalkMeasurements what = with_inertial_front_end();
   what.fix_every_s = 1, what.fix_sigma_m = 1.5;
   check(what, 100, true, 1.74);

@@ -17,7 +17,7 @@ namespace {
 
 const Eigen::Quaterniond kNedFromEnu(0.0, std::sqrt(0.5), std::sqrt(0.5), 0.0);
 
-/// A device in a hand that sways, in a field that is 40 degrees off north, which nobody can know.
+/// A device in a swaying hand, in a field 40 degrees off north, which is unobservable.
 struct Standing {
   Random random{3, 1};
   Vector3d bias{0.003, -0.004, 0.006};
@@ -58,28 +58,28 @@ TEST_CASE("a still device: inclination and bias within seconds, without a field"
   CHECK(std::acos((filter.orientation() * (q_b_n * Vector3d::UnitZ())).z()) < 0.01);
 }
 
-TEST_CASE("a field that is wrong but does not change shows the bias about the vertical to a hand that sways") {
+TEST_CASE("a deflected but constant field gives the vertical bias to a swaying hand") {
   Standing with, without;
   with.pass(20, true), without.pass(20, false);
   CHECK(std::abs(with.filter.bias().z() - with.bias.z()) < 0.0006);
-  CHECK(std::abs(without.filter.bias().z() - without.bias.z()) > 0.002);  // the field it was, not the sway
+  CHECK(std::abs(without.filter.bias().z() - without.bias.z()) > 0.002);  // due to the field, not the sway
   const double before = with.heading_error();
-  with.pass(60, false);  // and the heading then keeps without it
+  with.pass(60, false);  // the heading then stays without it
   CHECK(std::abs(std::remainder(with.heading_error() - before, 2 * M_PI)) < 0.04);
 }
 
-TEST_CASE("what it says of its heading's uncertainty holds the error") {
+TEST_CASE("the error is within the reported heading sigma") {
   Standing standing;
   standing.pass(10, true);
   CHECK(standing.filter.has_heading());
   CHECK_FALSE(standing.filter.mag_disturbed());
-  // 0.7 rad off north: nobody told it, and it takes a building's field to be off by 0.25 rad as a rule.
+  // 0.7 rad off north: unobservable; the model assumes 0.25 rad for a building's field.
   CHECK(std::abs(std::abs(standing.heading_error()) - 0.7) < 0.035);
   CHECK(standing.filter.heading_sigma() > 0.2);
   CHECK(standing.filter.inclination_sigma() < 0.03);
 }
 
-TEST_CASE("on simulated walks through disturbed fields it leans and strays less than VQF with a magnetometer") {
+TEST_CASE("on simulated walks through disturbed fields its inclination and heading errors are smaller than VQF's") {
   double magyq_squares = 0, vqf_squares = 0, tilt_squares = 0, normalised = 0, streetless = 0;
   size_t n = 0;
   const TemporaryFolder folder;
@@ -136,7 +136,7 @@ TEST_CASE("on simulated walks through disturbed fields it leans and strays less 
   CHECK(rms_deg(tilt_squares) < 1.0);
   CHECK(rms_deg(magyq_squares) < rms_deg(vqf_squares));
   CHECK(rms_deg(magyq_squares) < 15);
-  // What is as long as a street does not average away, and the heading must not be taken for surer by the minute.
+  // A disturbance of a street's extent does not average out, and the heading sigma must not decrease with time.
   MESSAGE("normalised error squared of the heading: " << normalised / static_cast<double>(n) << ", without the street "
                                                       << streetless / static_cast<double>(n));
   CHECK(normalised / static_cast<double>(n) < 1.0);

@@ -9,7 +9,7 @@
 
 namespace {
 
-constexpr int kSkipped = 77;  // what ctest is told to show as "Skipped"
+constexpr int kSkipped = 77;  // shown as "Skipped" by ctest
 bool skipped = false;
 unsigned cases = 0;
 

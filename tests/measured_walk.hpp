@@ -14,23 +14,23 @@
 
 namespace odograph {
 
-/// Measurements of a simulated walk without pictures: what a localizer is given, made from the truth and noise of
-/// stated size, so that its consistency can be judged.
+/// Measurements of a simulated walk without pictures: a localizer's input, made from the truth plus noise of known
+/// size, to test its consistency.
 struct WalkMeasurements {
   struct Odometry {
     double rate_hz = 10;
-    double inverse_scale = 2.5;  ///< 1 with scale_sigma above 0: a metric front-end, whose metre is off by its sigma
+    double inverse_scale = 2.5;  ///< 1 with scale_sigma above 0: a metric front-end with a scale error of that sigma
     double scale_sigma = 0;
-    double position_m = 0.02;  ///< against the map, white over correlation_s
+    double position_m = 0.02;  ///< relative to the map, white over correlation_s
     double correlation_s = 0.25;
     double rotation_rad = 0.003;
     double rotation_walk = 5e-4;  ///< rad/sqrt(s)
     double drift_per_root_m = 0.01;
     double scale_walk = 2e-3;      ///< 1/sqrt(m)
-    double stated_covariance = 1;  ///< factor on the covariance that it states
+    double stated_covariance = 1;  ///< factor on the reported covariance
     double blind_from_s = 1e9, blind_to_s = 1e9;
     double from_s = 0;
-    double off_from_s = 1e9, off_to_s = 1e9;  ///< no frame at all
+    double off_from_s = 1e9, off_to_s = 1e9;  ///< without frames
   } odometry;
   double no_imu_from_s = 1e9, no_imu_to_s = 1e9;
   bool steps = true, camera = true, attitude = true;
@@ -38,13 +38,13 @@ struct WalkMeasurements {
   double step_factor_sigma = 0.08, step_own = 0.05, step_heading_rad = 0.05, step_offset_rad = 0.1;
   double fix_every_s = 0, fix_sigma_m = 1.0, fix_late_s = 0.3;
   double start_s = 0, end_s = 1e9;
-  double first_tilt_rad = 0;     ///< about north, of the attitude that is told first: a phone that is thrown about
-  double compass_sigma_rad = 0;  ///< above 0: attitudes tell north as well,
-  std::function<double(double t_s)> compass_rad;  ///< off by this
+  double first_tilt_rad = 0;                      ///< about north, of the first reported attitude: a phone in free fall
+  double compass_sigma_rad = 0;                   ///< above 0: attitudes have north as well,
+  std::function<double(double t_s)> compass_rad;  ///< with this error
   std::function<void(double t_s, odo_vo_motion& motion)> change;
   std::function<void(double t_s, odo_fix& fix)> change_fix;
   std::function<void(double t_s, odo_step& step)> change_step;
-  std::function<int(double t_s)> step_times;  ///< how often a step is told
+  std::function<int(double t_s)> step_times;  ///< number of reports of a step
 
   struct Truth {
     Eigen::Quaterniond q_n_c;
@@ -52,7 +52,7 @@ struct WalkMeasurements {
   };
 };
 
-/// A straight walk with a corner, as `odograph sim` has it.
+/// A straight walk with a corner, as in `odograph sim`.
 inline Scenario walk_scenario(double length_m) {
   Scenario s;
   s.route = {{0, 0, 0}, {0.5 * length_m, 0, 0}, {0.8 * length_m, 0.4 * length_m, 0}};
@@ -80,7 +80,7 @@ class MeasuredWalk {
   const Eigen::Vector3d& p_b_c() const { return p_b_c_; }
   double log_factor() const { return log_factor_; }
 
-  /// Runs it; `on_pose` sees every pose that is published, `on_correction` every announced jump.
+  /// Runs it; `on_pose` receives every published pose, `on_correction` every announced jump.
   void run(Composer& composer, const std::function<void(double t_s, const odo_pose&)>& on_pose,
            const std::function<void(const Correction&, const odo_pose&)>& on_correction = {}) {
     auto calibration = make_message<odo_calibration>(ODO_TYPE_CALIBRATION, 0);
@@ -160,7 +160,7 @@ class MeasuredWalk {
     const auto true_pose = truth(t);
     const auto& o = w_.odometry;
     const double dt = last_frame_s_ < 0 ? 0 : t - last_frame_s_;
-    // The odometry's own pose, with errors against its map and drift.
+    // Pose of the odometry, with errors relative to its map and drift.
     const double keep = std::exp(-dt / std::max(1e-3, o.correlation_s)), fresh = std::sqrt(1 - keep * keep);
     for (int i = 0; i < 3; ++i) {
       error_m_[i] = last_frame_s_ < 0 ? o.position_m * random_.normal()

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Messages by value: who owns a frame's hold, which types are in a set, what fits.
+// Messages by value: ownership of frames, sets of types, sizes.
 #include <doctest/doctest.h>
 
 #include <vector>
@@ -35,7 +35,7 @@ OwnedMessage frame() {
 
 }  // namespace
 
-TEST_CASE("a frame is given back once, by whoever has it last") {
+TEST_CASE("a frame is released once, by its last owner") {
   releases = 0;
   {
     OwnedMessage a = frame(), b = std::move(a);
@@ -49,18 +49,18 @@ TEST_CASE("a frame is given back once, by whoever has it last") {
   }
   CHECK(releases == 1);
   OwnedMessage d = frame();
-  d = frame();  // what it had is given back
+  d = frame();  // its previous content is released
   CHECK(releases == 2);
   d.release();
   CHECK(d.empty());
   d.release();
   CHECK(releases == 3);
   auto plain = make_message<odo_frame>(ODO_TYPE_FRAME, 5);
-  OwnedMessage(plain.header).release();  // without a release of its own
+  OwnedMessage(plain.header).release();  // has no release function
   CHECK(releases == 3);
 }
 
-TEST_CASE("a set of types has what was added and nothing else, whatever range it is of") {
+TEST_CASE("a set of types contains what was added and nothing else, in any range") {
   std::vector<uint32_t> types;
   for (uint32_t i = 1; i < 40; ++i) types.push_back(i), types.push_back(0x1000 + i);
   types.insert(types.end(), {0x1000, 0xFFF, ODO_TYPE_VENDOR(0, 1), ODO_TYPE_VENDOR(1, 0), UINT32_MAX});
@@ -78,7 +78,7 @@ TEST_CASE("a set of types has what was added and nothing else, whatever range it
   for (const uint32_t each : types) CHECK(TypeSet::all().has(each));
 }
 
-TEST_CASE("a message of any size from its type's first version up to the largest is kept whole, others are not") {
+TEST_CASE("a message of any size from its type's first version up to the largest is kept whole, others are rejected") {
   const auto size = static_cast<size_t>(message_info(ODO_TYPE_MAGNETOMETER)->size);
   for (const size_t good :
        {size_t(ODO_MAGNETOMETER_SIZE_MIN), size, size_t(639), size_t(640), size_t(641), size_t(ODO_LARGEST_MESSAGE)}) {
@@ -107,7 +107,7 @@ TEST_CASE("a message of any size from its type's first version up to the largest
   CHECK_FALSE(AnyMessage().assign(head(bytes_of(ODO_TYPE_VENDOR(3, 3), sizeof(odo_header) - 1))));
 }
 
-TEST_CASE("types have their names, unknown ones their number, and an app pushes all but events and 0") {
+TEST_CASE("types have names, unknown ones their number, and an app may push all but events and 0") {
   CHECK(message_name(ODO_TYPE_IMU) == "imu");
   CHECK(message_name(ODO_TYPE_REPORT) == "report");
   CHECK(message_name(0x2A) == "type 0x2A");
@@ -120,7 +120,7 @@ TEST_CASE("types have their names, unknown ones their number, and an app pushes 
   CHECK(is_input(ODO_TYPE_VENDOR(1, 1)));
 }
 
-TEST_CASE("a queue of events gives them in their order and takes so many of one sample, however it is emptied") {
+TEST_CASE("a queue of events keeps their order and limits those of one sample, however it is emptied") {
   EventQueue queue(3);
   CHECK(queue.limit() == 3);
   const auto event = [](int64_t t_ns) { return AnyMessage(make_message<odo_state>(ODO_TYPE_STATE, t_ns).header); };
@@ -132,7 +132,7 @@ TEST_CASE("a queue of events gives them in their order and takes so many of one 
     CHECK(queue.front().header().t_ns == 1);
     queue.pop();
     CHECK(queue.push(event(3)));
-    CHECK_FALSE(queue.push(event(4)));  // room there would be, but the sample has had its share
+    CHECK_FALSE(queue.push(event(4)));  // the queue has space, but the sample's limit is reached
     CHECK(queue.front().header().t_ns == 2);
     queue.pop();
     CHECK(queue.front().header().t_ns == 3);
@@ -141,7 +141,7 @@ TEST_CASE("a queue of events gives them in their order and takes so many of one 
   }
   queue.begin();
   for (int i = 0; i < 3; ++i) CHECK(queue.push(event(i)));
-  queue.begin();  // a new sample, and the old one's events still wait
+  queue.begin();  // a new sample; events of the old one still wait
   CHECK_FALSE(queue.push(event(9)));
 }
 

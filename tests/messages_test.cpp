@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What is wrong with a message: every number of every type, each in turn, at and beside its limits.
+// Validation of messages: every number of every type in turn, at and beside its limits.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -23,7 +23,7 @@ namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN(), kInfinity = std::numeric_limits<double>::infinity();
 
-/// What a number must be; `natural`: 0 or more; `any`: it is the host's own, or nobody takes it from outside.
+/// Constraint of a number; `natural`: 0 or more; `any`: the host's own, or never accepted from outside.
 enum class Rule { finite, natural, positive, share, unit, direction, lat, lon, height, place, sensed, matrix, any };
 
 struct Field {
@@ -31,7 +31,7 @@ struct Field {
   const char* name;
   size_t offset, count;
   Rule rule;
-  uint32_t flag;  // that says it is valid; 0: it always is
+  uint32_t flag;  // its valid flag; 0: always valid
 };
 
 constexpr uint32_t kPosition = ODO_FIX_NORTH | ODO_FIX_EAST | ODO_FIX_DOWN | ODO_FIX_GEODETIC;
@@ -133,7 +133,7 @@ const Field kFields[] = {
 
 const uint8_t kPixel = 0;
 
-/// A message with nothing wrong and everything valid, all numbers different from zero.
+/// A valid message with all flags set, all numbers different from zero.
 AnyMessage good(uint32_t type) {
   alignas(8) unsigned char zero[ODO_LARGEST_MESSAGE] = {};
   auto& header = *reinterpret_cast<odo_header*>(zero);
@@ -171,7 +171,7 @@ std::string fault_with(const Field& field, size_t i, double value, uint32_t clea
   AnyMessage m = good(field.type);
   reinterpret_cast<double*>(reinterpret_cast<unsigned char*>(&m.header()) + field.offset)[i] = value;
   m.header().flags &= ~cleared;
-  // Without its covariance a position or an orientation is refused.
+  // Without its covariance a position or an orientation is rejected.
   if (field.type == ODO_TYPE_FIX && cleared == ODO_FIX_COVARIANCE) m.header().flags &= ~kPosition;
   if (field.type == ODO_TYPE_FIX && cleared == ODO_FIX_ORIENTATION_COVARIANCE) m.header().flags &= ~ODO_FIX_ORIENTATION;
   return message_fault(m.header());
@@ -187,7 +187,7 @@ std::set<uint32_t> judged_types() {
 
 namespace {
 
-/// Checks that each double of a struct in the ABI's headers has its line; how many there are.
+/// Checks that each double of a struct in the ABI's headers is listed; returns their number.
 size_t check_listed(uint32_t type, const std::string& name) {
   static const std::string text =
       read_text(source("abi/include/odograph/samples.h")) + read_text(source("abi/include/odograph/events.h"));
@@ -211,7 +211,7 @@ size_t check_listed(uint32_t type, const std::string& name) {
 
 }  // namespace
 
-TEST_CASE("every floating-point field of every message that comes from outside is in the table of this test") {
+TEST_CASE("every floating-point field of every external message is in the table of this test") {
   size_t found = 0;
 #define ODO_ROW(number, message, plain, min_size)                                    \
   if (number != ODO_TYPE_POSE && number != ODO_TYPE_CORRECTION) /* the host's own */ \
@@ -221,7 +221,7 @@ TEST_CASE("every floating-point field of every message that comes from outside i
   CHECK(found == std::size(kFields));
 }
 
-TEST_CASE("no number that is not finite, of any field of any message, gets through where it is valid") {
+TEST_CASE("a non-finite number in a valid field of any message is rejected") {
   for (const uint32_t type : judged_types()) CHECK(message_fault(good(type).header()) == "");
   for (const Field& field : kFields)
     for (size_t i = 0; i < field.count; ++i)
@@ -236,7 +236,7 @@ TEST_CASE("no number that is not finite, of any field of any message, gets throu
       }
 }
 
-TEST_CASE("numbers of a range are good at its ends, and faults beyond") {
+TEST_CASE("numbers are accepted at the ends of their range and rejected beyond") {
   const double half_pi = std::acos(0.0);
   for (const Field& field : kFields) {
     CAPTURE(field.type);
@@ -250,7 +250,7 @@ TEST_CASE("numbers of a range are good at its ends, and faults beyond") {
         CHECK_FALSE(good_with(-1.001e9));
         CHECK_FALSE(good_with(1e300));
         break;
-      case Rule::sensed:  // what is impossible of a sensor the gate counts as wild
+      case Rule::sensed:  // implausible sensor values are detected by the gate
         CHECK((good_with(-1e300) && good_with(1e300)));
         break;
       case Rule::place:
@@ -269,7 +269,7 @@ TEST_CASE("numbers of a range are good at its ends, and faults beyond") {
         CHECK(good_with(1e15));
         CHECK_FALSE((good_with(-1e-9) || good_with(1.1e15)));
         CHECK_FALSE(fault_with(field, 1, 0.1).empty());  // not symmetric
-        const bool known = field.type == ODO_TYPE_FIX;   // what is stated to be known has a variance
+        const bool known = field.type == ODO_TYPE_FIX;   // a known quantity has a variance
         CHECK(good_with(0) == !known);
         CHECK(good_with(1e-12));
         break;
@@ -294,7 +294,7 @@ TEST_CASE("numbers of a range are good at its ends, and faults beyond") {
           CHECK_FALSE(good_with(sign * (half_pi + 1e-9)));
         }
         break;
-      case Rule::unit:  // 1e-3 of the norm: of the four halves one is changed
+      case Rule::unit:  // 1e-3 of the norm: one of the four halves is changed
         for (size_t i = 0; i < 4; ++i) {
           CHECK(fault_with(field, i, 0.5 + 1.9e-3).empty());
           CHECK_FALSE(fault_with(field, i, 0.5 + 2.1e-3).empty());
@@ -308,7 +308,7 @@ TEST_CASE("numbers of a range are good at its ends, and faults beyond") {
   }
 }
 
-TEST_CASE("the quality and the time of every message are looked at, the time up to 2^62") {
+TEST_CASE("the quality and the time of every message are checked, the time up to 2^62") {
   for (const uint32_t type : judged_types())
     for (const int sign : {-1, 1}) {
       AnyMessage m = good(type);
@@ -320,7 +320,7 @@ TEST_CASE("the quality and the time of every message are looked at, the time up 
       CHECK(message_fault(m.header()).find("t_ns") == 0);
       m = good(type);
       m.header().quality = static_cast<float>(kNan);
-      CHECK(message_is_good(m.header()));  // it is not valid
+      CHECK(message_is_good(m.header()));  // it is not flagged valid
       m.header().flags |= ODO_FLAG_QUALITY;
       m.header().quality = static_cast<float>(sign * kInfinity);
       CHECK(message_fault(m.header()).find("quality") == 0);
@@ -329,7 +329,7 @@ TEST_CASE("the quality and the time of every message are looked at, the time up 
     }
 }
 
-TEST_CASE("whole numbers of calibrations and frames are good within their limits alone") {
+TEST_CASE("integers of calibrations and frames are accepted within their limits only") {
   struct Limit {
     uint32_t type;
     size_t offset;
@@ -361,7 +361,7 @@ TEST_CASE("whole numbers of calibrations and frames are good within their limits
   }
 }
 
-TEST_CASE("a frame needs the planes of its format, and a mask where it says that it has one") {
+TEST_CASE("a frame needs the planes of its format, and a mask if it is flagged") {
   const std::map<uint32_t, int> planes = {{ODO_FORMAT_GREY8, 1}, {ODO_FORMAT_NV12, 2},  {ODO_FORMAT_NV21, 2},
                                           {ODO_FORMAT_RGB8, 1},  {ODO_FORMAT_RGBA8, 1}, {ODO_FORMAT_YUV420, 3},
                                           {ODO_FORMAT_BGRA8, 1}};
@@ -379,7 +379,7 @@ TEST_CASE("a frame needs the planes of its format, and a mask where it says that
     }
 }
 
-TEST_CASE("a motion and a step take time, a nanosecond at least") {
+TEST_CASE("a motion and a step have a duration of at least a nanosecond") {
   AnyMessage any = good(ODO_TYPE_VO_MOTION);
   auto& motion = reinterpret_cast<odo_vo_motion&>(any.header());
   for (const int64_t from : {999, 1000, 1001}) {

@@ -14,7 +14,7 @@ TEST_SUITE_BEGIN("estimator");
 
 namespace {
 
-/// The step at which the judgement changes, from 1; 0 where it does not.
+/// The step at which the decision changes, from 1; 0 if it does not.
 int changes_at(MetreCheck& check, int steps, double told_m, double seen_m) {
   for (int i = 1; i <= steps; ++i)
     if (check.add(told_m, seen_m)) return i;
@@ -22,7 +22,7 @@ int changes_at(MetreCheck& check, int steps, double told_m, double seen_m) {
 }
 void blind(MetreCheck& check) {
   check.add_motion(0.1, true, true);
-  for (int i = 0; i < 10; ++i) check.add_motion(0.1, false, false);  // lost, and without a metre
+  for (int i = 0; i < 10; ++i) check.add_motion(0.1, false, false);  // lost, and without metric scale
   check.restart();                                                   // another scale
   check.add_motion(0.1, true, true);
 }
@@ -30,8 +30,8 @@ void blind(MetreCheck& check) {
 }  // namespace
 
 TEST_CASE(
-    "a front-end whose metre doubles while it is blind is doubted within twelve steps, and trusted again once it has "
-    "found back") {
+    "a front-end whose scale doubles while blind is rejected within twelve steps, and accepted again once it has "
+    "returned") {
   MetreCheck check;
   CHECK(changes_at(check, 60, 0.7, 0.75) == 0);
   CHECK_FALSE(check.doubted());
@@ -43,31 +43,29 @@ TEST_CASE(
   CHECK(check.doubted());
   CHECK(changes_at(check, 40, 0.7, 1.2) == 0);  // still half as long again
   CHECK(check.log_factor() ==
-        doctest::Approx(std::log(0.75 / 0.7)).epsilon(0.2).scale(0));  // not learnt from what is doubted
+        doctest::Approx(std::log(0.75 / 0.7)).epsilon(0.2).scale(0));  // not estimated from rejected data
   CHECK(changes_at(check, 40, 0.7, 0.72) > 20);
   CHECK_FALSE(check.doubted());
 }
 
-TEST_CASE(
-    "a walker with steps much shorter than thought is learnt, not doubted; nor are the steps' lengths once they are "
-    "taught") {
+TEST_CASE("a walker's much shorter steps are estimated and not rejected, and neither are the lengths once calibrated") {
   MetreCheck check;
   CHECK(changes_at(check, 48, 0.7, 0.45) == 0);
-  CHECK(changes_at(check, 12, 0.7, 0.55) == 0);  // goes briskly for once
+  CHECK(changes_at(check, 12, 0.7, 0.55) == 0);  // a brisk stretch
   CHECK(changes_at(check, 24, 0.7, 0.45) == 0);
-  CHECK(changes_at(check, 36, 0.45, 0.45) == 0);  // the step estimator has been taught
+  CHECK(changes_at(check, 36, 0.45, 0.45) == 0);  // the step estimator is calibrated by now
   blind(check);
   CHECK(changes_at(check, 12, 0.45, 0.7) > 0);
 }
 
-TEST_CASE("somebody who shuffles and then walks does not take the metre from a front-end that saw all the time") {
+TEST_CASE("shuffling followed by walking does not reject the scale of a front-end that was never blind") {
   MetreCheck check;
-  check.add_motion(0.4, false, true);  // as at a start, or one dark frame
+  check.add_motion(0.4, false, true);  // as at a start, or for one dark frame
   CHECK(changes_at(check, 36, 0.5, 0.15) == 0);
   CHECK(changes_at(check, 60, 0.7, 0.75) == 0);
 }
 
-TEST_CASE("a front-end that was blind and agrees for three times twelve steps is believed as before") {
+TEST_CASE("a front-end that was blind and agrees for three times twelve steps is accepted as before") {
   MetreCheck check;
   CHECK(changes_at(check, 24, 0.7, 0.7) == 0);
   blind(check);
@@ -75,11 +73,11 @@ TEST_CASE("a front-end that was blind and agrees for three times twelve steps is
   CHECK(changes_at(check, 24, 0.7, 1.5) == 0);
 }
 
-TEST_CASE("what a front-end saw while steps were so unlike it is not learnt of the walker") {
+TEST_CASE("motion that differs too much from the steps does not change the walker's estimate") {
   MetreCheck check;
   CHECK(changes_at(check, 48, 0.7, 0.7) == 0);
   const double factor = check.log_factor();
-  CHECK(changes_at(check, 36, 0.5, 0.15) == 0);  // shuffles
+  CHECK(changes_at(check, 36, 0.5, 0.15) == 0);  // shuffling
   CHECK(check.log_factor() == factor);
   blind(check);
   CHECK(changes_at(check, 12, 0.7, 1.5) > 0);
@@ -87,7 +85,7 @@ TEST_CASE("what a front-end saw while steps were so unlike it is not learnt of t
   CHECK(std::sqrt(check.variance()) > 0.08);
 }
 
-TEST_CASE("an estimator takes the metre from a front-end that comes out of the dark with twice its motions") {
+TEST_CASE("an estimator rejects the scale of a front-end that returns from darkness with twice its motions") {
   for (const bool dark : {true, false}) {
     CAPTURE(dark);
     WalkMeasurements what;
@@ -113,12 +111,12 @@ TEST_CASE("an estimator takes the metre from a front-end that comes out of the d
       CHECK(told_s > 31);
       CHECK(told_s < 40);
     } else {
-      CHECK(told_s == 0);  // whose metre is twice as long without a reason is believed
+      CHECK(told_s == 0);  // without a reason a doubled scale is accepted
     }
   }
 }
 
-TEST_CASE("a new scale clears the doubt and keeps the walker") {
+TEST_CASE("a new scale clears the rejection and keeps the walker's estimate") {
   MetreCheck check;
   changes_at(check, 36, 0.7, 0.6);
   blind(check);
@@ -130,7 +128,7 @@ TEST_CASE("a new scale clears the doubt and keeps the walker") {
   CHECK(check.log_factor() == factor);
 }
 
-TEST_CASE("a front-end's metre is never better known than the front-end says at its surest") {
+TEST_CASE("the scale sigma is never below the front-end's smallest reported sigma") {
   WalkMeasurements what;
   what.steps = false;
   what.odometry.inverse_scale = 1, what.odometry.scale_sigma = 0.02;
@@ -153,9 +151,9 @@ TEST_CASE("a front-end's metre is never better known than the front-end says at 
   CHECK(min_after < 1.02 * 0.02);
 }
 
-TEST_CASE("a walker whose steps err alike for a while is not known better than that allows") {
+TEST_CASE("correlated step errors of a walker limit the accuracy of his estimate") {
   const StepUpdate::Parameters assumed;
-  const double n = assumed.correlation, keep = (n - 1) / (n + 1);  // whose mean errs as one of n does
+  const double n = assumed.correlation, keep = (n - 1) / (n + 1);  // the mean has the error of a single one of n
   double squares = 0;
   int count = 0;
   for (uint64_t seed = 1; seed <= 20; ++seed) {
@@ -181,7 +179,7 @@ TEST_CASE("a walker whose steps err alike for a while is not known better than t
     });
   }
   MESSAGE("normalised error squared of the walker's factor: " << squares / count);
-  CHECK(squares / count > 0.3);  // 0.46; 2.75 where each step counts as one of its own
+  CHECK(squares / count > 0.3);  // 0.46; 2.75 if each step counts as independent
   CHECK(squares / count < 0.8);
 }
 

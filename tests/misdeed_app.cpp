@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// An app that walks for two seconds with attitude/vqf and test/misdeed: what the library says on standard error is its
-// own. It ends with status 77 where it got poses, or was told why not. Where it is not done in time it asks the library
-// which plugin's call it is in, says that on standard error and ends with status 3.
+// An app that walks for two seconds with attitude/vqf and test/misdeed; the library prints to standard error itself. It
+// exits with status 77 if it gets poses or a reason for their absence. After a timeout it asks the library for the
+// plugin call in progress, prints it to standard error and exits with status 3.
 #include <cmath>
 #include <csignal>
 #include <cstdio>

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Every means to end or stop a program, at every moment of a plugin's life: in a process of its own and in the app's
-// thread.
+// Every fault that ends or stops a program, in every phase of a plugin's life: isolated, and in the app's thread.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -55,16 +54,16 @@ const char* const kDeeds[] = {"abort",
                               "scribbles",
                               "answers_unasked",
                               "takes_no_question"};
-/// What no one can name: the process is gone before anybody runs.
+/// Cannot be named: the process ends before a handler can run.
 const std::set<std::string> kUnnamed = {"kill", "quick_exit"};
-/// What an app survives in its own thread.
+/// Faults that an app survives in its own thread.
 const std::set<std::string> kSurvived = {"throws", "throws_a_number", "closes_files", "answers_unasked",
                                          "takes_no_question"};
 
-/// What answers in its library's place cannot say why it did not load.
+/// A forged answer in the library's place gives no reason why it did not load.
 const std::set<std::string> kForged = {"answers_unasked", "takes_no_question"};
 
-/// The plugin under a name that says what it does.
+/// Installs the plugin under a name that selects its fault.
 std::string install(const TemporaryFolder& folder, const std::string& name) {
   return install_unasked(folder, fs::path(ODOGRAPH_BUILD) / "tests/hostile/misdeed.so", name, "test/misdeed",
                          ODO_INTERFACE_ATTITUDE);
@@ -77,7 +76,7 @@ struct Outcome {
   std::string said;
 };
 
-/// Two seconds of walking beside the plugin in a process of its own, and its end.
+/// Two seconds of walking beside the isolated plugin, and its end.
 Outcome walk(const std::string& plugins) {
   Outcome out;
   {
@@ -97,7 +96,7 @@ Outcome walk(const std::string& plugins) {
   return out;
 }
 
-/// The same in the thread of a program that is started for it, which writes its standard error to a file.
+/// The same in the thread of a separate program, which writes its standard error to a file.
 pid_t start_app(const std::string& plugins, const fs::path& said_file, bool eats_memory) {
   const std::string folders = plugin_folder().string() + ":" + plugins;
   const std::string program = fs::path(ODOGRAPH_BUILD) / "tests/misdeed_app";
@@ -107,7 +106,7 @@ pid_t start_app(const std::string& plugins, const fs::path& said_file, bool eats
     dup2(fd, STDERR_FILENO);
     const rlimit no_core{0, 0};
     setrlimit(RLIMIT_CORE, &no_core);
-    const rlimit memory{512 << 20, 512 << 20};  // the machine's is for others too
+    const rlimit memory{512 << 20, 512 << 20};  // the machine is shared
     if (eats_memory) setrlimit(RLIMIT_AS, &memory);
     execl(program.c_str(), program.c_str(), folders.c_str(), nullptr);
     _exit(1);
@@ -117,7 +116,7 @@ pid_t start_app(const std::string& plugins, const fs::path& said_file, bool eats
 
 enum class Waited { for_ever, not_long, and_told };
 
-/// A host that asks a plugin in a process of its own more than a socket holds, and is ended where it does not end.
+/// A host that asks an isolated plugin more than a socket holds; it is killed if it does not end.
 Waited walks_long(const std::string& plugins, const std::string& words) {
   const pid_t host = fork();
   if (host == 0) {
@@ -143,7 +142,7 @@ Waited walks_long(const std::string& plugins, const std::string& words) {
 
 }  // namespace
 
-TEST_CASE("every misdeed at every moment, in a process of its own: the host goes on and gives poses") {
+TEST_CASE("the host continues and publishes poses for every fault in every phase of an isolated plugin") {
   size_t runs = 0, told = 0;
   for (const std::string deed : kDeeds)
     for (const std::string moment : kMoments) {
@@ -155,24 +154,25 @@ TEST_CASE("every misdeed at every moment, in a process of its own: the host goes
       CAPTURE(out.said);
       ++runs;
       if (out.opened) CHECK(out.poses > 0);
-      // An exception in entry or create is a refusal in words; all else is opened and named.
+      // An exception in entry or create is a refusal with a reason; all else is opened and named.
       if (!out.opened) CHECK(out.said.find(deed + "__" + moment) != std::string::npos);
       if (!out.opened) CHECK((deed.find("throws") == 0 || kForged.count(deed) > 0));
       told += out.said.find("test/misdeed: ") != std::string::npos || !out.opened ? 1 : 0;
     }
   MESSAGE(runs << " plugins, " << told << " named before the end");
   CHECK(runs == 120);
-  CHECK(told >= 75);  // not those in destroy, which nobody is left to hear, and what does no harm there
+  CHECK(told >= 75);  // except those in destroy, after which nobody listens, and harmless ones
 }
 
-TEST_CASE("a plugin that takes no question holds its host up for no longer than a call, however it answers") {
+TEST_CASE("a plugin that reads no question delays its host by one call at most, however it answers") {
   for (const auto& [deed, words] : {std::pair{"answers_unasked", "broke the protocol: an unrequested answer"},
                                     {"takes_no_question", "does not accept requests"}}) {
     CAPTURE(std::string(deed));
     const TemporaryFolder folder;
     const std::string plugins = install(folder, std::string(deed) + "__process");
     bool told = false;
-    for (int i = 0; i < 8 && !told; ++i) {  // on a busy machine its first forgery may come too late to be whole
+    for (int i = 0; i < 8 && !told;
+         ++i) {  // on a busy machine its first forged answer may come too late to be complete
       const auto how = walks_long(plugins, words);
       REQUIRE_MESSAGE(how != Waited::for_ever, "the host waits for ever");
       told = how == Waited::and_told;
@@ -181,12 +181,12 @@ TEST_CASE("a plugin that takes no question holds its host up for no longer than 
   }
 }
 
-TEST_CASE("every misdeed at every moment, in the app's thread: survived, or named with the call") {
+TEST_CASE("every fault in every phase in the app's thread is survived or named with the call") {
   size_t survived = 0, named = 0, runs = 0;
   for (const std::string deed : kDeeds) {
     if (deed == "eats_memory" && !kMemoryLimited) continue;
     std::map<std::string, TemporaryFolder> folders;
-    std::map<std::string, pid_t> apps;  // side by side: those that hang take their time
+    std::map<std::string, pid_t> apps;  // in parallel: hanging ones take time
     for (const std::string moment : kMoments) {
       const TemporaryFolder& folder = folders[moment];
       const std::string plugins = install(folder, deed + "__" + moment);
@@ -216,7 +216,7 @@ TEST_CASE("every misdeed at every moment, in the app's thread: survived, or name
   CHECK(survived >= kSurvived.size() * std::size(kMoments));
 }
 
-TEST_CASE("a call that does not come back in the app's own thread is named once, while it lasts") {
+TEST_CASE("a hanging call in the app's thread is reported once, while it lasts") {
   std::mutex mutex;
   std::vector<std::string> said;
   HostServices host(0, {}, [&](const Report& report) {
@@ -226,7 +226,7 @@ TEST_CASE("a call that does not come back in the app's own thread is named once,
   const HangWatch watch(host, {.longest_call_s = 0.05, .period_s = 0.01});
   {
     const Breadcrumb crumb("acme/slow", "process");
-    std::this_thread::sleep_for(std::chrono::milliseconds(1500));  // reports of a kind come once a second
+    std::this_thread::sleep_for(std::chrono::milliseconds(1500));  // reports of a kind are limited to one per second
   }
   const std::lock_guard lock(mutex);
   CHECK(std::count_if(said.begin(), said.end(), [](const std::string& text) {
@@ -234,7 +234,7 @@ TEST_CASE("a call that does not come back in the app's own thread is named once,
         }) == 1);
 }
 
-TEST_CASE("a late call in the app's own thread is named when it comes back, and nothing else changes") {
+TEST_CASE("a late call in the app's thread is reported when it returns, and nothing else changes") {
   const TemporaryFolder folder;
   const fs::path library = folder / "cost_imu__120_ms.so";
   fs::copy_file(fs::path(ODOGRAPH_BUILD) / "tests/zoo/cost_imu__120_ms.so", library);
@@ -251,7 +251,7 @@ TEST_CASE("a late call in the app's own thread is named when it comes back, and 
   CHECK(app.statistics().plugin_faults == 0);
 }
 
-TEST_CASE("a call that hangs in a session's thread is named to an app that asks, while it lasts") {
+TEST_CASE("an app can query a hanging call in a session's thread while it lasts") {
   const TestPlugins plugins{"obeys"};
   const App app(
       "odograph: 1\nvo_frontend: {plugin: vo/five_point}\nscale_source: {plugin: test/obeys, time_limit: 600 s}\n",

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Poses ahead of the pipeline in closed form, and at their limits: integration, prediction, what is blended.
+// Predicted poses in closed form and at their limits: integration, prediction, blending.
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -35,9 +35,9 @@ const Vector3d kRate(0.3, -0.2, 0.5), kForce(1, -2, 3), kZero = Vector3d::Zero()
 
 }  // namespace
 
-TEST_CASE("a force that grows along a line is integrated exactly, between the samples, at them and beyond") {
+TEST_CASE("a linearly growing force is integrated exactly, between, at and beyond the samples") {
   InertialTrack track;
-  track.set_biases(kRate, kForce);  // subtracted: what is left is the force alone
+  track.set_biases(kRate, kForce);  // subtracted: only the force remains
   const auto force = [](double t) { return Vector3d(2 * t, 1 - t, 0.5); };
   for (int i = 0; i <= 10; ++i) track.add(imu(i * 10 * kMs, kRate, kForce + force(0.01 * i)));
   const auto first = *track.at(0, 0.1);
@@ -54,14 +54,14 @@ TEST_CASE("a force that grows along a line is integrated exactly, between the sa
   const auto last = *track.at(100 * kMs, 0.1), beyond = *track.at(150 * kMs, 0.1), far = *track.at(900 * kMs, 0.1);
   CHECK(away(beyond.v_e, last.v_e + 0.05 * force(0.1)) < 1e-12);
   CHECK(away(beyond.p_e, last.p_e + 0.05 * last.v_e + 0.5 * 0.05 * 0.05 * force(0.1)) < 1e-12);
-  CHECK(far.t_ns == 200 * kMs);  // no further than asked for
+  CHECK(far.t_ns == 200 * kMs);  // not beyond the request
   CHECK_FALSE(track.at(-1, 0.1));
   track.clear();
   CHECK_FALSE(track.at(0, 0.1));
   CHECK(track.newest_ns() == INT64_MIN);
 }
 
-TEST_CASE("a rotation of constant rate is integrated exactly, and rates that change by their mean") {
+TEST_CASE("a rotation of constant rate is integrated exactly, and a changing rate by its mean") {
   InertialTrack track;
   for (int i = 0; i <= 10; ++i) track.add(imu(i * 10 * kMs, kRate, kZero));
   const auto first = *track.at(0, 0.1);
@@ -71,7 +71,7 @@ TEST_CASE("a rotation of constant rate is integrated exactly, and rates that cha
   CHECK(away(first.q_e_b * exp_rotation((0.1 + 0.02 * 2) * kRate), track.at(120 * kMs, 0.1)->q_e_b) < 1e-12);
 }
 
-TEST_CASE("a gap of 0.1 s is bridged, a longer one is not, of either sensor; what is not newer changes nothing") {
+TEST_CASE("gaps of either sensor are bridged up to 0.1 s, and samples that are not newer are ignored") {
   for (const int64_t gap : {100 * kMs, 100 * kMs + 1}) {
     InertialTrack track;
     track.add(imu(0, kRate, kForce));
@@ -90,7 +90,7 @@ TEST_CASE("a gap of 0.1 s is bridged, a longer one is not, of either sensor; wha
   CHECK_FALSE(InertialTrack().has_force());
 }
 
-TEST_CASE("an accelerometer that comes apart and late is put between its own samples") {
+TEST_CASE("separate and late accelerometer samples are interpolated between their neighbours") {
   InertialTrack apart, whole;
   const auto force = [](int64_t t) { return Vector3d(1e-9 * static_cast<double>(t) * Vector3d(30, 10, -20)); };
   for (int64_t t = 0; t <= 60 * kMs; t += 5 * kMs) whole.add(imu(t, kRate, force(t)));
@@ -106,7 +106,7 @@ TEST_CASE("an accelerometer that comes apart and late is put between its own sam
   }
 }
 
-TEST_CASE("a jump goes out at its limit of speed first and exponentially then, and no second one is seen either") {
+TEST_CASE("a jump decays at a limited speed first and exponentially then, and no second jump appears") {
   const SmoothPose::Pose after{exp_rotation({0.2, 0, 0.3}), {1, 2, 3}};
   const Vector3d jump(0.12, -0.16, 0), rotated(0, 0.06, 0.08);  // 0.2 m and 0.1 rad
   SmoothPose smooth;
@@ -134,7 +134,7 @@ TEST_CASE("a jump goes out at its limit of speed first and exponentially then, a
 
 namespace {
 
-/// A camera at rest above the ground, level, at 10 Hz with an IMU at 200 Hz up to one second.
+/// A horizontal camera at rest above the ground, at 10 Hz with an IMU at 200 Hz up to one second.
 struct Still {
   PosePredictor predictor;
   const Quaterniond q_b_c = exp_rotation({3, 0.2, 0});
@@ -161,7 +161,7 @@ struct Still {
 
 }  // namespace
 
-TEST_CASE("half a second ahead there is a pose, a nanosecond more and there is none; the position ends there too") {
+TEST_CASE("a pose is predicted up to half a second ahead and not a nanosecond more, and so is the position") {
   const Still still(false);
   CHECK((still.at(1000 * kMs).header.flags & ODO_POSE_EXTRAPOLATED) == 0);
   CHECK((still.at(1000 * kMs + 1).header.flags & ODO_POSE_EXTRAPOLATED) != 0);
@@ -181,7 +181,7 @@ TEST_CASE("half a second ahead there is a pose, a nanosecond more and there is n
   CHECK((longer.at(1100 * kMs).header.flags & ODO_POSE_POSITION) == 0);
 }
 
-TEST_CASE("the doubt of a position grows by 0.1 m/s with a velocity and by 1.5 m/s without, in its own axes alone") {
+TEST_CASE("the position sigma grows by 0.1 m/s with a velocity and by 1.5 m/s without, in its own axes only") {
   for (const bool moves : {false, true})
     for (const int64_t ahead : {0, 20, 80}) {
       const Still still(moves);
@@ -195,7 +195,7 @@ TEST_CASE("the doubt of a position grows by 0.1 m/s with a velocity and by 1.5 m
     }
 }
 
-TEST_CASE("a camera beside the body's origin goes along with the rotation, its velocity and rate are its own") {
+TEST_CASE("a camera beside the body's origin moves with the rotation, with its own velocity and rate") {
   const Still still(true);
   const odo_pose pose = still.at(1080 * kMs);
   const Quaterniond q_n_b = exp_rotation({0, 0, 0.4 * 0.08});
@@ -207,7 +207,7 @@ TEST_CASE("a camera beside the body's origin goes along with the rotation, its v
   CHECK((pose.header.flags & ODO_POSE_ANGULAR_VELOCITY) != 0);
 }
 
-TEST_CASE("a correction moves the pose at once and the smooth one not, and clearing forgets all") {
+TEST_CASE("a correction moves the pose at once but not the smooth one, and clearing discards everything") {
   Still still(false);
   const Quaterniond q = exp_rotation({0, 0, 0.3});
   const Vector3d p(1, -2, 0.5);
@@ -226,7 +226,7 @@ TEST_CASE("a correction moves the pose at once and the smooth one not, and clear
   still.at(1050 * kMs, ODO_NOT_READY);
 }
 
-TEST_CASE("a walker's attitude alone gives the orientation, and its own newer time counts") {
+TEST_CASE("a walker's attitude alone gives the orientation at its own newer time") {
   PosePredictor predictor;
   const auto add = [&](int64_t t_ns, const Quaterniond& q) {
     auto a = make_message<odo_attitude>(ODO_TYPE_ATTITUDE, t_ns);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The camera's mount: an oracle is that the body's track does not depend on how the camera is mounted on it.
+// The camera's mount. Oracle: the body's track is independent of it.
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -19,7 +19,7 @@ namespace {
 
 constexpr int64_t kSecond = 1'000'000'000;
 const Quaterniond kPhone(0, 1, 0, 0);                                      // its own inverse
-const Quaterniond kAskew = Quaterniond(0.5, 0.7, -0.3, 0.4).normalized();  // nothing in it is its own inverse
+const Quaterniond kAskew = Quaterniond(0.5, 0.7, -0.3, 0.4).normalized();  // none of its components is trivial
 
 Quaterniond q_of(const odo_pose& pose) { return {pose.q_n[0], pose.q_n[1], pose.q_n[2], pose.q_n[3]}; }
 
@@ -51,7 +51,7 @@ odo_attitude attitude(int64_t t_ns, const Quaterniond& q) {
 
 }  // namespace
 
-TEST_CASE("the inertial estimator's track of the body does not depend on the camera's mount") {
+TEST_CASE("the inertial estimator's track of the body is independent of the camera's mount") {
   for (const double scale_sigma : {0.0, 0.02}) {  // up to scale; metric and inertial
     CAPTURE(scale_sigma);
     WalkMeasurements what;
@@ -71,7 +71,7 @@ TEST_CASE("the inertial estimator's track of the body does not depend on the cam
   }
 }
 
-TEST_CASE("the camera's covariance is the body's, carried over the lever arm") {
+TEST_CASE("the camera's covariance is the body's, propagated over the lever arm") {
   WalkMeasurements what;
   MeasuredWalk walk(walk_scenario(15), what, 4);
   CouplingConfig config;
@@ -83,9 +83,10 @@ TEST_CASE("the camera's covariance is the body's, carried over the lever arm") {
     Estimate newest;
     HeldPose body;
     if (composer.at(INT64_MIN, newest) != ODO_OK || !composer.pose_now(body)) return;
-    if (newest.p_n_b != body.p_n_b || !(newest.pose.header.flags & ODO_POSE_POSITION)) return;  // of another moment
+    if (newest.p_n_b != body.p_n_b || !(newest.pose.header.flags & ODO_POSE_POSITION)) return;  // of another time
     const Vector3d lever_n = body.q_n_b * walk.p_b_c();
-    Eigen::Matrix<double, 6, 6> J = Eigen::Matrix<double, 6, 6>::Identity();  // a small rotation moves the lever's end
+    // A small rotation moves the end of the lever.
+    Eigen::Matrix<double, 6, 6> J = Eigen::Matrix<double, 6, 6>::Identity();
     J.bottomLeftCorner<3, 3>() << 0, lever_n.z(), -lever_n.y(), -lever_n.z(), 0, lever_n.x(), lever_n.y(), -lever_n.x(),
         0;
     const Eigen::Matrix<double, 6, 6> expected = J * body.own * J.transpose();
@@ -96,10 +97,10 @@ TEST_CASE("the camera's covariance is the body's, carried over the lever arm") {
   });
   CHECK(compared > 50);
   CHECK(worst < 1e-12);
-  CHECK(told > 1e-5);  // the lever does matter
+  CHECK(told > 1e-5);  // the lever has an effect
 }
 
-TEST_CASE("while the camera is blind the attitude's rotation turns it, through its mount") {
+TEST_CASE("while the camera is blind the attitude rotates it through its mount") {
   PaperTrack coupling({}, {}, {true, false});
   auto lens = make_message<odo_calibration>(ODO_TYPE_CALIBRATION, 0);
   lens.header.flags = ODO_CALIBRATION_EXTRINSICS;
@@ -115,7 +116,7 @@ TEST_CASE("while the camera is blind the attitude's rotation turns it, through i
   CHECK(q_of(coupling.on_vo_motion(blind, nullptr)).angularDistance(q1 * kAskew) < 1e-7);
 }
 
-TEST_CASE("a doubtful heading makes the position doubtful across the path, by the distance") {
+TEST_CASE("heading uncertainty gives position uncertainty across the path, in proportion to the distance") {
   CouplingConfig config;
   config.orientation = Orientation::attitude;
   PaperTrack coupling(config, {}, {true, true});
@@ -149,7 +150,7 @@ TEST_CASE("a doubtful heading makes the position doubtful across the path, by th
   CHECK(along.dot(P * along) < 1e-5 * moved.squaredNorm());
 }
 
-TEST_CASE("the pose of another rigid part moves and turns as that part does") {
+TEST_CASE("the pose of another rigid part moves and rotates as that part does") {
   const Quaterniond q0(Eigen::AngleAxisd(2.1, Vector3d(0.4, -0.5, 0.7).normalized()));
   const Vector3d p0(5, -3, 1), v_n(1.1, -0.4, 0.2), rate_b(0.6, -1.1, 0.8), lever_b(0.3, -0.2, 0.5);
   const auto at = [&](double t_s) {
@@ -170,7 +171,7 @@ TEST_CASE("the pose of another rigid part moves and turns as that part does") {
   CHECK((Vector3d(now.angular_velocity) - rate).norm() < 1e-6);
 }
 
-TEST_CASE("a steady scale ends the doubt of the stretch before it, and leaves what was doubted before that") {
+TEST_CASE("a steady scale ends the uncertainty of the preceding segment only") {
   for (const bool steady : {true, false}) {
     CAPTURE(steady);
     PaperTrack coupling({.fastest_mps = 2}, {.position_m = {0, 0, 0}, .heading_rad = 0, .given = true},

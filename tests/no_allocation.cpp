@@ -47,7 +47,7 @@ int check(const std::string& attitude, const std::string& steps, const std::stri
     std::printf("FAILED: %s\n", error.message);
     return 1;
   }
-  const long created = allocations - before;  // shows that they are counted, in the host and behind it
+  const long created = allocations - before;  // shows that allocations are counted, in the host and below
   long events = 0;
   odo_session_set_callback(
       session, nullptr, ODO_ALL_EVENTS, [](void* user, const odo_header*) { ++*static_cast<long*>(user); }, &events);
@@ -65,7 +65,7 @@ int check(const std::string& attitude, const std::string& steps, const std::stri
   return created > 100 && later == 0 && stepped > 80 && events - events_before > 4000 ? 0 : 1;
 }
 
-/// A session with a front-end that allocates nothing itself, asked for poses as an app does.
+/// A session with an allocation-free front-end, polled for poses like an app.
 int check_camera(const std::string& plugins) {
   const std::string yaml =
       "odograph: 1\nattitude: {plugin: attitude/vqf}\nstep_estimator: {plugin: step/odograph}\n"

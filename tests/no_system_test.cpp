@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The host over sdk/host/platform/none, as in a browser: what runs there, and what is refused in words.
+// The host over sdk/host/platform/none, as in a browser: supported functions, and errors of unsupported ones.
 #define DOCTEST_CONFIG_IMPLEMENT_WITH_MAIN
 #define DOCTEST_CONFIG_NO_POSIX_SIGNALS
 #include <doctest/doctest.h>
@@ -25,7 +25,7 @@ namespace {
 
 odo_string str(const std::string& text) { return {text.data(), text.size()}; }
 
-/// Of odo_session_create.
+/// Result of odo_session_create.
 struct Made {
   int32_t status;
   std::string text;
@@ -57,7 +57,7 @@ const std::string kConfig = "odograph: 1\nattitude:\n  plugin: attitude/vqf\n";
 
 }  // namespace
 
-TEST_CASE("without an operating system a replay runs, with plugins that are linked in") {
+TEST_CASE("without an operating system a replay runs with linked plugins") {
   REQUIRE(std::string(odograph::kPlatform.name) == "none");
   const Made made = make(kConfig);
   REQUIRE_MESSAGE(made.status == ODO_OK, made.text);
@@ -71,19 +71,19 @@ TEST_CASE("without an operating system a replay runs, with plugins that are link
   odo_session_destroy(made.session);
 }
 
-TEST_CASE("isolation is refused where there are no processes, with its place in the config") {
+TEST_CASE("without processes isolation is rejected with its location in the config") {
   check_refused(make(kConfig + "  isolation: process\n"), ODO_E_CONFIG,
                 {":3:", "isolation: plugin 'attitude/vqf'", "platform (none)", "expected 'isolation: none'"});
   check_refused(make(kConfig + "plugins:\n  isolation: process\n"), ODO_E_CONFIG, {"isolation", "platform (none)"});
 }
 
-TEST_CASE("a plugin that is not linked in is refused with those that are") {
+TEST_CASE("a plugin that is not linked is rejected with a list of the linked ones") {
   check_refused(make("odograph: 1\nattitude:\n  plugin: attitude/magyq\n"), ODO_E_CONFIG,
                 {":3:", "'attitude/magyq' is not linked into this program", "expected one of attitude/vqf",
                  "odo_register_plugin"});
 }
 
-TEST_CASE("a plugin's file is refused where there are no libraries") {
+TEST_CASE("without libraries a plugin's file is rejected") {
   const odograph::TemporaryFolder folder;
   REQUIRE_FALSE(folder.path().empty());
   const auto manifest = folder / "a.odoplugin.json";
@@ -97,11 +97,11 @@ TEST_CASE("a plugin's file is refused where there are no libraries") {
   CHECK_FALSE(why.empty());
 }
 
-TEST_CASE("a live session is refused where there are no threads") {
+TEST_CASE("without threads a live session is rejected") {
   check_refused(make(kConfig, ODO_RUN_LIVE), ODO_E_UNSUPPORTED, {"ODO_RUN_LIVE", "no threads", "ODO_RUN_REPLAY"});
 }
 
-TEST_CASE("two recorders of one file exclude each other without an operating system's locks") {
+TEST_CASE("two recorders of one file exclude each other without the system's locks") {
   const odograph::TemporaryFolder folder;
   const std::string file = (folder / "a.odo").string();
   const odo_string path = str(file);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The n-th allocation fails, for every n from the first to the last of a plugin's life: create, configure, activate,
-// process, save, destroy. Nothing may crash, every failure is a status, and nothing is lost of the memory.
-//   odograph-nth-allocation PLUGINS ID...
+// The n-th allocation fails, for every n during a plugin's life: create, configure, activate, process, save, destroy.
+// Nothing may crash, every failure is a status, and no memory leaks.
+// odograph-nth-allocation PLUGINS ID...
 #include <malloc.h>
 
 #include <algorithm>
@@ -60,7 +60,7 @@ namespace {
 
 constexpr int kSamples = 60;
 constexpr uint32_t kWidth = 64, kHeight = 48;
-long at_work = 0;  // on which n
+long at_work = 0;  // present n
 
 std::vector<AnyMessage> input() {
   std::vector<AnyMessage> all;
@@ -114,10 +114,10 @@ std::vector<AnyMessage> input() {
   return all;
 }
 
-/// A whole life. False when the failing allocation was never reached.
+/// A whole life. False if the failing allocation was not reached.
 bool live(LibraryBackend& backend, long n, const std::vector<AnyMessage>& messages, size_t& told) {
   left = n;
-  int32_t worst = guarded([&] { return backend.start(); });  // as the C API does it
+  int32_t worst = guarded([&] { return backend.start(); });  // as in the C API
   if (worst >= 0) {
     for (const AnyMessage& message : messages) {
       const auto& types = backend.types().inputs;
@@ -157,7 +157,7 @@ int check(const Manifest& manifest, const std::vector<AnyMessage>& messages) {
   const double grown_kb = (static_cast<double>(mallinfo2().uordblks) - before) / 1024;
   std::printf("%s: each of %ld allocations failed once, %zu times with a status; %+.1f kB kept\n", manifest.id.c_str(),
               at_work - 1, told, grown_kb);
-  return grown_kb < 64 ? 0 : 1;  // what a library keeps for good at its first need
+  return grown_kb < 64 ? 0 : 1;  // permanent allocations of a library at first use
 }
 
 }  // namespace

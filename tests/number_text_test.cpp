@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Numbers as texts: the plain functions, for C++ libraries without std::from_chars and std::to_chars of double, against
-// those of a library that has them.
+// Numbers as texts: the fallback functions for C++ libraries without std::from_chars and std::to_chars of double,
+// against those of a library that has them.
 #include "sdk/math/number_text.hpp"
 
 #include <bit>
@@ -14,14 +14,13 @@ TEST_SUITE_BEGIN("number_text");
 
 namespace {
 
-/// To the bit, or none in both.
+/// Bit-identical, or none in both.
 bool same(std::optional<double> a, std::optional<double> b) {
   if (!a || !b) return a.has_value() == b.has_value();
   return std::bit_cast<uint64_t>(*a) == std::bit_cast<uint64_t>(*b) || (std::isnan(*a) && std::isnan(*b));
 }
 
-/// The plain functions rest on the C library's, which Windows' own (msvcrt) rounds wrongly beyond 1e260. They are not
-/// used there.
+/// The fallback uses the C library, which on Windows (msvcrt) rounds incorrectly beyond 1e260. It is not used there.
 #if defined(_WIN32)
 constexpr bool kRoundsWrongly = true;
 #else
@@ -38,7 +37,7 @@ void check(double value) {
 
 }  // namespace
 
-TEST_CASE("plain numbers as texts are the standard library's, to the bit" * doctest::skip(kRoundsWrongly)) {
+TEST_CASE("fallback numbers as texts are the standard library's, bit for bit" * doctest::skip(kRoundsWrongly)) {
   for (int power = -1074; power <= 1023; ++power)
     for (const double next : {0.0, -HUGE_VAL, HUGE_VAL}) {
       const double value = std::ldexp(1.0, power);
@@ -54,7 +53,7 @@ TEST_CASE("plain numbers as texts are the standard library's, to the bit" * doct
     check(value);
 }
 
-TEST_CASE("what is no number is none, whichever function reads it") {
+TEST_CASE("a text that is not a number is rejected by every function") {
   for (const char* text : {"",
                            "-",
                            ".",

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// A plugin that does what it is told (hostile/obeys.cpp), in the app's process or in one of its own.
+// A plugin that executes orders (hostile/obeys.cpp), in the app's process or isolated.
 #pragma once
 
 #include <odograph/types.h>
@@ -10,12 +10,12 @@ namespace odograph {
 /// One call of its process function.
 struct Order {
   odo_header header;
-  int32_t status;      ///< that it returns
-  uint32_t sleep_ms;   ///< that it takes
-  uint32_t emits;      ///< scales: 1 + what it has learnt; displacement_m: orders since activation or reset
-  uint32_t learn;      ///< what it knows from then on and saves; 0: nothing new
-  uint32_t ends;       ///< not 0: it ends the process that calls it
-  uint32_t rounds_up;  ///< not 0: it leaves that rounding mode behind
+  int32_t status;      ///< returned
+  uint32_t sleep_ms;   ///< duration of the call
+  uint32_t emits;      ///< scales: 1 + the learnt number; displacement_m: orders since activation or reset
+  uint32_t learn;      ///< number to store and save; 0: none
+  uint32_t ends;       ///< nonzero: ends the calling process
+  uint32_t rounds_up;  ///< nonzero: leaves that rounding mode set
 };
 
 inline Order order(int64_t t_ns) {

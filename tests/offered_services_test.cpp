@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Services as plugins are offered them: of the host and of the app, and being called on request.
+// Services offered to plugins by host and app, and wake-up calls on request.
 #include <doctest/doctest.h>
 
 #include <chrono>
@@ -13,7 +13,7 @@
 
 namespace {
 
-/// A plugin with an input of its own: the test, which calls wake() of the newest instance.
+/// A plugin with its own input: the test, which calls wake() of the newest instance.
 struct Radio {
   static constexpr odo::Description description{"test/radio", "1.0.0", "Emits when it is woken.",
                                                 ODO_INTERFACE_ATTITUDE};
@@ -53,7 +53,7 @@ const void* ODO_CALL offer(void* user, const char* id, uint64_t size) {
 }
 
 struct Outcome {
-  std::string asked;     // of the app
+  std::string asked;     // by the app
   std::string reported;  // at creation and at save
 };
 
@@ -90,7 +90,7 @@ Outcome outcome(const std::string& isolation) {
 
 }  // namespace
 
-TEST_CASE("the app's services are offered by their ids, contents of assets by the app before the host") {
+TEST_CASE("the app's services are offered by id, and assets come from the app before the host") {
   const Outcome out = outcome("none");
   CHECK(contains(out.asked, "acme.number/1 odo.assets/2 "));
   CHECK_FALSE(contains(out.asked, "odo.report"));
@@ -100,7 +100,7 @@ TEST_CASE("the app's services are offered by their ids, contents of assets by th
   CHECK(contains(out.reported, "wake yes\n"));
 }
 
-TEST_CASE("in a process of its own a plugin reads assets, has nothing of the app's and cannot be woken" *
+TEST_CASE("an isolated plugin reads assets, has no service of the app's and cannot be woken" *
           doctest::skip(!kPlatform.processes)) {
   const Outcome out = outcome("process");
   CHECK(out.asked.empty());
@@ -109,7 +109,7 @@ TEST_CASE("in a process of its own a plugin reads assets, has nothing of the app
   CHECK(contains(out.reported, "wake no\n"));
 }
 
-TEST_CASE("more state than is kept is reported, wherever the plugin runs") {
+TEST_CASE("an oversized state is reported, in process and isolated") {
   for (const std::string isolation : {"none", "process"}) {
     if (isolation == "process" && !kPlatform.processes) continue;
     CAPTURE(isolation);
@@ -118,7 +118,7 @@ TEST_CASE("more state than is kept is reported, wherever the plugin runs") {
   }
 }
 
-TEST_CASE("a plugin that asks for it is called without a message, at the latest with the next sample") {
+TEST_CASE("a plugin that requests it is called without a message, at the latest with the next sample") {
   REQUIRE(odo_register_plugin(radio_entry, nullptr) == ODO_OK);
   App app("odograph: 1\nattitude: {plugin: test/radio}\n");
   REQUIRE_MESSAGE(app.status == ODO_OK, app.message);
@@ -130,14 +130,14 @@ TEST_CASE("a plugin that asks for it is called without a message, at the latest 
   app.walk(3, 4);
   odo_session_flush(app.session);
   CAPTURE(app.said());
-  CHECK(app.all<odo_attitude>(ODO_TYPE_ATTITUDE).size() == 1);  // one call answers several requests
+  CHECK(app.all<odo_attitude>(ODO_TYPE_ATTITUDE).size() == 1);  // one call serves several requests
   Radio::asks_again = true;
   CHECK(Radio::newest->wake());
-  CHECK(odo_session_flush(app.session) == ODO_OK);  // comes back though it asks again each time
+  CHECK(odo_session_flush(app.session) == ODO_OK);  // returns although each call requests another
   Radio::asks_again = false;
 }
 
-TEST_CASE("a live session calls a plugin that asks for it while no sample comes") {
+TEST_CASE("a live session calls a plugin on request while no sample arrives") {
   REQUIRE(odo_register_plugin(radio_entry, nullptr) == ODO_OK);
   const App app("odograph: 1\nattitude: {plugin: test/radio}\n", ODO_RUN_LIVE);
   REQUIRE_MESSAGE(app.status == ODO_OK, app.message);

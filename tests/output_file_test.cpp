@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Where an output ends up: through links of every kind, from any working folder.
+// Destination of an output: through all kinds of links, from any working folder.
 #include <doctest/doctest.h>
 
 #include <filesystem>
@@ -13,7 +13,7 @@ namespace fs = std::filesystem;
 
 TEST_SUITE_BEGIN("output_file");
 
-TEST_CASE("a link is followed from where it lies, relative, absolute, over several, and to a file not there yet") {
+TEST_CASE("a link is followed from its own folder: relative, absolute, over several, and to a missing file") {
   const TemporaryFolder folder;
   fs::create_directories(folder / "a/b");
   fs::create_directories(folder / "c");
@@ -52,7 +52,7 @@ TEST_CASE("a chain of 39 links is followed") {
   CHECK(read_text(folder / "out.txt") == "new");
 }
 
-TEST_CASE("a new file is written beside its place or in it, as was asked; an older one always beside") {
+TEST_CASE("a new file is written beside its destination or in place, as requested, and an existing one always beside") {
   for (const auto beside : {OutputFile::Beside::always, OutputFile::Beside::if_exists})
     for (const bool exists : {false, true}) {
       const TemporaryFolder folder;
@@ -73,7 +73,7 @@ TEST_CASE("a new file is written beside its place or in it, as was asked; an old
     }
 }
 
-TEST_CASE("what is abandoned stays where it lies, what is dropped beside an older file goes") {
+TEST_CASE("abandoned output stays, and dropped output beside an existing file is removed") {
   const TemporaryFolder folder;
   const fs::path file = write_text(folder / "out.txt", "old");
   { OutputFile::create(file)->stream() << "dropped"; }
@@ -87,7 +87,7 @@ TEST_CASE("what is abandoned stays where it lies, what is dropped beside an olde
   CHECK(read_text(file) == "old");
 }
 
-TEST_CASE("two writers of one place exclude each other, whichever way they write, through links too") {
+TEST_CASE("two writers of one destination exclude each other, in either mode and through links") {
   using Beside = OutputFile::Beside;
   for (const auto first : {Beside::always, Beside::if_exists})
     for (const auto second : {Beside::always, Beside::if_exists})

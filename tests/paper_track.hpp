@@ -7,7 +7,7 @@
 
 namespace odograph {
 
-/// A composer by the papers' rules, fed and asked in one call each.
+/// A composer by the papers' rules, with one call per input and output.
 struct PaperTrack {
   Composer composer;
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// A plugin's parameters from its table to its instance, its kind's types, and texts of limited size.
+// A plugin's parameters from its table to its instance, the types of its kind, and texts of limited size.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -37,7 +37,7 @@ odo_parameter row(uint32_t type, const char* name, double min, double max, uint3
 
 }  // namespace
 
-TEST_CASE("every column of a parameter table is in the manifest and comes back from it") {
+TEST_CASE("every column of a parameter table is written to the manifest and read back") {
   const odo_parameter rows[] = {row(ODO_PARAMETER_BOOL, "a", 0, 0, 0),    row(ODO_PARAMETER_INT, "b", -3, 7, 0),
                                 row(ODO_PARAMETER_REAL, "c", 0.25, 8, 0), row(ODO_PARAMETER_STRING, "d", 0, 0, 0),
                                 row(ODO_PARAMETER_CHOICE, "e", 0, 0, 0),  row(ODO_PARAMETER_REALS, "f", -1.5, 1.5, 4)};
@@ -71,7 +71,7 @@ TEST_CASE("every column of a parameter table is in the manifest and comes back f
     }
   plugin.parameter_stride = ODO_PARAMETER_SIZE_MIN - 1;
   CHECK_FALSE(parameter_specs(plugin).ok());
-  plugin.parameter_stride = 2 * sizeof(odo_parameter);  // a newer plugin's wider rows
+  plugin.parameter_stride = 2 * sizeof(odo_parameter);  // wider rows of a newer plugin
   plugin.parameter_count = 3;
   const auto wide = parameter_specs(plugin);
   REQUIRE(wide.ok());
@@ -79,7 +79,7 @@ TEST_CASE("every column of a parameter table is in the manifest and comes back f
   CHECK((*wide)[2].name == "e");
 }
 
-TEST_CASE("a manifest with a path, or without two numbers of its ABI, is refused") {
+TEST_CASE("a manifest with a path, or without two ABI numbers, is rejected") {
   const auto with = [](const std::string& abi, const std::string& library) {
     return parse_manifest("{odoplugin: 1, id: a/b, version: '1', summary: s, interfaces: [i], abi: " + abi +
                               ", library: " + library + ", sha256: x, parameters: []}",
@@ -94,8 +94,7 @@ TEST_CASE("a manifest with a path, or without two numbers of its ABI, is refused
   CHECK_FALSE(with("[0, 1]", "''"));
 }
 
-TEST_CASE(
-    "a manifest of a later version is read: what it has beyond is passed over, a parameter's unknown type is not") {
+TEST_CASE("a manifest of a later version is read without its new items, but an unknown parameter type is rejected") {
   const auto read = [](const std::string& type) {
     return parse_manifest(
         "{odoplugin: 1, id: a/b, version: '1', summary: s, interfaces: [odo.attitude/7, odo.smell/1], "
@@ -115,7 +114,7 @@ TEST_CASE(
   CHECK(unknown.failure().text.find("parameters[1].type: 'matrix'") != std::string::npos);
 }
 
-TEST_CASE("a file's hash is SHA-256, in small letters") {
+TEST_CASE("a file's hash is SHA-256 in lower case") {
   const TemporaryFolder folder;
   CHECK(*sha256_of(write_text(folder / "abc", "abc")) ==
         "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
@@ -151,7 +150,7 @@ TEST_CASE("a parameter of every type reaches the instance with its value") {
   CHECK(std::string(values[6].text.data, values[6].text.size) == "words");
 }
 
-TEST_CASE("each kind is given and gives what the contract's header says") {
+TEST_CASE("each kind has the inputs and outputs of the contract's header") {
   struct Kind {
     const char* id;
     std::set<uint32_t> inputs, outputs;
@@ -180,7 +179,7 @@ TEST_CASE("each kind is given and gives what the contract's header says") {
   }
 }
 
-TEST_CASE("values that take a config's place: by key, number and plugin, and as text that reads the same") {
+TEST_CASE("values replace a config's by key, number and plugin, and their text parses to the same") {
   const auto config = *parse_yaml(
       "odograph: 1\nwalker: {height: 1.7}\nabsolute_fixers:\n  - plugin: fix/gnss\n  - {plugin: fix/waypoint}\n"
       "attitude: {plugin: attitude/vqf}\n",
@@ -209,12 +208,12 @@ TEST_CASE("values that take a config's place: by key, number and plugin, and as 
   CHECK_FALSE(parse_override("ab").ok());
 }
 
-TEST_CASE("a document of the largest size, depth and count is read, one beyond is refused") {
+TEST_CASE("a document at the limits of size, depth and count is read, and one beyond is rejected") {
   const auto reads = [](const std::string& text, YamlLimits limits) { return parse_yaml(text, "f", limits).ok(); };
   const std::string nested = "[[[1]]]", four = "a: [1, 2]";  // key, list, two values
   CHECK(reads(nested, {.depth = 3}));
   CHECK_FALSE(reads(nested, {.depth = 2}));
-  CHECK(reads(four, {.nodes = 5}));  // and the map
+  CHECK(reads(four, {.nodes = 5}));  // including the map
   CHECK_FALSE(reads(four, {.nodes = 4}));
   CHECK(reads(four, {.bytes = four.size()}));
   CHECK_FALSE(reads(four, {.bytes = four.size() - 1}));
@@ -243,13 +242,13 @@ TEST_CASE("a document of the largest size, depth and count is read, one beyond i
   CHECK(tab.failure().text.find("f:2:2:") == 0);
 }
 
-TEST_CASE("what is written to shared memory comes back in order, and neither side goes beyond the end") {
+TEST_CASE("data written to shared memory is read in order, and neither side passes the end") {
   std::vector<uint8_t> memory(64, 0xEE);
   wire::Writer out(std::span<uint8_t>(memory).first(40));
   out.put(uint32_t(7)), out.put(int64_t(-9)), out.put_text("abc"), out.put_bytes(nullptr, 0);
   CHECK(out.size() == 4 + 8 + 8 + 3 + 8);
   const size_t before = out.size();
-  out.put_bytes("0123456789", 1);  // 9 bytes are left
+  out.put_bytes("0123456789", 1);  // leaves 9 bytes
   CHECK((!out.full() && out.size() == 40));
   wire::Reader in(std::span<const uint8_t>(memory).first(out.size()));
   CHECK(in.get<uint32_t>() == 7);
@@ -262,7 +261,7 @@ TEST_CASE("what is written to shared memory comes back in order, and neither sid
   CHECK(in.get<uint8_t>() == 0);
   CHECK_FALSE(in.good());
   out.rewind(before);
-  out.put_bytes("0123456789", 2);  // one too many: nothing of it is written
+  out.put_bytes("0123456789", 2);  // one too many: nothing is written
   CHECK((out.full() && out.size() == before));
   CHECK(std::count(memory.begin() + 40, memory.end(), 0xEE) == 24);
   uint64_t size = 33;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Silence of all sensors, of any length, anywhere in a run: an event and no interval to integrate over.
+// Silence of all sensors for any time, anywhere in a run: it is an event, not an interval to integrate.
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -40,7 +40,7 @@ const std::string kPipelines[] = {
         "vo_frontend: {plugin: vo/five_point}\nscale_source: {plugin: scale/step_fit}\ncoupling: {type: paper}\n",
 };
 
-/// A walk with a textured wall that passes by, sample by sample.
+/// A walk past a textured wall, sample by sample.
 class Walk {
  public:
   explicit Walk(const std::string& yaml) : app(yaml) {
@@ -72,7 +72,7 @@ class Walk {
     work();
     slowest_s = std::max(slowest_s, thread_s() - start_s);
   }
-  /// Processor time: a loaded machine is no hang.
+  /// Processor time, so that a loaded machine is not taken for a hang.
   static double thread_s() {
     timespec t{};
     clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
@@ -109,20 +109,20 @@ double sigma_m(const odo_pose& pose) { return std::sqrt(std::max(pose.covariance
 
 }  // namespace
 
-TEST_CASE("a front-end that loses its unit after a pause at its start moves nothing by kilometres") {
+TEST_CASE("a front-end that loses its scale after an early pause moves nothing by kilometres") {
   for (const double before_s : {0.7, 0.74}) {
     Walk walk(kOdograph);
     walk.go(before_s);
     walk.wait(6);
     walk.go(9 - before_s);
     walk.flush();
-    CHECK(end_of(walk).distance_m < 15);  // 361 km when a displacement without a scale had no bound
+    CHECK(end_of(walk).distance_m < 15);  // was 361 km without a limit for displacements without scale
   }
 }
 
 namespace {
 
-constexpr double kAll_s = 9, kFastest_mps = 2, kFarthest_m = 100e3;  // coupling.fastest, and as far as n reaches
+constexpr double kAll_s = 9, kFastest_mps = 2, kFarthest_m = 100e3;  // coupling.fastest, and the range of n
 
 struct Pause {
   size_t pipeline;
@@ -139,7 +139,7 @@ Pause random_pause(std::mt19937& random, size_t pipeline) {
   return pause;
 }
 
-/// Of each displacement between two poses from the pause on: the largest part of what is allowed.
+/// For each displacement between two poses after the pause: largest ratio to the allowed one.
 double check_poses(const std::vector<odo_pose>& poses, size_t before, double pause_s) {
   double largest = 0;
   const bool placed = before > 0 && (poses[before - 1].header.flags & ODO_POSE_POSITION) != 0;
@@ -147,10 +147,10 @@ double check_poses(const std::vector<odo_pose>& poses, size_t before, double pau
   for (size_t i = 0; i < poses.size(); ++i) {
     const odo_pose& pose = poses[i];
     CHECK(std::isfinite(pose.p_n[0] + pose.covariance[0] + pose.covariance[21] + pose.q_n[0]));
-    if ((pose.header.flags & ODO_POSE_VELOCITY) != 0)  // what the localizer takes for possible (Tracker::Parameters)
+    if ((pose.header.flags & ODO_POSE_VELOCITY) != 0)  // the localizer's limit (Tracker::Parameters)
       CHECK(std::hypot(pose.velocity_n[0], pose.velocity_n[1]) < 5 * kFastest_mps + 0.01);
     const double since_s = static_cast<double>(pose.header.t_ns - last_ns) * 1e-9;
-    if (placed && pause_s > 2 && since_s > pause_s)  // it may have been carried anywhere, whatever moves it now
+    if (placed && pause_s > 2 && since_s > pause_s)  // it may have been carried anywhere
       CHECK_MESSAGE(sigma_m(pose) > 0.9 * std::min(kFastest_mps * pause_s, kFarthest_m), "pose " << i);
     if (i == 0 || i + 1 < before || !(poses[i - 1].header.flags & pose.header.flags & ODO_POSE_POSITION)) continue;
     const double moved_m = std::hypot(pose.p_n[0] - poses[i - 1].p_n[0], pose.p_n[1] - poses[i - 1].p_n[1]);
@@ -162,19 +162,19 @@ double check_poses(const std::vector<odo_pose>& poses, size_t before, double pau
   return largest;
 }
 
-/// Tracking and distance are those of a walk without a pause, by its camera or by its steps.
+/// Tracking and distance equal those of a walk without a pause, by camera or by steps.
 void check_end(const Walk& walk, const End& whole) {
   const End end = end_of(walk);
   double stepped_m = 0;
   for (const odo_step& step : walk.app.all<odo_step>(ODO_TYPE_STEP)) stepped_m += step.length_m;
   CHECK(walk.slowest_s < 1.0);
-  CHECK(end.known_s < whole.known_s + 2.5);  // the shortest pauses are gaps that are carried over
+  CHECK(end.known_s < whole.known_s + 2.5);  // the shortest pauses are bridged gaps
   CHECK(end.distance_m < std::max(whole.distance_m, stepped_m) + 2 * 2.5);
 }
 
 }  // namespace
 
-TEST_CASE("a pause of any length anywhere is no displacement beyond the covariance, no tracking and no distance") {
+TEST_CASE("a pause of any length anywhere causes no displacement beyond the covariance, no tracking and no distance") {
   const char *wanted = std::getenv("ODOGRAPH_PAUSES"), *seed = std::getenv("ODOGRAPH_PAUSES_SEED");
   const int runs = wanted ? std::atoi(wanted) : 70;
   std::mt19937 random(seed ? static_cast<uint32_t>(std::atoi(seed)) : 7);
@@ -228,7 +228,7 @@ TEST_CASE("after a pause the state is lost, with a reason, until the next pose")
   CHECK(sigma_m(walk.app.pose(ODO_TIME_LATEST)) > 1000);  // it may have been carried anywhere
 }
 
-TEST_CASE("a clock's zero before the time since boot costs nothing") {
+TEST_CASE("a clock at zero before the time since boot has no effect") {
   Walk walk(kOdograph);
   walk.go(0.01);
   walk.wait(1e6);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The right perturbations that docs/notation.md names: their derivatives against finite differences.
+// The right perturbations listed in docs/notation.md: their derivatives against finite differences.
 #include "plugins/vo/odograph/visual/bundle_costs.hpp"
 #undef CHECK  // glog's, which Ceres includes
 #include <doctest/doctest.h>
@@ -32,7 +32,7 @@ Vector3d vector(Random& random) { return {random.normal(), random.normal(), rand
 
 Block pose_block(const Quaterniond& q, const Vector3d& p) { return {q.x(), q.y(), q.z(), q.w(), p.x(), p.y(), p.z()}; }
 
-/// As the manifold is documented, not as it is written: rotated on the right, moved in w.
+/// By the manifold's documentation, not its code: rotated on the right, moved in w.
 Block moved(Block x, const VectorXd& tangent) {
   if (x.size() != 7) {
     for (size_t i = 0; i < x.size(); ++i) x[i] += tangent[static_cast<Eigen::Index>(i)];
@@ -50,7 +50,7 @@ VectorXd residuals(const ceres::CostFunction& cost, const std::vector<Block>& x)
   return r;
 }
 
-/// Largest difference of the derivatives by the tangents, by the largest derivative.
+/// Largest difference of the derivatives by the tangents, over the largest derivative.
 double worst_derivative(const ceres::CostFunction& cost, const std::vector<Block>& x) {
   std::vector<RowMajor> J;
   std::vector<const double*> at;
@@ -79,7 +79,7 @@ double worst_derivative(const ceres::CostFunction& cost, const std::vector<Block
 
 }  // namespace
 
-TEST_CASE("the window's manifold rotates on the right, and its difference takes that back") {
+TEST_CASE("the window's manifold rotates on the right, and its difference is the inverse") {
   Random random(3, 1);
   const bundle::PoseManifold manifold;
   for (int k = 0; k < 20; ++k) {
@@ -95,7 +95,7 @@ TEST_CASE("the window's manifold rotates on the right, and its difference takes 
   }
 }
 
-TEST_CASE("the derivatives of the window's terms are those of finite differences on the right") {
+TEST_CASE("the derivatives of the window's terms equal finite differences on the right") {
   Random random(4, 1);
   for (int k = 0; k < 20; ++k) {
     CAPTURE(k);
@@ -106,7 +106,7 @@ TEST_CASE("the derivatives of the window's terms are those of finite differences
     CHECK(worst_derivative(bundle::Length(1.3, 0.01), {a, j}) < 1e-7);
     const Vector3d bias = 0.01 * vector(random);
     const Eigen::Matrix3d by_bias = -0.4 * exp_rotation(0.2 * vector(random)).toRotationMatrix();
-    // By the poses to first order in the error, so that is small here: Log's Jacobian at 1e-4 rad is off by half of it.
+    // First order in the error, hence a small one: Log's Jacobian at 1e-4 rad is off by half of it.
     const Quaterniond measured = q_a.conjugate() * q_j * exp_rotation(1e-4 * vector(random).normalized());
     const bundle::Rotation rotation({measured, by_bias, 2e-4}, bias);
     CHECK(worst_derivative(rotation, {a, j, {bias.x(), bias.y(), bias.z()}}) < 1e-4);
@@ -114,10 +114,10 @@ TEST_CASE("the derivatives of the window's terms are those of finite differences
   }
 }
 
-TEST_CASE("a fitted pose's covariance is that of a rotation on the right, by finite differences") {
+TEST_CASE("a fitted pose's covariance is that of a right perturbation, by finite differences") {
   Random random(5, 1);
   constexpr double kSigma = 1e-3, h = 1e-6;
-  const Quaterniond q = exp_rotation({0.4, -0.9, 0.3});  // so large that the sides differ
+  const Quaterniond q = exp_rotation({0.4, -0.9, 0.3});  // large, so that left and right differ
   const Vector3d p(0.5, -1, 0.2);
   std::vector<PointSeen> points;
   MatrixXd information = MatrixXd::Zero(6, 6);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Broken recordings of apps: file, column and what to switch on are named; archives do no harm.
+// Broken recordings of apps: errors name file, column and the setting to enable; archives are harmless.
 #include <doctest/doctest.h>
 
 #include <cstdlib>
@@ -28,7 +28,7 @@ std::string failure_of(const fs::path& path) {
 
 namespace {
 
-/// A broken recording: which app's, what was done to it, what the failure must name.
+/// A broken recording: its app, the damage, and the expected words of the error.
 struct Broken {
   size_t app;
   std::function<void(const fs::path&)> harm;
@@ -144,7 +144,7 @@ const std::vector<Broken>& broken() {
 
 }  // namespace
 
-TEST_CASE("each of twenty-five broken recordings is named: file, column, what to switch on") {
+TEST_CASE("the error of each of twenty-five broken recordings names the file, the column and the setting to enable") {
   CHECK(broken().size() == 25);
   std::map<size_t, std::shared_ptr<TemporaryFolder>> whole;
   for (size_t i = 0; i < broken().size(); ++i) {
@@ -166,10 +166,10 @@ TEST_CASE("each of twenty-five broken recordings is named: file, column, what to
   }
 }
 
-TEST_CASE("an archive's names do not lead out of its folder, and it does not unpack without end") {
+TEST_CASE("an archive's names cannot leave its folder, and its unpacked size is limited") {
   const TemporaryFolder folder;
   write_text(folder / "out.txt", ""), fs::create_directories(folder / "in");
-  write_text(folder / "in/file.txt", std::string(300u << 20, 'a'));  // packs a thousand to one
+  write_text(folder / "in/file.txt", std::string(300u << 20, 'a'));  // compresses a thousand to one
   write_zip(folder / "in", folder / "bomb.zip");
   CHECK(failure_of(folder / "bomb.zip").find("100 times its size") != std::string::npos);
   write_text(folder / "in/file.txt", "a");
@@ -183,7 +183,7 @@ TEST_CASE("an archive's names do not lead out of its folder, and it does not unp
   CHECK(limited.failure().text.find("more than 1 MB") != std::string::npos);
 }
 
-TEST_CASE("an archive starts no program, whatever it says that it is packed with") {
+TEST_CASE("an archive starts no program, whatever its stated compression") {
   const TemporaryFolder folder;
   const fs::path ran = folder / "ran";
   for (const char* name : {"lrzip", "grzip", "lzop", "uncompress"}) {

@@ -30,7 +30,7 @@ Scenario tiny(const std::string& profile) {
   return s;
 }
 
-/// The phone at rest in the origin, rotating about its y axis by that angle of time.
+/// The phone at rest at the origin, rotating about its y axis by that angle of time.
 template <class Angle>
 Motion rotating(double duration_s, const Angle& angle) {
   std::vector<Vector3d> p;
@@ -49,7 +49,7 @@ Scenario::Camera stabilised() {
   return c;
 }
 
-/// Standard deviation of where a far point ahead appears, px.
+/// Standard deviation of the pixel of a distant point ahead, px.
 double wobble_px(const Scenario::Camera& c, const Motion& phone, double from_s) {
   const SimCamera camera(c, 1, 1, &phone);
   const Vector3d ahead = camera.pose(phone, 0) * Vector3d(0, 0, 1000);
@@ -84,7 +84,7 @@ Recording recorded(const Scenario& scenario, uint64_t seed, bool frames) {
   return std::move(*recording);
 }
 
-/// A picture with texture that drifts by half a pixel a frame.
+/// A textured picture that drifts by half a pixel per frame.
 cv::Mat textured(int frame) {
   cv::Mat noise(160, 240, CV_8U), picture;
   Random random(3, 3);
@@ -110,7 +110,7 @@ double rms_after(double bit_rate, int frames) {
 
 }  // namespace
 
-TEST_CASE("the clean profile has none of a phone's errors, and a lens that stands still changes no pixel") {
+TEST_CASE("the clean profile has none of a phone's errors, and a static lens changes no pixel") {
   const Scenario clean = tiny("clean"), plain = [] {
     Scenario s;
     s.camera.width = 96, s.camera.height = 64, s.camera.focal_px = 80;
@@ -125,7 +125,7 @@ TEST_CASE("the clean profile has none of a phone's errors, and a lens that stand
   const auto frames = frames_of(*recording);
   REQUIRE(frames.size() == recording->truth.size());
   for (size_t i = 0; i < frames.size(); ++i) CHECK(frames[i].header.t_ns == recording->truth[i].t_ns);
-  // Values of the simulator before it knew of phones: whoever changes its random numbers or its light sees it here.
+  // Values of the simulator before phone profiles: a change of its random numbers or its light shows here.
   const auto imu = imu_of(*recording);
   REQUIRE(imu.size() > 500);
   CHECK(imu[500].gyro_b[0] == doctest::Approx(0.28462).epsilon(1e-6));
@@ -142,7 +142,7 @@ TEST_CASE("the clean profile has none of a phone's errors, and a lens that stand
   CHECK(grey == doctest::Approx(116.251).epsilon(1e-4));
 }
 
-TEST_CASE("the stabiliser holds the picture against a fast shake within its travel and lets slow rotation through") {
+TEST_CASE("the stabiliser compensates a fast shake within its travel and lets slow rotation through") {
   const auto shake = rotating(4, [](double t) { return 0.2 * kDeg * std::sin(2 * kPi * 6 * t); });
   const Scenario::Camera with = stabilised(), without = [] {
     Scenario::Camera c = stabilised();
@@ -154,7 +154,7 @@ TEST_CASE("the stabiliser holds the picture against a fast shake within its trav
   CHECK(held_px < 0.35 * free_px);
   const auto slow = rotating(40, [](double t) { return 1.5 * kDeg * std::sin(2 * kPi * 0.05 * t); });
   CHECK(wobble_px(with, slow, 5) > 0.9 * wobble_px(without, slow, 5));
-  // A rotation far beyond the travel takes the lens to its end and no further.
+  // A rotation far beyond the travel moves the lens to its end and no farther.
   const auto wide = rotating(6, [](double t) { return 8 * kDeg * std::sin(2 * kPi * 1.9 * t); });
   const SimCamera camera(with, 1, 1, &wide);
   double most = 0;
@@ -163,7 +163,7 @@ TEST_CASE("the stabiliser holds the picture against a fast shake within its trav
   CHECK(most <= 500 * 0.9 * kDeg);
 }
 
-TEST_CASE("what is rendered through a moving lens is where the truth has it") {
+TEST_CASE("pixels rendered through a moving lens match the truth") {
   const TemporaryFolder folder;
   Scenario s;
   s.route = {{0, 0, 0}, {5, 0, 0}};
@@ -183,7 +183,7 @@ TEST_CASE("what is rendered through a moving lens is where the truth has it") {
   apriltag_detector_add_family(detector, family);
   detector->quad_decimate = 1;
   size_t index = 0, compared = 0;
-  double furthest = 0;  // what a lens that stands still would have made of it
+  double furthest = 0;  // error with a static lens
   const Vector3d corner = World(s, 2).known_objects()[0].corners[0];
   for (const auto& m : recording.messages) {
     if (m.message.header().type != ODO_TYPE_FRAME) continue;
@@ -215,7 +215,7 @@ TEST_CASE("what is rendered through a moving lens is where the truth has it") {
   CHECK(furthest > 2);
 }
 
-TEST_CASE("autofocus moves the focal length within its breathing, in moves of their own length") {
+TEST_CASE("autofocus moves the focal length within its breathing, in moves of the given length") {
   Scenario::Camera c;
   c.focus = {0.012, 1.5, 0.3};
   const auto still = rotating(120, [](double) { return 0.0; });
@@ -260,7 +260,7 @@ TEST_CASE("the recording keeps the nominal lens, row time and clock, the truth t
   }
   mean /= static_cast<double>(frames.size());
   const double sigma = std::sqrt(squares / static_cast<double>(frames.size()) - mean * mean);
-  // The first row's start is found from the middle with a row time that is 20 % too long.
+  // The first row's start is computed from the middle with a row time that is 20 % too long.
   CHECK(std::abs(mean - (-30e-3 + 0.5 * 63 * 0.2 * 31e-3 / 64)) <
         0.03 * std::abs(-30e-3 + 0.5 * 63 * 0.2 * 31e-3 / 64));
   CHECK(std::abs(sigma - 3e-3) < 0.25 * 3e-3);
@@ -274,9 +274,9 @@ TEST_CASE("the recording keeps the nominal lens, row time and clock, the truth t
     }
 }
 
-TEST_CASE("a lens that reports itself has a calibration for each frame, right but for its error") {
+TEST_CASE("a lens that reports itself has a calibration for each frame, correct up to its error") {
   Scenario s = tiny("phone_reported");
-  s.camera.focal_px = 500;  // shifts of pixels
+  s.camera.focal_px = 500;  // shifts in pixels
   const Recording recording = recorded(s, 3, true);
   const Journey walk = make_walk(s, 3);
   const SimCamera camera(s.camera, 1, 3, &walk.phone);
@@ -296,7 +296,7 @@ TEST_CASE("a lens that reports itself has a calibration for each frame, right bu
   CHECK(std::abs(std::sqrt(squares / (2 * static_cast<double>(frame))) - 0.4) < 0.12);
 }
 
-TEST_CASE("fewer bits leave more error in the video, many leave next to none") {
+TEST_CASE("the video's error decreases with the bit rate, almost to zero") {
   const double fine = rms_after(2e7, 6), middle = rms_after(1e6, 6), coarse = rms_after(2e5, 6);
   CHECK(fine < 1.2);
   CHECK(middle > 1.3 * fine);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// A simulated walk as each app writes it, read back: messages and poses are those of the direct run. What is broken or
-// missing is named.
+// A simulated walk in the format of each app, read back: messages and poses equal those of the direct run. Broken or
+// missing items are reported.
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -47,7 +47,7 @@ RunResult run(const Recording& recording) {
   return *result;
 }
 
-/// The walk itself with no more than the app's recording has of it: sensors, and where the camera sits in the body.
+/// Reference run of the walk with only the content of the app's recording: sensors, and the camera's mount.
 const Trajectory& direct_track(bool upright, const Recording& like) {
   static std::map<std::tuple<bool, bool, bool, bool>, Trajectory> tracks;
   const bool field = like.has(ODO_TYPE_MAGNETOMETER), pressure = like.has(ODO_TYPE_BAROMETER);
@@ -71,7 +71,7 @@ const Trajectory& direct_track(bool upright, const Recording& like) {
   return track = run(read(folder / "direct.odo")).track;
 }
 
-/// How far two tracks are apart at the most (m), each from its own first time on; 1e9 where they are not of one length.
+/// Largest distance of two tracks (m), each from its own first time on; 1e9 if their lengths differ.
 double apart(const Trajectory& a, const Trajectory& b) {
   if (a.size() != b.size() || a.empty()) return 1e9;
   double farthest = 0;
@@ -90,20 +90,20 @@ std::vector<Message> all_of(const Recording& recording, uint32_t type) {
   return all;
 }
 
-/// Vectors that are the same but for the rounding of a change of units, or of floats.
+/// Whether vectors are equal up to rounding of units or floats.
 bool same(const double* a, const double* b, double relative) {
   const Eigen::Vector3d x(a[0], a[1], a[2]), y(b[0], b[1], b[2]);
   return (x - y).norm() <= relative * (y.norm() + 1e-3);
 }
 
-/// Times on the recording's own clock, which begins with the same sample.
+/// Times on the recording's clock, aligned at the first sample.
 std::vector<int64_t> shifted(std::vector<int64_t> times_ns, const Recording& recording) {
   const int64_t begin_ns = walk(false).recording.messages.front().message.header().t_ns;
   for (int64_t& t : times_ns) t += recording.messages.front().message.header().t_ns - begin_ns;
   return times_ns;
 }
 
-/// All samples of the walk, in their order, with what an app's format cannot hold left aside.
+/// All samples of the walk in order, without items that an app's format cannot hold.
 void check_samples(const Recording& found, const PhoneWalk& given, double relative) {
   const auto a = all_of<odo_imu>(found, ODO_TYPE_IMU), b = all_of<odo_imu>(given.recording, ODO_TYPE_IMU);
   REQUIRE(a.size() == b.size());
@@ -131,7 +131,7 @@ void check_samples(const Recording& found, const PhoneWalk& given, double relati
   }
 }
 
-/// Whether no last digit of the IMU's samples was lost on the way.
+/// Whether the IMU's samples are exact.
 bool exact(const Recording& found, const PhoneWalk& given) {
   const auto a = all_of<odo_imu>(found, ODO_TYPE_IMU), b = all_of<odo_imu>(given.recording, ODO_TYPE_IMU);
   return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const odo_imu& x, const odo_imu& y) {
@@ -141,11 +141,11 @@ bool exact(const Recording& found, const PhoneWalk& given) {
 
 }  // namespace
 
-TEST_CASE("a walk written by each app, held upright or wide, gives the samples and the poses of the direct run") {
+TEST_CASE("a walk written by each app, upright or wide, gives the samples and the poses of the direct run") {
   for (size_t i = 0; i < apps().size(); ++i)
     for (const bool upright : {false, true}) {
       const App& app = apps()[i];
-      if (upright && (i == 5 || i == 9)) continue;  // its files have the lens as the sensor reads it
+      if (upright && (i == 5 || i == 9)) continue;  // its files have the lens in sensor orientation
       CAPTURE(app.name);
       CAPTURE(i);
       CAPTURE(upright);
@@ -165,13 +165,13 @@ TEST_CASE("a walk written by each app, held upright or wide, gives the samples a
       if (upright && i != 0 && i != 11) continue;  // the same samples and times give the same poses
       const double off_m = apart(run(recording).track, direct_track(upright, recording));
       MESSAGE(app.name, std::string(upright ? " (upright)" : ""), ": ", 1e3 * off_m, " mm from the direct run");
-      // A last digit of a sample may let a corner pass or not: single precision is worth 7 to 13 mm of 12 m, and so is
-      // the rounding of a sum with gravity.
+      // The last digit of a sample may accept or reject a corner: single precision changes 12 m by 7 to 13 mm, and so
+      // does the rounding of a sum with gravity.
       CHECK(off_m < (exact(recording, walk(upright)) ? 1e-6 : 30e-3));
     }
 }
 
-TEST_CASE("a folder is read as its zip is, and video that has lost something stays close") {
+TEST_CASE("a folder is read like its zip, and lossy video gives a similar track") {
   const TemporaryFolder folder;
   apps()[0].write(walk(false), folder / "out");
   write_lens(walk(false), folder / "out");
@@ -188,7 +188,7 @@ TEST_CASE("a folder is read as its zip is, and video that has lost something sta
   CHECK(off_m < 0.4);  // 3 % of the 12 m
 }
 
-TEST_CASE("what is guessed is said: the lens by the phone, the mount by the picture's shape, times by the name") {
+TEST_CASE("guesses are reported: the lens by the phone, the mount by the picture's shape, times by the file name") {
   const TemporaryFolder folder;
   apps()[2].write(walk(false), folder / "out");
   const Recording recording = read(folder / "out");
@@ -204,7 +204,7 @@ TEST_CASE("what is guessed is said: the lens by the phone, the mount by the pict
   CHECK(frame_times_ns(without).front() == 1'781'801'310'305'000'000);
 }
 
-TEST_CASE("guesses are refined against the gyroscope: lens, mount and the time of a video without its own times") {
+TEST_CASE("lens, mount and the time of a video without times are refined against the gyroscope") {
   const TemporaryFolder folder;
   apps()[3].write(walk(false), folder / "out");
   REQUIRE(write_video(folder / "out/Camera/1781801310305.mp4", walk(false).pictures, walk(false).times_ns));
@@ -219,7 +219,7 @@ TEST_CASE("guesses are refined against the gyroscope: lens, mount and the time o
   CHECK(q.angularDistance(Eigen::Quaterniond(t[0], t[1], t[2], t[3])) < 0.03);
 }
 
-TEST_CASE("a magnetometer, a barometer and fixes may be missing, and cached fixes are left out") {
+TEST_CASE("a magnetometer, a barometer and fixes may be missing, and cached fixes are skipped") {
   const TemporaryFolder folder;
   apps()[0].write(walk(false), folder / "out");
   for (const char* name : {"Magnetometer.csv", "Barometer.csv"}) fs::remove(folder / "out" / name);
@@ -236,7 +236,7 @@ TEST_CASE("a magnetometer, a barometer and fixes may be missing, and cached fixe
         all_of<odo_gnss>(walk(false).recording, ODO_TYPE_GNSS).size());
 }
 
-TEST_CASE("the platform's own poses are the reference, in our axes") {
+TEST_CASE("the platform's own poses are the reference, converted to our axes") {
   const TemporaryFolder folder;
   apps()[9].write(walk(false), folder / "out");
   const Recording recording = read(folder / "out");
@@ -247,7 +247,7 @@ TEST_CASE("the platform's own poses are the reference, in our axes") {
   CHECK(warns(recording, "drifts too"));
 }
 
-TEST_CASE("rows of a table find their frames where some are missing at the begin, in between none") {
+TEST_CASE("table rows are matched to frames if some are missing at the start, but not in between") {
   std::vector<int64_t> video, rows;
   for (int64_t i = 0; i < 50; ++i) video.push_back(i * 33'000'000 + (i % 7) * 1'500'000);
   for (const int64_t t : video) rows.push_back(t + 77);
@@ -261,7 +261,7 @@ TEST_CASE("rows of a table find their frames where some are missing at the begin
   CHECK_FALSE(phone::match_rows(video, other).ok());
 }
 
-TEST_CASE("a picture is as the sensor reads it, however its EXIF says that the phone was held") {
+TEST_CASE("a picture is read in sensor orientation, whatever its EXIF orientation") {
   const TemporaryFolder folder;
   std::vector<unsigned char> jpeg;
   REQUIRE(cv::imencode(".jpg", cv::Mat(16, 32, CV_8U, cv::Scalar(90)), jpeg));
@@ -285,8 +285,7 @@ TEST_CASE("a picture is as the sensor reads it, however its EXIF says that the p
     CHECK(frame->width == 32);
     CHECK(frame->height == 16);
     frame->loan.release(frame->loan.owner);
-    CHECK(cv::imread((folder / "a.jpg").string()).cols ==
-          (orientation < 5 ? 32 : 16));  // the note is one that OpenCV reads
+    CHECK(cv::imread((folder / "a.jpg").string()).cols == (orientation < 5 ? 32 : 16));  // OpenCV reads the tag
   }
 }
 

@@ -39,7 +39,7 @@ std::vector<odo_imu> imu_of(const Recording& recording) {
   return samples;
 }
 
-/// Root mean square of the vertical velocity while walking.
+/// Rms of the vertical velocity while walking.
 double rise_and_fall(const Scenario& s) {
   const Journey walk = make_walk(s, 3);
   double sum = 0, n = 0;
@@ -50,7 +50,7 @@ double rise_and_fall(const Scenario& s) {
 
 }  // namespace
 
-TEST_CASE("IMU time stamps jitter and stall as asked for, and never go back; the truth keeps its own times") {
+TEST_CASE("IMU time stamps jitter and stall as requested but never go back, and the truth keeps its own times") {
   Scenario s = walk_of(60);
   s.imu.jitter_s = 1.4e-3, s.imu.gap_s = 35e-3;
   const Recording recording = recorded(s, 3);
@@ -75,7 +75,7 @@ TEST_CASE("IMU time stamps jitter and stall as asked for, and never go back; the
   CHECK(stalled > 5);
 }
 
-TEST_CASE("a bias walks by its density, whatever the rate of the samples") {
+TEST_CASE("a bias random walk has its density for any sample rate") {
   for (const double rate_hz : {50.0, 400.0}) {
     CAPTURE(rate_hz);
     double squares = 0;
@@ -85,11 +85,11 @@ TEST_CASE("a bias walks by its density, whatever the rate of the samples") {
       for (int i = 0; i < 4 * rate_hz; ++i) bias = triad.measure(Vector3d::Zero());
       squares += bias.squaredNorm() / (3 * 300);
     }
-    CHECK(std::abs(std::sqrt(squares) - 0.02 * std::sqrt(4.0)) < 0.08 * 0.02 * std::sqrt(4.0));  // 900 of them: 2.4 %
+    CHECK(std::abs(std::sqrt(squares) - 0.02 * std::sqrt(4.0)) < 0.08 * 0.02 * std::sqrt(4.0));  // 900 values: 2.4 %
   }
 }
 
-TEST_CASE("force and warming move the gyroscope, and the truth's bias has both") {
+TEST_CASE("acceleration and warming change the gyro bias, and the truth's bias includes both") {
   Scenario s = walk_of(40);
   s.imu = Scenario::Imu();
   s.imu.gyro_noise = s.imu.gyro_walk = s.imu.gyro_bias = s.imu.scale_error = s.imu.misalignment_rad = 0;
@@ -110,7 +110,7 @@ TEST_CASE("force and warming move the gyroscope, and the truth's bias has both")
   CHECK(wrong < 1e-9);
 }
 
-TEST_CASE("wild samples come about as often as asked for, some of them outside the sensor's range") {
+TEST_CASE("outliers have the requested frequency, and some exceed the sensor's range") {
   Scenario s = walk_of(60);
   s.imu.wild_interval_s = 4;
   const auto samples = imu_of(recorded(s, 3));
@@ -134,7 +134,7 @@ TEST_CASE("without an accelerometer no sample has one") {
   for (const odo_imu& sample : imu_of(recorded(s, 3))) CHECK(sample.header.flags == ODO_IMU_GYRO);
 }
 
-TEST_CASE("a recording that begins in mid-walk has nothing from before, and the same frames as the whole") {
+TEST_CASE("a recording that starts during the walk has nothing from before, and the same frames as the whole") {
   Scenario s = walk_of(12);
   const Recording whole = recorded(s, 3, true);
   s.record_from_s = 5;
@@ -181,7 +181,7 @@ TEST_CASE("a gentle walker rises and falls half as much") {
   CHECK(std::abs(rise_and_fall(s) - 0.5 * usual) < 0.2 * 0.5 * usual);
 }
 
-TEST_CASE("squares and rivers have far fronts, and water that moves") {
+TEST_CASE("squares and rivers have distant facades and moving water") {
   Scenario s;
   s.route = {{0, 0, 0}, {120, 0, 0}};
   s.world.trees = s.world.cars = s.world.pedestrians = 0;
@@ -210,7 +210,8 @@ TEST_CASE("squares and rivers have far fronts, and water that moves") {
   CHECK((water.at(10).translation() - water.at(0).translation()).norm() == doctest::Approx(4.0));
 }
 
-TEST_CASE("a scenario builds on another: its own keys stand above, lists as a whole, mistakes keep their place") {
+TEST_CASE(
+    "a scenario extends another: its own keys replace the base's, lists as a whole, and errors keep their location") {
   const TemporaryFolder folder;
   write_text(
       folder / "base.yaml",
@@ -240,7 +241,7 @@ TEST_CASE("a scenario builds on another: its own keys stand above, lists as a wh
   CHECK(circle.failure().text.find("circle") != std::string::npos);
 }
 
-TEST_CASE("a phone's profile sets camera and IMU, keys of the file stand above it, an option stands for it") {
+TEST_CASE("a phone profile sets camera and IMU, and keys of the file and options override it") {
   const TemporaryFolder folder;
   const auto file = write_text(folder / "s.yaml",
                                "odograph_scenario: 1\ncamera: {profile: phone_indoors, exposure: 4 ms}\n"
@@ -270,7 +271,7 @@ TEST_CASE("a phone's profile sets camera and IMU, keys of the file stand above i
   CHECK(own->imu.gyro_noise == Scenario::Imu().gyro_noise);
 }
 
-TEST_CASE("excitation: S is what the motion has beyond a quadratic, N what the error has, after its own scale") {
+TEST_CASE("excitation: S is the motion beyond a quadratic, N the error beyond one, after its own scale") {
   Pairs pairs;
   const double swing_m = 0.03, wrong_m = 0.02;
   for (int i = 0; i <= 800; ++i) {
@@ -289,7 +290,7 @@ TEST_CASE("excitation: S is what the motion has beyond a quadratic, N what the e
   CHECK(std::abs(e.motion_m - swing_m / std::sqrt(2.0)) < 0.05 * swing_m / std::sqrt(2.0));
   CHECK(std::abs(e.error_m - wrong_m / std::sqrt(2.0)) < 0.08 * wrong_m / std::sqrt(2.0));
   CHECK(std::abs(e.pull - 9.0 / 13) < 0.1 * 9.0 / 13);
-  // Standing tells nothing, and is left out; what never moved has the whole motion for its error.
+  // Standing segments are excluded; a track that never moves has the whole motion as its error.
   Pairs standing = pairs;
   for (auto& p : standing.reference) p.p *= 0.01;
   CHECK(excitation_of(standing, {.window_s = 4}).windows == 0);
@@ -298,8 +299,7 @@ TEST_CASE("excitation: S is what the motion has beyond a quadratic, N what the e
   CHECK(excitation_of(stuck, {.window_s = 4}).error_m == doctest::Approx(e.motion_m));
 }
 
-TEST_CASE(
-    "satellites are lost for 12 s in the mean and as often as the availability says; errors are as large as told") {
+TEST_CASE("satellites are lost for 12 s on average at the given availability, and errors match the reported sigmas") {
   for (const double availability : {0.2, 0.5, 0.9}) {
     CAPTURE(availability);
     Scenario s;
@@ -315,7 +315,7 @@ TEST_CASE(
       const SimGnss::Fix fix = gnss.measure(p);
       there += fix.available, outages += was_there && !fix.available;
       was_there = fix.available;
-      const double sigma = fix.sigma_m / 0.7;  // it is told too small
+      const double sigma = fix.sigma_m / 0.7;  // reported too small
       CHECK((sigma > 2.999 && sigma < 9.001));
       squares += ((fix.p_n - p) / sigma).cwiseAbs2() / kSeconds, log_sigma += std::log(sigma) / kSeconds;
     }

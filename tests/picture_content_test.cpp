@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// A picture of a pocket is noise, and noise is not followed.
+// A picture in a pocket is noise, which is not tracked.
 #include <array>
 
 #include <doctest/doctest.h>
@@ -26,7 +26,7 @@ cv::Mat noise_picture(double mean, double sigma, uint64_t seed) {
   return picture;
 }
 
-/// A street by night: blocks of other greys under noise of the same size.
+/// A street at night: blocks of other greys under noise of the same size.
 cv::Mat night_picture(uint64_t seed) {
   cv::Mat blocks(kHigh / 40, kWide / 40, CV_8U), picture;
   cv::RNG(5).fill(blocks, cv::RNG::UNIFORM, 15, 60);
@@ -38,7 +38,7 @@ cv::Mat night_picture(uint64_t seed) {
 
 }  // namespace
 
-TEST_CASE("noise is told from what is there, whatever its mean") {
+TEST_CASE("noise is distinguished from content, whatever its mean") {
   const PictureContent::Parameters p;
   for (const auto& [mean, sigma] : {std::array{7.0, 9.0}, {25.0, 20.0}, {120.0, 30.0}}) {
     CAPTURE(mean);
@@ -52,7 +52,7 @@ TEST_CASE("noise is told from what is there, whatever its mean") {
   CHECK(content_of(wall).shows_something(p));
 }
 
-TEST_CASE("in a pocket no odometry finds a motion") {
+TEST_CASE("no odometry finds a motion in a pocket") {
   const CameraModel lens = [] {
     CameraModel model;
     model.fx = model.fy = 500, model.cx = 0.5 * kWide, model.cy = 0.5 * kHigh;
@@ -61,7 +61,7 @@ TEST_CASE("in a pocket no odometry finds a motion") {
   vo::Odometry ours({}, lens);
   five_point::VisualOdometry plain({}, lens);
   for (uint64_t k = 0; k < 60; ++k) {
-    const cv::Mat picture = noise_picture(14, 12, k % 4);  // four pictures in turn: each corner is found again
+    const cv::Mat picture = noise_picture(14, 12, k % 4);  // a cycle of four pictures: each corner is found again
     vo::Frame frame;
     frame.t_ns = int64_t(k) * 100'000'000, frame.grey = picture;
     const auto check = [&](const auto& motion) {

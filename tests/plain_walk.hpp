@@ -8,8 +8,8 @@
 #include "sdk/tools/simulation/motion.hpp"
 #include "sdk/tools/simulation/random.hpp"
 
-/// A textbook walk for unit tests, with the answer known by construction: sines locked to the step's phase, no heel
-/// shock, no hand. What estimators do with realistic walkers is measured by the benchmarks instead.
+/// An idealised walk for unit tests with a known answer: sines locked to the step's phase, no heel strike, no hand.
+/// Benchmarks evaluate the estimators on realistic walkers.
 struct PlainWalk {
   struct Step {
     double t_start_s, t_end_s;

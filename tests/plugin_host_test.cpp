@@ -51,7 +51,7 @@ odo_vo_motion motion(int64_t t_ns) {
 #if defined(__ELF__)
 namespace {
 
-/// A copy of a library in a folder of its own, with bytes changed.
+/// A copy of a library in a separate folder, with changed bytes.
 fs::path altered(const TemporaryFolder& folder, const std::string& name,
                  const std::function<void(std::string&)>& change) {
   std::string bytes = read_text(hostile("good"));
@@ -61,7 +61,7 @@ fs::path altered(const TemporaryFolder& folder, const std::string& name,
 
 }  // namespace
 
-TEST_CASE("files that are no plugins are refused with their path and the reason") {
+TEST_CASE("files that are not plugins are rejected with their path and the reason") {
   const TemporaryFolder folder;
   CHECK(contains(refusal(write_text(folder / "text.so", "this is not a library")), "not an ELF file"));
   CHECK(contains(refusal(write_text(folder / "empty.so", "")), "not an ELF file"));
@@ -75,7 +75,7 @@ TEST_CASE("files that are no plugins are refused with their path and the reason"
 }
 #endif
 
-TEST_CASE("plugins without an entry, or whose table cannot be used, are refused with the reason") {
+TEST_CASE("plugins without an entry or with an unusable table are rejected with the reason") {
   CHECK(contains(refusal(hostile("abi_too_new")),
                  "it is for ABI 3." + std::to_string(ODO_ABI_MINOR) + ", this host has major 0"));
   CHECK(contains(refusal(hostile("no_symbol")), "symbol missing"));
@@ -91,12 +91,12 @@ TEST_CASE("tables of newer plugins work") {
     auto made = PluginInstance::make(choice_of(name), LibraryCheck::none, 1, host);
     REQUIRE_MESSAGE(made.ok(), (made.ok() ? "" : made.failure().text));
     CHECK((*made)->process(motion(5).header).empty());
-    (*made)->reset();  // where the table has none, the instance is made anew
+    (*made)->reset();  // without a reset function the instance is created again
     CHECK((*made)->alive());
   }
 }
 
-TEST_CASE("an instance that cannot be made is a named failure, also when its constructor throws") {
+TEST_CASE("a failed creation of an instance is reported, also if its constructor throws") {
   std::string reported;
   HostServices host(0, {"."}, [&](const Report& report) { reported += report.origin + ": " + report.text; });
   for (const char* name : {"create_throws", "create_fails", "create_null"}) {
@@ -109,17 +109,17 @@ TEST_CASE("an instance that cannot be made is a named failure, also when its con
   CHECK(contains(reported, "test/create_throws: the constructor has a bad day"));
 }
 
-TEST_CASE("bad events do not get through, and do no harm") {
+TEST_CASE("invalid events are rejected and harmless") {
   HostServices host(0, {"."}, nullptr);
   auto made = PluginInstance::make(choice_of("bad_events"), LibraryCheck::none, 1, host);
   REQUIRE(made.ok());
   const auto events = (*made)->process(motion(5).header);
-  CHECK(events.size() == EventBuffer::kCapacity);  // the good ones, up to the quota
+  CHECK(events.size() == EventBuffer::kCapacity);  // the valid ones, up to the quota
   for (const auto& event : events) CHECK(event.header().type == ODO_TYPE_SCALE);
-  CHECK((*made)->faults() == 5);  // those past the quota count once
+  CHECK((*made)->faults() == 5);  // those beyond the quota count once
 }
 
-TEST_CASE("a plugin that keeps failing is reset, then left out; a fatal one at once") {
+TEST_CASE("a plugin that fails repeatedly is reset, then disabled, and a fatal one at once") {
   HostServices host(0, {"."}, nullptr);
   auto failing = PluginInstance::make(choice_of("fails_always"), LibraryCheck::none, 1, host);
   REQUIRE(failing.ok());
@@ -133,7 +133,7 @@ TEST_CASE("a plugin that keeps failing is reset, then left out; a fatal one at o
   CHECK_FALSE((*fatal)->alive());
 }
 
-TEST_CASE("manifests: two plugins with one id, a changed library, a lying manifest, a file that is not there") {
+TEST_CASE("manifests with a duplicate id, a changed library, a false statement or a missing file are rejected") {
   const TemporaryFolder folder;
   const HostServices host(0, {"."}, nullptr);
   const auto install = [&](const std::string& name) {
@@ -172,7 +172,7 @@ TEST_CASE("manifests: two plugins with one id, a changed library, a lying manife
   read->abi_major = ODO_ABI_MAJOR;
   read->sha256[0] = read->sha256[0] == '0' ? '1' : '0';
   CHECK(contains(PluginLibrary::load(*read, LibraryCheck::hash, &host).failure().text, "hash differs"));
-  fs::rename(folder / (std::string("one") + ODOGRAPH_LIBRARY), folder / "gone");  // Windows removes none that is loaded
+  fs::rename(folder / (std::string("one") + ODOGRAPH_LIBRARY), folder / "gone");  // Windows cannot remove a loaded one
   CHECK(contains(PluginLibrary::load(*read, LibraryCheck::hash, &host).failure().text, "cannot be opened"));
   write_text(folder / "broken.odoplugin.json", "{\"odoplugin\": 1, \"id\": 7");
   const PluginRegistry registry({folder.path()});
@@ -180,7 +180,7 @@ TEST_CASE("manifests: two plugins with one id, a changed library, a lying manife
   CHECK(contains(registry.problems()[0], "broken.odoplugin.json:1:"));
 }
 
-TEST_CASE("a manifest is what the library says of itself") {
+TEST_CASE("a manifest states what the library states") {
   for (const auto& entry : fs::directory_iterator(plugin_folder())) {
     if (entry.path().extension() != ODOGRAPH_LIBRARY) continue;
     CAPTURE(entry.path().string());

@@ -11,12 +11,12 @@
 #include "sdk/tools/validator/bench.hpp"
 #include "tests/support.hpp"
 
-/// A plugin of the build, driven by hand with whole recordings.
+/// A plugin of the build, run manually on whole recordings.
 class PluginRun {
  public:
   using Settings = std::vector<std::pair<std::string, std::string>>;
 
-  /// `name` as its library's: "attitude_vqf".
+  /// `name` of its library: "attitude_vqf".
   explicit PluginRun(const std::string& name, const Settings& settings = {})
       : bench_(plugin_folder() / (name + ".so"), settings, 0) {
     const std::string why = bench_.load();
@@ -26,7 +26,7 @@ class PluginRun {
     REQUIRE_MESSAGE(subject_, name, ": ", refusal);
   }
 
-  /// Gives what the plugin's kind is given of the messages, one by one; what came out.
+  /// Passes those messages that the plugin's kind receives, one by one; returns its output.
   std::vector<odograph::AnyMessage> operator()(const std::vector<odograph::AnyMessage>& messages) {
     std::vector<odograph::AnyMessage> wanted, out;
     for (const auto& message : messages)

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Which plugins are taken: allowed ones, signed ones, ones that nobody else may replace. And what one may say once it
-// is there.
+// Which plugins are accepted: allowed ones, signed ones, ones that nobody else may replace; and limits of their
+// reports.
 #include <doctest/doctest.h>
 
 #include <fcntl.h>
@@ -30,8 +30,7 @@ namespace {
 fs::path hostile(const std::string& name) { return fs::path(ODOGRAPH_BUILD) / "tests/hostile" / (name + ".so"); }
 bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
-// Made with OpenSSL: `openssl pkeyutl -sign -rawin` over the manifest of a library that holds the words "not a
-// library".
+// Made with OpenSSL, `openssl pkeyutl -sign -rawin`, over the manifest of a library with the content "not a library".
 const char* const kSigner = "dcf6df3681d433ecf8f75cf207040907d42294e0e2edaebe2548e33547ce1682";
 const char* const kSignature =
     "9aa358f3db7b2294afe92c69c5ab44de06a7f276ab0604a888d047ec15a2bf272538b9a95f58dfbe3d10394e16213ac7fe597ca2bc54386a8f"
@@ -48,7 +47,7 @@ std::string bytes_of_hex(const std::string& hex) {
   return bytes;
 }
 
-/// A library with a manifest, alone in its folder, whose bytes are no other file's: `mark` is appended.
+/// A library with a manifest, alone in its folder, with unique bytes: `mark` is appended.
 Manifest put_library(const TemporaryFolder& folder, const std::string& name, const std::string& mark) {
   write_text(folder / "one.so", read_text(hostile(name)) + mark);
   REQUIRE(write_manifest_beside(folder / "one.so").ok());
@@ -84,7 +83,7 @@ TEST_CASE("plugins are allowed by id, by path and by the hash of their library")
   CHECK_FALSE(find(hash.substr(1)));
 }
 
-TEST_CASE("a plugin that everybody may write to is refused unless that is allowed") {
+TEST_CASE("a world-writable plugin is rejected unless allowed") {
   for (const char* part : {"", "one.so", "one.odoplugin.json"}) {
     const TemporaryFolder folder;
     fs::copy_file(hostile("good"), folder / "one.so");
@@ -101,7 +100,7 @@ TEST_CASE("a plugin that everybody may write to is refused unless that is allowe
   }
 }
 
-TEST_CASE("a plugin behind a link, or below a folder that everybody may write to, is refused as well") {
+TEST_CASE("a plugin behind a link or below a world-writable folder is rejected as well") {
   const TemporaryFolder folder;
   fs::create_directories(folder / "mine");
   fs::create_directories(folder / "open/deep");
@@ -123,7 +122,7 @@ TEST_CASE("a plugin behind a link, or below a folder that everybody may write to
   CHECK(contains(find(folder / "mine"), "may be written to by every user"));
 }
 
-TEST_CASE("a signature is of the manifest as it was read, whatever its file holds by now") {
+TEST_CASE("a signature applies to the manifest as read, whatever its file contains later") {
   const TemporaryFolder folder;
   put_signed(folder);
   auto manifest = read_manifest(folder / "one.odoplugin.json");
@@ -135,7 +134,7 @@ TEST_CASE("a signature is of the manifest as it was read, whatever its file hold
   CHECK(verified.ok());
   write_text(folder / "one.odoplugin.json", "{}");
   CHECK(verify_signature(*manifest, {kSigner}).ok());
-  // The other way round: what was read is not what lies there by now, with its good signature.
+  // The converse: the read manifest is not the later, correctly signed one.
   put_signed(folder);
   std::string swapped = kSigned;
   swapped.replace(swapped.find("Signed."), 7, "Swapped");
@@ -146,7 +145,7 @@ TEST_CASE("a signature is of the manifest as it was read, whatever its file hold
   CHECK(contains(verify_signature(*manifest, {std::string(64, 'g')}).failure().text, "expected a public key"));
 }
 
-TEST_CASE("a signer vouches for the ids it is given for: those need its signature, all others none") {
+TEST_CASE("a signer vouches for its given ids, which need its signature, and all others need none") {
   const TemporaryFolder folder;
   put_signed(folder);
   const auto found = [&](const std::string& id, const std::vector<Signer>& signers) {
@@ -167,12 +166,12 @@ TEST_CASE("a signer vouches for the ids it is given for: those need its signatur
   CHECK(contains(found("test/signed", {{"test/*", kSigner}}), "one.odoplugin.sig is missing"));
   for (const char* ids : {"acme/*", "test", "test/signed2", "test/s"})
     CHECK(found("test/signed", {{ids, kSigner}}) == "");
-  // By its path a manifest has whatever id it states: it does not get past the signers by that.
+  // Loaded by path, a manifest may state any id; that does not bypass the signers.
   CHECK(found("one.odoplugin.json", {}) == "");
   CHECK(contains(found("one.odoplugin.json", {{"acme/*", kSigner}}), "is chosen by its path"));
 }
 
-TEST_CASE("a key that vouches for nothing is a mistake in the config") {
+TEST_CASE("a key that vouches for nothing is an error in the config") {
   const auto refusal = [](const std::string& signer) {
     const auto config =
         read_pipeline_config("odograph: 1\nplugins: {signers: [" + signer + "]}\nattitude: {plugin: attitude/vqf}\n",
@@ -195,7 +194,7 @@ TEST_CASE("lists of folders are split at ';' on Windows, whose drives have ':'")
 }
 
 #if defined(__linux__)
-TEST_CASE("what is allowed by its hash is opened as it was hashed, whatever its file holds by then") {
+TEST_CASE("a library allowed by its hash is opened as hashed, whatever its file contains later") {
   const TemporaryFolder folder, other;
   const HostServices host(0, {"."}, nullptr);
   const Manifest manifest = put_library(folder, "good", "sealed 1"), second = put_library(other, "good", "sealed 2");
@@ -210,7 +209,7 @@ TEST_CASE("what is allowed by its hash is opened as it was hashed, whatever its 
   CHECK((fd < 0 || write(fd, "x", 1) < 0));
   CHECK((fd < 0 || ftruncate(fd, 0) < 0));
   if (fd >= 0) close(fd);
-  // Of one hash there is one library, of another one another.
+  // One library per hash.
   const auto first = PluginLibrary::load(manifest, LibraryCheck::sealed, &host);
   const auto again = PluginLibrary::load(manifest, LibraryCheck::sealed, &host);
   const auto apart = PluginLibrary::load(second, LibraryCheck::sealed, &host);
@@ -220,7 +219,7 @@ TEST_CASE("what is allowed by its hash is opened as it was hashed, whatever its 
   CHECK(((*first)->table().process != (*apart)->table().process));
 }
 
-TEST_CASE("a session runs what is allowed by its hash from memory, in its process and outside, with the same bytes") {
+TEST_CASE("a session runs a plugin allowed by its hash from memory, in process and isolated, with identical results") {
   const std::string hash = *sha256_of(plugin_folder() / "attitude_vqf.so");
   const auto events = [](const std::string& plugins) {
     App app(kWalk + plugins);
@@ -238,7 +237,7 @@ TEST_CASE("a session runs what is allowed by its hash from memory, in its proces
   CHECK(contains(read_text("/proc/self/maps"), "/memfd:attitude_vqf.so"));
 }
 
-TEST_CASE("a library that is not what its manifest says is not sealed, and is named by its own path") {
+TEST_CASE("a library that differs from its manifest is not sealed, and is reported with its own path") {
   const TemporaryFolder folder;
   const Manifest manifest = put_library(folder, "good", "unsealed");
   const auto refusal = [&] { return sealed_copy(manifest).failure().text; };
@@ -252,7 +251,7 @@ TEST_CASE("a library that is not what its manifest says is not sealed, and is na
   CHECK(contains(refusal(), "one.so: cannot be opened"));
 }
 
-TEST_CASE("a library that finds another one beside itself has no sealed copy, and that is said") {
+TEST_CASE("a library that needs another one beside it has no sealed copy, which is reported") {
   const TemporaryFolder folder;
   fs::copy_file(hostile("neighbour"), folder / "neighbour.so");
   const Manifest manifest = put_library(folder, "needs_neighbour", "");
@@ -263,7 +262,7 @@ TEST_CASE("a library that finds another one beside itself has no sealed copy, an
 }
 #endif
 
-TEST_CASE("a config with hashes or signers asks for sealed copies, others for the hash or for nothing") {
+TEST_CASE("a config with hashes or signers requires sealed copies, others the hash or nothing") {
   const auto check = [](const std::string& plugins) {
     const auto config =
         read_pipeline_config("odograph: 1\nattitude: {plugin: attitude/vqf}\n" + plugins, "test", {plugin_folder()});
@@ -278,7 +277,7 @@ TEST_CASE("a config with hashes or signers asks for sealed copies, others for th
   CHECK(check("plugins: {verify_hash: false, allow: [" + hash + "]}\n") == LibraryCheck::sealed);
 }
 
-TEST_CASE("pipes and folders in the place of library and signature are refused at once") {
+TEST_CASE("pipes and folders in place of library and signature are rejected at once") {
   const TemporaryFolder folder;
   put_signed(folder);
   const auto manifest = read_manifest(folder / "one.odoplugin.json");
@@ -303,7 +302,7 @@ TEST_CASE("pipes and folders in the place of library and signature are refused a
     }
 }
 
-TEST_CASE("a plugin that reports under ever new keys costs a bounded memory and is heard under one") {
+TEST_CASE("a plugin that reports under new keys without end uses bounded memory and is reported under one key") {
   size_t told = 0, longest = 0;
   HostServices host(0, {}, [&](const Report& report) {
     ++told;

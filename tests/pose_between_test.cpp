@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Poses between those that are kept: the oracle is a motion of constant velocity and rotation, known in closed form.
+// Interpolated poses. Oracle: a motion of constant velocity and rotation in closed form.
 #include <doctest/doctest.h>
 
 #include <atomic>
@@ -40,7 +40,7 @@ odo_pose pose_of(const ConstantMotion& motion, int64_t t_ns) {
 
 }  // namespace
 
-TEST_CASE("between published poses position, orientation and distance go evenly") {
+TEST_CASE("between published poses position, orientation and distance are interpolated linearly") {
   const ConstantMotion motion;
   PoseHistory history;
   for (int64_t k = -1024; k <= 3; ++k) history.push(pose_of(motion, k * kStep_ns));
@@ -59,9 +59,9 @@ TEST_CASE("between published poses position, orientation and distance go evenly"
   CHECK(history.at(3 * kStep_ns + 1, at) == ODO_E_NOT_FOUND);
 }
 
-TEST_CASE("nobody sees a pose that is half written") {
+TEST_CASE("a half-written pose is never visible") {
   PoseHistory history;
-  const auto filled = [](int64_t k) {  // one number everywhere
+  const auto filled = [](int64_t k) {  // the same number everywhere
     auto pose = make_message<odo_pose>(ODO_TYPE_POSE, 1);
     const auto value = static_cast<double>(k);
     std::fill(std::begin(pose.p_n), std::end(pose.p_n), value);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Poses ahead of the pipeline, against a motion that is known: a walk with bounce, sway and a change of heading.
+// Predicted poses against a known motion: a walk with bounce, sway and a change of heading.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -26,21 +26,21 @@ constexpr int64_t kMs = 1'000'000;
 
 int64_t ns(double t_s) { return std::llround(t_s * 1e9); }
 
-/// A walk that is fed to a PoseStream as an app and a pipeline would, in simulated time.
+/// A walk passed to a PoseStream as by an app and a pipeline, in simulated time.
 struct Replay {
   PlainWalk walk{1.3, 0.7, 1, 1.0};
   PoseStream poses;
   double gyro_hz = 200, accel_hz = 104, camera_hz = 30;
   double latency_s = 0.045;     // from a frame's time to its pose
-  double poll_ahead_s = 0.030;  // a poll's time beyond the newest sample that has been pushed
+  double poll_ahead_s = 0.030;  // time of a poll beyond the newest pushed sample
   Vector3d gyro_bias{0.01, -0.01, 0.005}, accel_bias{0.1, -0.05, 0.05};
   double position_noise_m = 0.0005;
   Quaterniond q_b_c = Quaterniond(0, 1, 0, 0);
   Vector3d p_b_c{0.03, 0.05, 0};
   bool tells_velocity = false;
-  std::mt19937 generator{7};  // its numbers are the same everywhere, a distribution's are not
+  std::mt19937 generator{7};  // portable, unlike the distributions
 
-  double noise(double sigma) {  // of twelve uniform numbers
+  double noise(double sigma) {  // from twelve uniform numbers
     double sum = -6;
     for (int i = 0; i < 12; ++i) sum += static_cast<double>(generator()) / 4294967296.0;
     return sigma * sum;
@@ -79,7 +79,7 @@ struct Replay {
     add_hook(base);
     poses.add_pose(base.pose, base);
   }
-  /// Everything that happens up to the end, in order: `poll(t, newest sample)` comes at 60 Hz.
+  /// Runs all events up to the end in order: `poll(t, newest sample)` comes at 60 Hz.
   void run(double end_s, const std::function<Vector3d(double)>& shift, const std::function<void(double)>& poll) {
     poses.predictor().set_state(ODO_TRACKING, ODO_REASON_NONE);
     poses.predictor().set_biases(gyro_bias, accel_bias + Vector3d(0.05, 0.05, -0.05));
@@ -124,7 +124,7 @@ double percentile(std::vector<double> x, double part) {
 
 }  // namespace
 
-TEST_CASE("30 ms ahead the pose is where the phone will be") {
+TEST_CASE("the pose predicted by 30 ms matches the phone's") {
   for (const bool tells_velocity : {false, true}) {
     for (const double camera_hz : {10.0, 30.0}) {
       CAPTURE(tells_velocity);
@@ -155,7 +155,7 @@ TEST_CASE("30 ms ahead the pose is where the phone will be") {
   }
 }
 
-TEST_CASE("between the newest pose and the newest sample the pose is the motion's, not a guess") {
+TEST_CASE("between the newest pose and the newest sample the pose follows the measured motion") {
   Replay replay;
   replay.run(10, none, [&](double now_s) {
     if (now_s < 2) return;
@@ -165,7 +165,7 @@ TEST_CASE("between the newest pose and the newest sample the pose is the motion'
   });
 }
 
-TEST_CASE("an estimate that has gone on beyond the published pose is carried on from where it is") {
+TEST_CASE("an estimate newer than the published pose is propagated from its own time") {
   Replay replay;
   replay.tells_velocity = true;
   replay.run(10, none, [&](double now_s) {
@@ -181,7 +181,7 @@ TEST_CASE("an estimate that has gone on beyond the published pose is carried on 
   });
 }
 
-TEST_CASE("a correction is blended into the smooth pose and never seen as a jump") {
+TEST_CASE("a correction is blended into the smooth pose and never appears as a jump") {
   Replay replay;
   const Vector3d correction(1.5, -1.0, 0.2);
   odo_pose smooth_before{}, before{};
@@ -204,10 +204,10 @@ TEST_CASE("a correction is blended into the smooth pose and never seen as a jump
         smooth_before = smooth, before = pose, last_s = t_s;
       });
   CHECK(largest > 1.5);
-  CHECK(largest_smooth < 0.035);  // 1.8 m in a second's time constant, between two polls: 3 cm
+  CHECK(largest_smooth < 0.035);  // 1.8 m with a time constant of a second, between two polls: 3 cm
 }
 
-TEST_CASE("a pipeline that moves horizontally alone is not shaken by the bounce, nor by a wrong inclination") {
+TEST_CASE("a horizontal-only pipeline is not disturbed by the bounce or an inclination error") {
   Replay replay;
   replay.camera_hz = 10;
   replay.position_noise_m = 0;
@@ -229,11 +229,11 @@ TEST_CASE("a pipeline that moves horizontally alone is not shaken by the bounce,
   });
   MESSAGE("horizontal " << percentile(metres, 0.5) * 1e3 << " mm, 99 % " << percentile(metres, 0.99) * 1e3);
   CHECK(height_m < 1e-9);
-  CHECK(percentile(metres, 0.5) < 0.006);  // 0.3 m/s^2 would move it by 8 mm in the window alone, and more ahead
+  CHECK(percentile(metres, 0.5) < 0.006);  // 0.3 m/s^2 would move it by 8 mm within the window alone, and more beyond
   CHECK(percentile(metres, 0.99) < 0.020);
 }
 
-TEST_CASE("a correction that turns the track does not make a false velocity") {
+TEST_CASE("a correction that rotates the track causes no false velocity") {
   Replay replay;
   const Quaterniond q(Eigen::AngleAxisd(0.5, Vector3d::UnitZ()));
   const Vector3d p(3, 2, 0);
@@ -257,7 +257,7 @@ TEST_CASE("a correction that turns the track does not make a false velocity") {
   CHECK(turned);
 }
 
-TEST_CASE("after a correction that turns the track the pose goes on along it, before there is another pose") {
+TEST_CASE("after a correction that rotates the track the pose follows it before there is another pose") {
   const Quaterniond q(Eigen::AngleAxisd(2.0, Vector3d::UnitZ()));
   const Vector3d p(3, 2, 0);
   for (const bool tells_velocity : {false, true}) {
@@ -305,7 +305,7 @@ TEST_CASE("a pose for the screen takes microseconds") {
     REQUIRE(pose.header.t_ns > 0);
   }
   MESSAGE("median " << percentile(us, 0.5) << " us, 99 % " << percentile(us, 0.99) << " us");
-  CHECK(percentile(us, 0.5) < 50);  // on a busy machine under a sanitizer; the mark is 5
+  CHECK(percentile(us, 0.5) < 50);  // on a busy machine under a sanitizer; the target is 5
 }
 
 TEST_SUITE_END();

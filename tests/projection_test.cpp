@@ -24,7 +24,7 @@ struct Known {
   Geodetic wgs84;
 };
 
-/// Three corners of Delft's model and a tower in Amsterdam, as PROJ 9.1.1 has them without grids:
+/// Three corners of Delft's model and a tower in Amsterdam by PROJ 9.1.1 without grids:
 /// `cs2cs -f %.9f EPSG:28992 EPSG:4326`.
 constexpr std::array<Known, 4> kByProj = {{{"south-west", {84616.468, 447422.999}, {52.010702065, 4.362011356}},
                                            {"south-east", {85140.839, 447422.999}, {52.010768333, 4.369648078}},
@@ -39,7 +39,7 @@ double apart_m(const Geodetic& a, const Geodetic& b) {
 
 }  // namespace
 
-TEST_CASE("RD New lies on the Earth where PROJ puts it, to a millimetre") {
+TEST_CASE("RD New agrees with PROJ to a millimetre") {
   for (const Known& k : kByProj) {
     CAPTURE(k.name);
     CHECK(apart_m(rd_new_to_wgs84(k.rd), k.wgs84) < 1e-3);
@@ -48,7 +48,7 @@ TEST_CASE("RD New lies on the Earth where PROJ puts it, to a millimetre") {
   }
 }
 
-TEST_CASE("RD New agrees with the PROJ of this machine over the whole of the Netherlands" *
+TEST_CASE("RD New agrees with this machine's PROJ over the whole of the Netherlands" *
           doctest::test_suite("projection_proj")) {
   if (std::system("command -v cs2cs > /dev/null 2>&1") != 0) return skip("no cs2cs (PROJ)");
   const TemporaryFolder folder;
@@ -76,10 +76,10 @@ TEST_CASE("RD New agrees with the PROJ of this machine over the whole of the Net
   }
   pclose(pipe);
   MESSAGE(places.size() << " places, at most " << 1000 * worst_m << " mm apart");
-  CHECK(worst_m < 0.5);  // with its grid of corrections, where that is installed, PROJ is up to 0.25 m elsewhere
+  CHECK(worst_m < 0.5);  // with its correction grid, if installed, PROJ differs by up to 0.25 m
 }
 
-TEST_CASE("the corners of Delft's model lie in n where their latitude and longitude say, not along the grid") {
+TEST_CASE("the corners of Delft's model are in n at their latitude and longitude, not along the grid") {
   const std::string text =
       R"({"type":"CityJSON","version":"2.0","metadata":{"referenceSystem":"https://www.opengis.net/def/crs/EPSG/0/7415"},
           "transform":{"scale":[0.001,0.001,0.001],"translate":[84616.468,447422.999,0]},
@@ -101,12 +101,13 @@ TEST_CASE("the corners of Delft's model lie in n where their latitude and longit
       for (const auto& p : {edge.from, edge.to})
         nearest_m = std::min(nearest_m, (p - Eigen::Vector3d(north, east, -up)).norm());
     CHECK(nearest_m < 2e-3);
-    // The grid's north is 0.8 degrees off the true one there: metres, over the width of the model.
+    // Grid north is 0.8 degrees off true north there: metres over the width of the model.
     if (i == 1) CHECK(north == doctest::Approx(7.37).epsilon(0.01));
   }
 }
 
-TEST_CASE("reference systems are known by the code at the end of their name, others are refused in words") {
+TEST_CASE(
+    "reference systems are recognised by the code at the end of their name, and others are rejected with a reason") {
   CHECK(epsg_of("https://www.opengis.net/def/crs/EPSG/0/7415") == 7415);
   CHECK(epsg_of("urn:ogc:def:crs:EPSG::28992") == 28992);
   CHECK(epsg_of("https://www.opengis.net/def/crs/EPSG/0/") == 0);

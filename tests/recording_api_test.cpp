@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Recordings through the C API: what is written is read, in the order of time, whoever made the structs.
+// Recordings through the C API: messages are written and read in time order, whatever the version of the structs.
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -50,7 +50,7 @@ odo_recording* recording(const std::filesystem::path& path, int32_t expected = O
 
 }  // namespace
 
-TEST_CASE("messages, vendors' and those of other versions come back as they were, in the order of time") {
+TEST_CASE("messages, including vendors' and those of other versions, are read back unchanged in time order") {
   const TemporaryFolder folder;
   const auto path = folder / "mixed.odo";
   odo_recorder* out = recorder(path);
@@ -83,7 +83,7 @@ TEST_CASE("messages, vendors' and those of other versions come back as they were
   odo_recording_close(in);
 }
 
-TEST_CASE("a frame comes back with its encoded picture and without pointers") {
+TEST_CASE("a frame is read back with its encoded picture and without pointers") {
   const TemporaryFolder folder;
   odo_recorder* out = recorder(folder / "frame.odo");
   auto frame = make_message<odo_frame>(ODO_TYPE_FRAME, 5);
@@ -108,7 +108,7 @@ TEST_CASE("a frame comes back with its encoded picture and without pointers") {
   odo_recording_close(in);
 }
 
-TEST_CASE("a recording that was cut off is read up to there; what is none is refused in words") {
+TEST_CASE("a truncated recording is read up to its end, and a file that is not a recording is rejected with a reason") {
   const TemporaryFolder folder;
   const auto path = folder / "cut.odo";
   odo_recorder* out = recorder(path);
@@ -154,7 +154,7 @@ struct Plain {
 };
 }  // namespace
 
-TEST_CASE("a recorder takes neither the numbers that the format uses itself nor memory that it cannot keep") {
+TEST_CASE("a recorder accepts neither the format's own numbers nor memory that it cannot keep") {
   const TemporaryFolder folder;
   const std::string path = (folder / "a.odo").string();
   const odo_string name{path.data(), path.size()};
@@ -180,7 +180,7 @@ TEST_CASE("a recorder takes neither the numbers that the format uses itself nor 
   odo_recording_close(recording);
 }
 
-TEST_CASE("a recorder takes what a session takes: impossible numbers are refused, and nothing else is lost") {
+TEST_CASE("a recorder validates like a session: impossible numbers are rejected and nothing else is lost") {
   const TemporaryFolder folder;
   odo_recorder* out = recorder(folder / "bounds.odo");
   auto gnss = make_message<odo_gnss>(ODO_TYPE_GNSS, 5);
@@ -208,7 +208,7 @@ TEST_CASE("a recorder takes what a session takes: impossible numbers are refused
   odo_recording_close(in);
 }
 
-TEST_CASE("a crafted recording hands out no loan and no reserved number") {
+TEST_CASE("a crafted recording yields no borrowed memory and no reserved number") {
   const TemporaryFolder folder;
   const auto path = folder / "crafted.odo";
   {
@@ -233,7 +233,7 @@ TEST_CASE("a crafted recording hands out no loan and no reserved number") {
   odo_recording_close(recording);
 }
 
-TEST_CASE("a pipeline with two step estimators, two scale sources and vendors' messages replays to the bit" *
+TEST_CASE("a pipeline with two step estimators, two scale sources and vendors' messages replays bit-identically" *
           doctest::skip(!kCameraPlugins)) {
   const TestPlugins plugins{"wifi_fixer"};
   const std::string yaml =
@@ -277,11 +277,11 @@ TEST_CASE("a pipeline with two step estimators, two scale sources and vendors' m
   CHECK(live.events == again.events);
 }
 
-TEST_CASE("of two recorders on one path the second is refused, new file or old, and the first loses nothing") {
+TEST_CASE("the second recorder on a path is rejected, for new and existing files, and the first loses nothing") {
   const TemporaryFolder folder;
   const std::string path = (folder / "twice.odo").string();
   const odo_string name{path.data(), path.size()};
-  for (const int32_t count : {1000, 300}) {  // a new file, then one beside an older one
+  for (const int32_t count : {1000, 300}) {  // a new file, then one beside an existing one
     odo_recorder* first = recorder(path);
     odo_recorder* second = nullptr;
     odo_error error{};

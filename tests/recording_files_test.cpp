@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Files of strangers: tables whose columns would move, links out of a recording, pictures too large to decode.
+// Files from others: tables with shifted columns, links out of a recording, pictures too large to decode.
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -17,7 +17,7 @@ namespace fs = std::filesystem;
 
 TEST_SUITE_BEGIN("recording_files");
 
-TEST_CASE("a table's cells stay in their columns: decimal commas, empty cells, quotes") {
+TEST_CASE("a table's cells keep their columns with decimal commas, empty cells and quotes") {
   const TemporaryFolder folder;
   const auto rows = [&](const std::string& text) -> std::string {
     const auto file = write_text(folder / "t.csv", text);
@@ -50,7 +50,7 @@ TEST_CASE("a table's cells stay in their columns: decimal commas, empty cells, q
   CHECK(rows("1,\"2\n") == "t.csv:1: field 2 begins with a quote that does not end");
 }
 
-TEST_CASE("a picture outside the recording, reached over a link, is refused unless that is wished") {
+TEST_CASE("a picture outside the recording, reached through a link, is rejected unless allowed") {
   const TemporaryFolder folder, elsewhere;
   const auto data = folder / "mav0/cam0/data";
   fs::create_directories(data);
@@ -63,7 +63,7 @@ TEST_CASE("a picture outside the recording, reached over a link, is refused unle
   write_text(elsewhere / "private.png", "x");
   fs::create_symlink("b.png", data / "a.png");
   write_text(data / "b.png", "x");
-  CHECK(read_recording(folder.path()).ok());  // a link that stays within
+  CHECK(read_recording(folder.path()).ok());  // a link within the recording
   fs::remove(data / "a.png");
   fs::create_symlink(elsewhere / "private.png", data / "a.png");
   const auto recording = read_recording(folder.path());
@@ -72,7 +72,7 @@ TEST_CASE("a picture outside the recording, reached over a link, is refused unle
   CHECK(read_recording(folder.path(), {.pictures_outside = true}).ok());
 }
 
-TEST_CASE("a picture's header states its size, and a too large one is refused before it is decoded") {
+TEST_CASE("a picture's header states its size, and a too large one is rejected before decoding") {
   const TemporaryFolder folder;
   for (const char* kind : {".png", ".jpg", ".bmp", ".pgm", ".ppm"})
     for (const auto& [width, height] : {std::pair(1, 1), {7, 300}, {641, 479}, {3000, 2}}) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Every number of every format: written and read again, or read from a made-up file with numbers that are all distinct.
+// Every number of every format: written and read again, or read from a synthetic file with distinct numbers.
 #include <doctest/doctest.h>
 
 #include <array>
@@ -56,7 +56,7 @@ TrueState a_state() {
 
 }  // namespace
 
-TEST_CASE("all that a simulator knows comes back from an Odograph recording number by number") {
+TEST_CASE("all ground truth of a simulator is read back from an Odograph recording number by number") {
   const TemporaryFolder folder;
   const auto path = folder / "a.odo";
   auto writer = OdoWriter::create(path, 0);
@@ -90,7 +90,7 @@ TEST_CASE("all that a simulator knows comes back from an Odograph recording numb
   CHECK((r.true_steps[0].t_start_ns == 33 && r.true_steps[0].length_m == 0.7));
 }
 
-TEST_CASE("colours come back in their order, and a grey picture row by row") {
+TEST_CASE("colours are read in their order, and a grey picture row by row") {
   const TemporaryFolder folder;
   auto writer = OdoWriter::create(folder / "a.odo", 0);
   REQUIRE(writer.ok());
@@ -125,7 +125,7 @@ TEST_CASE("colours come back in their order, and a grey picture row by row") {
   }
 }
 
-TEST_CASE("trajectories have each number in its place, on the Earth longitude before latitude but in GPX") {
+TEST_CASE("trajectory files have each number in its column, geodetic ones longitude first except in GPX") {
   const TemporaryFolder folder;
   const Trajectory track = {{1'000'000'007, kQ, {1.5, -2.25, 3.125}},
                             {2'000'000'000, Quaterniond::Identity(), {4, 5, 6}}};
@@ -154,7 +154,7 @@ TEST_CASE("trajectories have each number in its place, on the Earth longitude be
   CHECK(path_length(track) == doctest::Approx(std::hypot(2.5, 7.25, 2.875)));
 }
 
-TEST_CASE("tracks on a map have times where the clock is Unix time, and none where it is not") {
+TEST_CASE("tracks on a map have times if the clock is Unix time, otherwise none") {
   const TemporaryFolder folder;
   const ToGeodetic earth = [](const Vector3d&) { return std::array<double, 3>{0.8, -0.1, 20}; };
   const Trajectory unix_times = {{1'781'801'311'043'000'000, kQ, {}}, {1'781'801'312'043'000'000, kQ, {1, 0, 0}}};
@@ -171,7 +171,7 @@ TEST_CASE("tracks on a map have times where the clock is Unix time, and none whe
   CHECK_FALSE(has("b.geojson", boot_times, "coordTimes"));
 }
 
-TEST_CASE("image folders take their times from a table, and say so where there is none") {
+TEST_CASE("image folders take their times from a table, and report its absence") {
   const TemporaryFolder folder;
   write_text(folder / "camera.yaml", "width: 64\nheight: 48\nfx: 50\nfy: 50\ncx: 32\ncy: 24\n");
   for (const char* name : {"1.png", "2.png", "3.png"}) picture(folder / name);
@@ -186,7 +186,7 @@ TEST_CASE("image folders take their times from a table, and say so where there i
   CHECK(read_recording(folder.path()).failure().text.find("3 pictures, 2 times") != std::string::npos);
 }
 
-TEST_CASE("EuRoC without a sensor.yaml of its camera is read, and asks for a lens") {
+TEST_CASE("EuRoC without its camera's sensor.yaml is read, and asks for a lens") {
   const TemporaryFolder folder;
   fs::create_directories(folder / "mav0/cam0/data"), fs::create_directories(folder / "mav0/imu0");
   picture(folder / "mav0/cam0/data/5.png");
@@ -198,7 +198,7 @@ TEST_CASE("EuRoC without a sensor.yaml of its camera is read, and asks for a len
   CHECK(recording.warnings.at(0).find("no sensor.yaml") != std::string::npos);
 }
 
-TEST_CASE("KITTI and TUM RGB-D: the camera's numbers, times and poses") {
+TEST_CASE("the camera's numbers, times and poses of KITTI and TUM RGB-D are read") {
   const TemporaryFolder folder;
   const auto kitti = folder / "kitti";
   fs::create_directories(kitti / "image_0");
@@ -231,7 +231,7 @@ TEST_CASE("KITTI and TUM RGB-D: the camera's numbers, times and poses") {
   CHECK((lens.fx == 525 && lens.fy == 525 && lens.cx == 319.5 && lens.cy == 239.5 && lens.width == 640));
 }
 
-TEST_CASE("ADVIO and the Indoor Location Competition: each sensor's axes, signs and SI units") {
+TEST_CASE("each sensor's axes, signs and units of ADVIO and the Indoor Location Competition are converted") {
   const TemporaryFolder folder;
   const auto advio = folder / "advio";
   fs::create_directories(advio / "iphone"), fs::create_directories(advio / "ground-truth");
@@ -269,7 +269,7 @@ TEST_CASE("ADVIO and the Indoor Location Competition: each sensor's axes, signs 
   CHECK(w.phone_attitudes[0].t_ns == 1'504'000'000);
 }
 
-TEST_CASE("an EuRoC folder's truth has the states' numbers, is the camera's when read, and says what it left out") {
+TEST_CASE("an EuRoC folder's truth has the states' numbers, is converted to the camera, and reports skipped rows") {
   const TemporaryFolder folder;
   Recording r{.format = "test", .path = "x"};
   for (int64_t i = 0; i < 5; ++i) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What damage costs: the damaged records and no others, and every loss is said.
+// Effect of damage: only the damaged records are lost, and every loss is reported.
 #include <doctest/doctest.h>
 
 #include <chrono>
@@ -24,7 +24,7 @@ TEST_SUITE_BEGIN("recording_loss");
 
 namespace {
 
-/// Inertial samples, frames and true poses, 161 messages in all.
+/// Inertial samples, frames and true poses, 161 messages in total.
 fs::path recording_of(const TemporaryFolder& folder, int frames = 40) {
   const auto path = folder / "whole.odo";
   auto created = OdoWriter::create(path, 0);
@@ -52,7 +52,7 @@ fs::path recording_of(const TemporaryFolder& folder, int frames = 40) {
   return path;
 }
 
-/// Every message as a text of bytes, a frame with its picture.
+/// Every message as a string of bytes, a frame with its picture.
 std::multiset<std::string> contents(const Recording& recording) {
   std::multiset<std::string> all;
   for (const auto& m : recording.messages) {
@@ -77,7 +77,7 @@ size_t in_both(const std::multiset<std::string>& a, const std::multiset<std::str
 
 }  // namespace
 
-TEST_CASE("a whole recording lacks nothing, and says so") {
+TEST_CASE("a complete recording reports no loss") {
   const TemporaryFolder folder;
   const auto recording = read_odo(recording_of(folder));
   REQUIRE(recording.ok());
@@ -86,7 +86,7 @@ TEST_CASE("a whole recording lacks nothing, and says so") {
   CHECK(recording->loss.file.records_lost == 0);
 }
 
-TEST_CASE("500 flipped bits: each costs at most its own record, and is said") {
+TEST_CASE("each of 500 flipped bits costs at most its own record, and is reported") {
   const TemporaryFolder folder;
   const auto path = recording_of(folder);
   const std::string bytes = read_text(path);
@@ -94,14 +94,14 @@ TEST_CASE("500 flipped bits: each costs at most its own record, and is said") {
   Random random(7, 1);
   size_t refused = 0;
   for (int i = 0; i < 500; ++i) {
-    const size_t at = i < 40 ? static_cast<size_t>(i) : random.next() % bytes.size();  // the head's bytes too
+    const size_t at = i < 40 ? static_cast<size_t>(i) : random.next() % bytes.size();  // including the head's bytes
     const int bit = static_cast<int>(random.next() % 8);
     std::string damaged = bytes;
     damaged[at] = static_cast<char>(damaged[at] ^ (1 << bit));
     CAPTURE(at);
     CAPTURE(bit);
     const auto recording = read_recording(write_text(folder / "flip.odo", damaged));
-    if (!recording) {  // a version that nobody knows
+    if (!recording) {  // an unknown version
       CHECK(at >= 8);
       CHECK(at < 12);
       CHECK(recording.failure().text.find("version") != std::string::npos);
@@ -121,7 +121,7 @@ TEST_CASE("500 flipped bits: each costs at most its own record, and is said") {
   CHECK(refused <= 4);
 }
 
-TEST_CASE("300 cuts: all that lies before is read, and every cut is said, also one between two records") {
+TEST_CASE("each of 300 truncations keeps everything before it and is reported, also between two records") {
   const TemporaryFolder folder;
   const auto path = recording_of(folder);
   const std::string bytes = read_text(path);
@@ -136,7 +136,7 @@ TEST_CASE("300 cuts: all that lies before is read, and every cut is said, also o
     CAPTURE(at);
     const auto recording = read_recording(write_text(folder / "cut.odo", bytes.substr(0, at)));
     if (!recording) {
-      CHECK(at < 400);  // not even one message
+      CHECK(at < 400);  // before the first message
       CHECK_FALSE(recording.failure().text.empty());
       ++said;
       continue;
@@ -149,7 +149,7 @@ TEST_CASE("300 cuts: all that lies before is read, and every cut is said, also o
   CHECK(said == 300);
 }
 
-TEST_CASE("a recording within a damaged record's payload is not taken for one") {
+TEST_CASE("a recording within a damaged record's payload is not read as one") {
   const TemporaryFolder folder;
   const std::string inner = read_text(recording_of(folder, 2));
   auto created = RecordWriter::create(folder / "outer.odo");
@@ -168,7 +168,7 @@ TEST_CASE("a recording within a damaged record's payload is not taken for one") 
   CHECK(recording->loss.file.records_lost == 1);
 }
 
-TEST_CASE("a file made of nothing but beginnings of records does not take quadratic time") {
+TEST_CASE("a file of nothing but starts of records is not read in quadratic time") {
   const TemporaryFolder folder;
   const uint32_t head[4] = {0x524F444F, 1, 30u << 20, 0};
   std::string bytes = read_text(recording_of(folder, 1));
@@ -181,7 +181,7 @@ TEST_CASE("a file made of nothing but beginnings of records does not take quadra
   CHECK(recording->loss.any());
 }
 
-TEST_CASE("an output file leaves what was there until it is whole, follows links and clears away what it gave up") {
+TEST_CASE("an output file replaces the existing one when complete, follows links and removes abandoned output") {
   const TemporaryFolder folder;
   const auto file = write_text(folder / "a.txt", "old");
   fs::create_symlink("a.txt", folder / "link.txt");
@@ -201,7 +201,7 @@ TEST_CASE("an output file leaves what was there until it is whole, follows links
   REQUIRE(write_whole_file("/dev/null", "x").ok());
 }
 
-TEST_CASE("a recorder that never closes leaves its messages in their place, and an older file too") {
+TEST_CASE("a recorder that never closes leaves its messages in place, and an existing file too") {
   const TemporaryFolder folder;
   const auto imu = make_message<odo_imu>(ODO_TYPE_IMU, 77);
   {
@@ -244,7 +244,7 @@ struct Euroc {
 
 }  // namespace
 
-TEST_CASE("impossible calibrations are errors with their place") {
+TEST_CASE("impossible calibrations are errors with their location") {
   REQUIRE(Euroc().read().ok());
   const std::tuple<const char*, const char*, const char*> cases[] = {
       {"51, 32", "-51, 32", "sensor.yaml:7:13: fy = -51; expected above 0"},
@@ -268,7 +268,7 @@ TEST_CASE("impossible calibrations are errors with their place") {
   }
 }
 
-TEST_CASE("a picture's name that leads out of the recording is refused unless that is wished") {
+TEST_CASE("a picture's name that leads out of the recording is rejected unless allowed") {
   for (const char* name : {"../../../../secret.png", "/etc/secret.png", "a/../../b.png"}) {
     Euroc euroc;
     euroc.frames = std::string("#t,file\n150,") + name + "\n";
@@ -283,7 +283,7 @@ TEST_CASE("a picture's name that leads out of the recording is refused unless th
   CHECK(euroc.read().ok());
 }
 
-TEST_CASE("times near the ends of int64 are left out and counted") {
+TEST_CASE("times near the ends of int64 are skipped and counted") {
   Euroc euroc;
   euroc.frames = "#t,file\n150,a.png\n9223372036854775807,b.png\n-9223372036854775808,c.png\n";
   const auto recording = euroc.read();
@@ -296,7 +296,7 @@ TEST_CASE("times near the ends of int64 are left out and counted") {
     CHECK_FALSE(parse_seconds(text).ok());
 }
 
-TEST_CASE("messages with impossible numbers are left out, counted and the first one named") {
+TEST_CASE("messages with impossible numbers are skipped, counted and the first one reported") {
   Recording recording;
   auto imu = make_message<odo_imu>(ODO_TYPE_IMU, 7);
   imu.header.flags = ODO_IMU_GYRO;
@@ -310,7 +310,7 @@ TEST_CASE("messages with impossible numbers are left out, counted and the first 
   CHECK(recording.loss.first_impossible == "imu at 7 ns: gyro_b[1] = nan; expected a finite number");
 }
 
-TEST_CASE("a pipe is refused in words and not waited for") {
+TEST_CASE("a pipe is rejected with a reason, without waiting") {
   const TemporaryFolder folder;
   const auto pipe = folder / "pipe.odo";
   REQUIRE(mkfifo(pipe.c_str(), 0600) == 0);
@@ -325,13 +325,13 @@ TEST_CASE("a pipe is refused in words and not waited for") {
   CHECK_FALSE(load_frame(recording->messages.back()).ok());
 }
 
-TEST_CASE("control characters are shown and not obeyed") {
+TEST_CASE("control characters are escaped") {
   CHECK(printable("a\x1b[31mb\r\n\x7f") == "a\\x1B[31mb\\x0D\n\\x7F");
   CHECK(printable("L\xc3\xa4nge \xc2\x9b") == "L\xc3\xa4nge \\x9B");
   CHECK(printable(std::string("\0", 1)) == "\\x00");
 }
 
-TEST_CASE("the next record is found behind damage of any length, also where its mark lies across two looks") {
+TEST_CASE("the next record is found behind damage of any length, also if its mark spans two reads") {
   const TemporaryFolder folder;
   constexpr size_t kHeader = 16, kSlack = 24;
   const std::string bytes = read_text(recording_of(folder, 1));
@@ -352,7 +352,7 @@ TEST_CASE("the next record is found behind damage of any length, also where its 
     CHECK(loss.first_at == kHeader);
   };
   for (size_t length = 1; length < 64; ++length) damaged(length);
-  for (size_t look = 4096, end = 0; look < (1 << 17); look *= 2) {  // looks overlap by some bytes
+  for (size_t look = 4096, end = 0; look < (1 << 17); look *= 2) {  // reads overlap by some bytes
     end += look;
     for (size_t length = end - kSlack; length < end + 8; ++length) damaged(length);
   }

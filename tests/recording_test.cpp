@@ -21,7 +21,7 @@ TEST_SUITE_BEGIN("recording");
 
 namespace {
 
-/// A small recording with everything in it.
+/// A small recording with every type of content.
 fs::path small_recording(const TemporaryFolder& folder, int frames) {
   const auto path = folder / "small.odo";
   auto created = OdoWriter::create(path, 0);
@@ -52,7 +52,7 @@ void picture(const fs::path& path) { cv::imwrite(path.string(), cv::Mat(48, 64, 
 
 }  // namespace
 
-TEST_CASE("an Odograph recording gives back what was written, bit for bit") {
+TEST_CASE("an Odograph recording is read back bit for bit") {
   const TemporaryFolder folder;
   const auto recording = read_recording(small_recording(folder, 5));
   REQUIRE(recording.ok());
@@ -70,7 +70,7 @@ TEST_CASE("an Odograph recording gives back what was written, bit for bit") {
   CHECK(frames == 5);
 }
 
-TEST_CASE("after a crash everything up to the last whole record is there") {
+TEST_CASE("after a crash all complete records are readable") {
   const TemporaryFolder folder;
   const auto path = small_recording(folder, 5);
   const std::string whole = read_text(path);
@@ -85,7 +85,7 @@ TEST_CASE("after a crash everything up to the last whole record is there") {
     previous = recording->messages.size();
   }
   CHECK(previous >= all - 1);
-  // A flipped bit is noticed and costs its record.
+  // A flipped bit is detected and costs its record.
   std::string damaged = whole;
   damaged[whole.size() / 2] = static_cast<char>(damaged[whole.size() / 2] ^ 4);
   write_text(folder / "damaged.odo", damaged);
@@ -95,7 +95,7 @@ TEST_CASE("after a crash everything up to the last whole record is there") {
   CHECK(recording->warnings.size() == 1);
 }
 
-TEST_CASE("random bytes behind a good head never crash the reader") {
+TEST_CASE("random bytes behind a valid head never crash the reader") {
   const TemporaryFolder folder;
   const std::string whole = read_text(small_recording(folder, 2));
   rc::check("random damage", [&] {
@@ -110,7 +110,7 @@ TEST_CASE("random bytes behind a good head never crash the reader") {
   });
 }
 
-TEST_CASE("times survive the way through text exactly") {
+TEST_CASE("times are written to text and read back exactly") {
   rc::check("nanoseconds", [](int64_t t) {
     const int64_t t_ns = t % 4'600'000'000'000'000'000;
     RC_ASSERT(*parse_seconds(format_seconds(t_ns)) == t_ns);
@@ -120,7 +120,7 @@ TEST_CASE("times survive the way through text exactly") {
   CHECK_FALSE(parse_seconds("1.2.3").ok());
 }
 
-TEST_CASE("trajectories survive the way through TUM and KITTI files") {
+TEST_CASE("trajectories are written to TUM and KITTI files and read back") {
   const TemporaryFolder folder;
   Trajectory track;
   for (int i = 0; i < 20; ++i)
@@ -149,7 +149,7 @@ TEST_CASE("trajectories survive the way through TUM and KITTI files") {
   CHECK_FALSE(write_trajectory(folder / "a.xyz", track, nullptr).ok());
 }
 
-TEST_CASE("bad tables are named with file and line") {
+TEST_CASE("errors in tables are reported with file and line") {
   const TemporaryFolder folder;
   CHECK(read_tum(write_text(folder / "a.tum", "# head\n1 2 3 4 0 0 0 1\n2 2 3 x 0 0 0 1\n"))
             .failure()
@@ -226,7 +226,7 @@ TEST_CASE("EuRoC, TUM RGB-D, ADVIO and image folders are recognised and read") {
   const auto i = read_recording(images);
   REQUIRE_MESSAGE(i.ok(), (i.ok() ? "" : i.failure().text));
   REQUIRE(i->messages.size() == 4);
-  CHECK(i->messages[3].picture.file->filename() == "10.png");  // by number, not by letter
+  CHECK(i->messages[3].picture.file->filename() == "10.png");  // by number, not alphabetically
   CHECK(i->messages[3].message.header().t_ns == 200'000'000);
   write_text(images / "camera.yaml", "width: 64\nheight: 48\nfx: 50\nfz: 50\ncx: 32\ncy: 24\n");
   CHECK(read_recording(images).failure().text.find("camera.yaml:4:1: unknown key 'fz'") != std::string::npos);
@@ -254,12 +254,11 @@ TEST_CASE("the real recordings are read" * doctest::test_suite("recording_data")
   CHECK(walks == 80);
 }
 
-TEST_CASE(
-    "a recording in memory is as large as its messages, and what a simulator knows is read where it is asked for") {
+TEST_CASE("a recording in memory has the size of its messages, and ground truth is read on request") {
   const TemporaryFolder folder;
   Recording recording;
   recording.add(make_message<odo_imu>(ODO_TYPE_IMU, 1).header);
-  CHECK(sizeof(RecordedMessage) <= 64);  // beside sizeof(odo_imu): there are 200 a second
+  CHECK(sizeof(RecordedMessage) <= 64);  // besides sizeof(odo_imu), at 200 per second
   StoredMessage copy = recording.messages[0].message;
   auto& imu = reinterpret_cast<odo_imu&>(copy.header());
   imu.accel_b[2] = 9.81;
@@ -294,7 +293,7 @@ odo_calibration a_lens(uint32_t model, uint32_t coefficients) {
   return c;
 }
 
-/// The numbers of a list in Kalibr's file, of a list of lists one after the other.
+/// The numbers of a list in Kalibr's file; lists of lists are concatenated.
 std::vector<double> numbers_at(const YamlNode& root, const std::string& path) {
   std::vector<double> numbers;
   const std::function<void(const YamlNode&)> collect = [&](const YamlNode& node) {
@@ -323,8 +322,7 @@ Recording one_frame(const odo_calibration& lens, const fs::path& png) {
 
 }  // namespace
 
-TEST_CASE(
-    "a camera in an EuRoC folder is the one that was written, and Kalibr's file says the same in Kalibr's terms") {
+TEST_CASE("the camera of a written EuRoC folder is read back, and Kalibr's file has the same in Kalibr's conventions") {
   for (const uint32_t model : {ODO_CAMERA_PINHOLE, ODO_CAMERA_KANNALA_BRANDT}) {
     CAPTURE(model);
     const TemporaryFolder folder;
@@ -359,7 +357,7 @@ TEST_CASE(
     }
     const auto kalibr = read_yaml((folder / "asl/camchain-imucam.yaml").string());
     REQUIRE(kalibr.ok());
-    // T_cam_imu takes points of the IMU to the camera; t_imu = t_cam + timeshift_cam_imu.
+    // T_cam_imu maps points of the IMU to the camera; t_imu = t_cam + timeshift_cam_imu.
     const auto rows = numbers_at(*kalibr, "cam0.T_cam_imu");
     REQUIRE(rows.size() == 16);
     const Eigen::Matrix4d T_c_b = Eigen::Matrix<double, 4, 4, Eigen::RowMajor>::Map(rows.data());

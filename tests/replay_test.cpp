@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Recordings replayed as an app plays them: poses ahead of time, anchors, places told on the way.
+// Recordings replayed as by an app: predicted poses, anchors, waypoints on the way.
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -39,14 +39,14 @@ const Recording& walk() {
   return recording;
 }
 
-/// The same in a street that is larger than it was for the sensors: their track is too short.
+/// The same in a street larger than for the sensors: their track is too short.
 Recording in_larger_street(double factor) {
   Recording recording = walk();
   for (StampedPose& pose : recording.truth) pose.p *= factor;
   return recording;
 }
 
-/// A pipeline that goes by steps, or by camera, IMU and steps; with `told` it takes places.
+/// A pipeline with steps, or with camera, IMU and steps; with `told` it uses waypoints.
 RunOptions pipeline(const TemporaryFolder& folder, bool camera, bool told = true) {
   const std::string fixer =
       "absolute_fixers:\n  - plugin: fix/waypoint\n    parameters: {use: all, min_sigma: 0.02 m}\n";
@@ -61,7 +61,7 @@ RunOptions pipeline(const TemporaryFolder& folder, bool camera, bool told = true
   return run;
 }
 
-/// How far off the last pose that has a truth is once the first such one lies on it; NaN where there are none.
+/// Error of the last pose with a truth, with the first such one aligned; NaN if there are none.
 double end_error(const std::vector<odo_pose>& poses, const Trajectory& truth) {
   std::optional<YawAlignment> alignment;
   double error_m = std::nan("");
@@ -83,7 +83,7 @@ Value need(Result<Value> result) {
 
 }  // namespace
 
-TEST_CASE("places told on the way hold a track that is too short, and the recording's own are then left out") {
+TEST_CASE("waypoints on the way correct a track that is too short, and the recording's own are then ignored") {
   const TemporaryFolder folder;
   const RunOptions run = pipeline(folder, true);
   const Recording street = in_larger_street(1.1);
@@ -101,7 +101,7 @@ TEST_CASE("places told on the way hold a track that is too short, and the record
   const auto last = [](const MarkedRun& r) { return Vector3d(r.poses.back().p_n); };
   CHECK(last(need(marked_run(street, run, marks, 1e9))) == last(told));
   CHECK(last(need(marked_run(street, run, {.sigma_m = 0.05, .every_s = 1, .seed = 2}, 1e9))) != last(told));
-  Recording marked = street;  // somebody else's place, far away
+  Recording marked = street;  // another waypoint, far away
   auto own = make_message<odo_waypoint>(ODO_TYPE_WAYPOINT, street.truth.back().t_ns - kSecond);
   own.p_n[0] = 50, own.sigma_m = 0.05;
   marked.add(own.header);
@@ -109,7 +109,7 @@ TEST_CASE("places told on the way hold a track that is too short, and the record
   CHECK(last(need(marked_run(marked, run, marks, 1e9))) == last(told));
 }
 
-TEST_CASE("a run of the first seconds ends there") {
+TEST_CASE("a run limited to the first seconds ends there") {
   const TemporaryFolder folder;
   const int64_t start_ns = walk().messages.front().message.header().t_ns;
   const MarkedRun begun = need(marked_run(walk(), pipeline(folder, false), {}, 8));
@@ -118,7 +118,7 @@ TEST_CASE("a run of the first seconds ends there") {
   CHECK(begun.poses.back().header.t_ns > start_ns + 6 * kSecond);
 }
 
-TEST_CASE("an app asks at its screen's rate, ahead of what it has been given, and once for each picture") {
+TEST_CASE("an app polls at its screen rate, ahead of its input, and once per picture") {
   const TemporaryFolder folder;
   const RunOptions run = pipeline(folder, false);
   const AppTiming near{.ahead_ms = 30, .poll_hz = 50}, far{.ahead_ms = 230, .poll_hz = 50};
@@ -129,7 +129,7 @@ TEST_CASE("an app asks at its screen's rate, ahead of what it has been given, an
   for (size_t i = 1; i < stream.poses.polls.size(); ++i)
     REQUIRE(stream.poses.polls[i].t_ns - stream.poses.polls[i - 1].t_ns == kSecond / 50);
   CHECK(ahead.poses.polls.back().t_ns - stream.poses.polls.back().t_ns == 200'000'000);
-  // The screen stops with what arrives last: 30 ms ahead of the recording's end and its latest picture.
+  // The screen stops with the last input: 30 ms ahead of the recording's end and its latest picture.
   const double over_s =
       1e-9 * static_cast<double>(stream.poses.polls.back().t_ns - walk().messages.back().message.header().t_ns);
   CHECK(over_s > 0.0);
@@ -139,11 +139,11 @@ TEST_CASE("an app asks at its screen's rate, ahead of what it has been given, an
     if (m.message.header().type == ODO_TYPE_FRAME) frames.push_back(m.message.header().t_ns);
   REQUIRE(stream.poses.early.size() > frames.size() / 2);
   CHECK(stream.poses.early.back().t_ns == frames.back());
-  CHECK(stream.poses.poses.size() > 15);  // one a step
+  CHECK(stream.poses.poses.size() > 15);  // one per step
   CHECK(stream.corrections == 0);
 }
 
-TEST_CASE("a place told on the way is a correction of the stream") {
+TEST_CASE("a waypoint on the way is a correction of the stream") {
   const TemporaryFolder folder;
   Recording told = walk();
   auto mark = make_message<odo_waypoint>(ODO_TYPE_WAYPOINT, walk().truth.back().t_ns - kSecond);
@@ -153,7 +153,7 @@ TEST_CASE("a place told on the way is a correction of the stream") {
   CHECK(need(app_stream(told, pipeline(folder, false), {})).corrections > 0);
 }
 
-TEST_CASE("anchors are drawn off by as much as the track errs, and a fix at the end is taken where a fixer is there") {
+TEST_CASE("anchors have the error of the track, and a final fix is used if there is a fixer") {
   const TemporaryFolder folder;
   const AnchorWalkOptions options{.settle_s = 3};
   const AnchorFigures untold = need(anchor_walk(walk(), pipeline(folder, true, false), options));

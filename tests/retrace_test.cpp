@@ -12,7 +12,7 @@ using Eigen::Vector3d;
 
 TEST_SUITE_BEGIN("world");
 
-TEST_CASE("a real walk is retraced: its waypoints, its own orientation, and the bounce of its steps" *
+TEST_CASE("a real walk is retraced with its waypoints, its orientation and the bounce of its steps" *
           doctest::test_suite("world_data")) {
   const auto folder = data_or_skip("phone_walks");
   if (folder.empty()) return;
@@ -24,7 +24,7 @@ TEST_CASE("a real walk is retraced: its waypoints, its own orientation, and the 
   REQUIRE(marks.size() == walk->waypoints().size());
   const Motion& phone = traced->journey.phone;
   for (const auto& mark : marks) CHECK((phone.pose(mark.t_s).translation() - mark.p_n).head<2>().norm() < 1e-6);
-  // The phone points where it goes.
+  // The phone points in the walking direction.
   double ahead = 0, length = 0;
   for (double t = marks.front().t_s; t < marks.back().t_s; t += 0.1) {
     const auto k = phone.at(t);
@@ -32,8 +32,8 @@ TEST_CASE("a real walk is retraced: its waypoints, its own orientation, and the 
     ahead += k.velocity_n.head<2>().dot(f.head<2>().normalized()), length += k.velocity_n.head<2>().norm();
   }
   CHECK(ahead > 0.8 * length);
-  // What ideal sensors on the retraced motion would feel, beside what the real ones felt: second by second the same
-  // but for what is constant, or pictures and samples would contradict each other.
+  // Ideal sensors on the retraced motion against the real ones: equal second by second up to a constant, since pictures
+  // and samples must not contradict each other.
   struct Second {
     Vector3d accel = Vector3d::Zero(), gyro = Vector3d::Zero();
     int n = 0;

@@ -15,7 +15,7 @@ TEST_SUITE_BEGIN("ring");
 
 namespace {
 
-/// As a queue does that is cut.
+/// Like a queue of limited length.
 template <class Ring>
 void check_newest() {
   Ring ring;
@@ -35,7 +35,7 @@ void check_newest() {
 
 TEST_CASE("a ring keeps the newest values") { check_newest<odograph::Ring<int, 5>>(); }
 
-TEST_CASE("the intervals between samples cover a span once, in order, and gaps and lacking ends are reported") {
+TEST_CASE("the intervals between samples cover a span once, in order, and gaps and missing ends are reported") {
   struct Sample {
     int64_t t_ns;
   };
@@ -61,7 +61,7 @@ TEST_CASE("the intervals between samples cover a span once, in order, and gaps a
   CHECK(parts == std::vector<Part>{{100, 110, 103, 110}, {110, 120, 110, 118}});
   CHECK(whole(110, 120));
   CHECK(parts == std::vector<Part>{{110, 120, 110, 120}});
-  CHECK(whole(85, 100));  // the oldest sample holds ahead of itself, the newest past itself
+  CHECK(whole(85, 100));  // extrapolated before the oldest and after the newest sample
   CHECK(parts == std::vector<Part>{{100, 100, 85, 100}});
   CHECK(whole(155, 175));
   CHECK(parts == std::vector<Part>{{150, 160, 155, 160}, {160, 160, 160, 175}});
@@ -75,7 +75,7 @@ TEST_CASE("the intervals between samples cover a span once, in order, and gaps a
   CHECK((whole(130, 130) && parts.empty()));
 }
 
-TEST_CASE("pressure and height are each other's inverse, and the standard atmosphere's") {
+TEST_CASE("pressure and height are inverse to each other and follow the standard atmosphere") {
   const double table[][2] = {{0, 101325}, {1000, 89874.6}, {5000, 54019.9}, {11000, 22632.1}};  // m, Pa (ISO 2533)
   for (const auto& [height_m, pressure_pa] : table) {
     CHECK(odograph::pressure_at_pa(height_m) == doctest::Approx(pressure_pa).epsilon(1e-5));
@@ -83,13 +83,13 @@ TEST_CASE("pressure and height are each other's inverse, and the standard atmosp
   }
 }
 
-TEST_CASE("nanoseconds are the nearest, and seconds take them back") {
-  CHECK(odograph::nanoseconds(1.001) == 1'001'000'000);  // a cut would give one less
+TEST_CASE("nanoseconds are rounded to nearest, and seconds are the inverse") {
+  CHECK(odograph::nanoseconds(1.001) == 1'001'000'000);  // truncation would give one less
   CHECK(odograph::nanoseconds(-1.5e-9) == -2);
   CHECK(odograph::seconds(3 * odograph::kSecond_ns + 5 * odograph::kMillisecond_ns) == doctest::Approx(3.005));
 }
 
-TEST_CASE("positions between those kept are linear, outside there are none but for a moment after the newest") {
+TEST_CASE("stored positions are interpolated linearly, and extrapolated only for a moment after the newest") {
   odograph::TimedPositions positions;
   CHECK(!positions.at(0, 100));
   const auto p = [](int64_t t_ns) { return Eigen::Vector3d(1e-3 * static_cast<double>(t_ns), 2, -1); };

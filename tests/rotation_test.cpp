@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Rotations against Eigen's angle-axis, the matrix exponential and logarithm, and numeric
-// derivatives.
+// Rotations against Eigen's angle-axis, the matrix exponential and logarithm, and numeric derivatives.
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -21,7 +20,7 @@ using Eigen::Matrix3d;
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
-/// Rotation vectors of all sizes, up to but not to half a turn.
+/// Rotation vectors of all sizes below half a turn.
 std::vector<Vector3d> rotation_vectors() {
   odograph::Random random(7, 1);
   std::vector<Vector3d> all{Vector3d::Zero()};
@@ -50,7 +49,7 @@ TEST_CASE("Exp is the matrix exponential of the cross product matrix, and a unit
   }
 }
 
-TEST_CASE("Log takes Exp back, of q as of -q, relative to the angle") {
+TEST_CASE("Log inverts Exp for q and -q, with an error relative to the angle") {
   for (const Vector3d& v : rotation_vectors()) {
     CAPTURE(v.norm());
     const Quaterniond q = odograph::exp_rotation(v), minus(-q.coeffs());
@@ -61,7 +60,7 @@ TEST_CASE("Log takes Exp back, of q as of -q, relative to the angle") {
   }
 }
 
-TEST_CASE("the left Jacobian is Exp's derivative on the left, numerically, and one in series and closed form") {
+TEST_CASE("the left Jacobian is Exp's numeric derivative on the left, and series and closed form agree") {
   for (const Vector3d& v : rotation_vectors()) {
     CAPTURE(v.norm());
     const Matrix3d J = odograph::left_jacobian(v);
@@ -72,13 +71,13 @@ TEST_CASE("the left Jacobian is Exp's derivative on the left, numerically, and o
       const Vector3d numeric = odograph::log_rotation(plus * minus.conjugate()) / (2 * h);
       CHECK((J.col(axis) - numeric).norm() < 1e-8);
     }
-    // Sola 2017, eq. (183): what it was made for.
+    // Sola 2017, eq. (183).
     CHECK(difference(Matrix3d::Identity() + J * odograph::skew(v), odograph::exp_rotation(v).toRotationMatrix()) <
           1e-8);
   }
 }
 
-TEST_CASE("the cross product matrix, quaternions of messages and rigid transforms") {
+TEST_CASE("the cross product matrix, quaternions of messages and rigid transforms are correct") {
   const Vector3d a(0.3, -1.2, 2.5), b(-0.7, 0.4, 1.1);
   CHECK((odograph::skew(a) * b - a.cross(b)).norm() < 1e-15);
   const Quaterniond q = odograph::exp_rotation(a);

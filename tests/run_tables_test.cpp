@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Every number of every file that a run writes, against the event that it came from.
+// Every number of every file that a run writes, against its event.
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -19,7 +19,7 @@ namespace {
 
 using Row = std::vector<std::string>;
 
-/// The second line of a table with a head, by its columns' names.
+/// The second line of a table with a head, by column name.
 std::map<std::string, std::string> first_row(const std::filesystem::path& file) {
   std::istringstream lines(read_text(file));
   std::string line, field;
@@ -142,7 +142,7 @@ TEST_CASE("the tables of a run have each event's own numbers under each name") {
   CHECK(first_row(folder / "a/scale.csv")["used"] == "0");
   CHECK(first_row(folder / "a/fixes.csv")["kind"] == "yaw");
   CHECK(first_row(folder / "a/fixes.csv")["accepted"] == "0");
-  CHECK_FALSE(std::filesystem::exists(folder / "a/vo.csv"));  // an older run's
+  CHECK_FALSE(std::filesystem::exists(folder / "a/vo.csv"));  // from an older run
   run.fixes = {{a_fix(ODO_FIX_YAW | ODO_FIX_ORIENTATION), false}};
   REQUIRE(write_run(folder / "a", nothing_of("x"), run, {}).ok());
   CHECK(first_row(folder / "a/fixes.csv")["kind"] == "pose");
@@ -226,7 +226,7 @@ TEST_CASE("a run's summary has each statistic under its own name") {
   CHECK(bare["lost"]["records"] == 0);
 }
 
-TEST_CASE("the page of a run shows its own numbers, and each run laid over the truth by itself") {
+TEST_CASE("the page of a run shows its own numbers, and each run aligned with the truth separately") {
   RunResult run;
   constexpr int64_t kSecond = 1'000'000'000;
   for (int i = 0; i <= 4; ++i)
@@ -259,11 +259,11 @@ TEST_CASE("the page of a run shows its own numbers, and each run laid over the t
   REQUIRE(shown["states"].size() == 3);
   CHECK(shown["states"][1] == Json({{"t", 2.0}, {"state", 2}, {"text", odo_state_text(ODO_DEGRADED)}}));
   CHECK(shown["states"][2]["t"] == 3.0);
-  // What a config has cannot end the page's data.
+  // No content of a config can end the page's data.
   const std::string page = run_page(recording, {{"run", &run}}, {});
   CHECK(page.find("</script><b>") == std::string::npos);
 
-  Recording known = recording;  // turned, shifted, and one pose 2 m off
+  Recording known = recording;  // rotated, shifted, and one pose 2 m off
   for (const StampedPose& x : run.track) known.truth.push_back({x.t_ns, x.q, {-x.p.y() + 5, x.p.x() + 1, x.p.z() + 4}});
   for (const auto& [t, error] : lay_over_truth(known, run).error_m) CHECK(error < 1e-9);
   run.track[2].p.z() += 2;
@@ -274,7 +274,7 @@ TEST_CASE("the page of a run shows its own numbers, and each run laid over the t
   CHECK(std::abs(errors[0].second - 0.4) < 1e-9);
 
   run.track[2].p.z() -= 2;
-  RunResult moved = run;  // the same track in another frame: no worse a run
+  RunResult moved = run;  // the same track in another frame: an equally good run
   for (StampedPose& x : moved.track) x.p = {x.p.y() + 100, -x.p.x(), x.p.z()};
   const LaidRun laid = lay_over_truth(known, moved);
   CHECK(laid.rms_m() < 1e-9);

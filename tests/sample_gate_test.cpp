@@ -33,7 +33,7 @@ struct Passed {
 
 }  // namespace
 
-TEST_CASE("a single sample that sticks out is dropped, and only that one") {
+TEST_CASE("a single outlier is dropped, and nothing else") {
   Passed passed;
   for (int i = 0; i < 100; ++i) passed.push(sample(i, i == 50 ? 30.0 : 0.1, 9.81));
   for (int i = 100; i < 200; ++i) passed.push(sample(i, 0.1, i == 150 ? -150.0 : 9.81));
@@ -42,7 +42,7 @@ TEST_CASE("a single sample that sticks out is dropped, and only that one") {
   for (const auto& imu : passed.out) CHECK(std::abs(imu.gyro_b[0]) < 1);
 }
 
-TEST_CASE("a shock that lasts, a saturated sensor and a pause lose nothing") {
+TEST_CASE("a lasting shock, a saturated sensor and a pause lose nothing") {
   Passed passed;
   for (int i = 0; i < 300; ++i) {
     const bool shock = i >= 50 && i < 52, saturated = i >= 100 && i < 150;
@@ -53,7 +53,7 @@ TEST_CASE("a shock that lasts, a saturated sensor and a pause lose nothing") {
   for (size_t i = 1; i < passed.out.size(); ++i) CHECK(passed.out[i].header.t_ns > passed.out[i - 1].header.t_ns);
 }
 
-TEST_CASE("sensors that come apart are judged apart") {
+TEST_CASE("separate sensors are checked separately") {
   Passed passed;
   for (int i = 0; i < 100; ++i) {
     passed.push(sample(2 * i, i == 50 ? 30.0 : 0.1, 0, ODO_IMU_GYRO));
@@ -63,7 +63,7 @@ TEST_CASE("sensors that come apart are judged apart") {
   CHECK(passed.out.size() == 199);
 }
 
-TEST_CASE("what a hand can do passes, whatever it does") {
+TEST_CASE("all motions possible for a hand pass") {
   rc::check("band-limited motion", [] {
     const double hz = *rc::gen::inRange(1, 8), phase = *rc::gen::inRange(0, 628) * 0.01;
     const double rate = 500 / (2 * 3.14159265 * hz), force = *rc::gen::inRange(0, 60);
@@ -77,12 +77,12 @@ TEST_CASE("what a hand can do passes, whatever it does") {
   });
 }
 
-TEST_CASE("values that no sensor of a phone can give are out of range") {
+TEST_CASE("values impossible for a phone's sensor are out of range") {
   const SampleGate gate;
   CHECK(gate.within_range(sample(0, 34.9, 157).header));
   CHECK_FALSE(gate.within_range(sample(0, 41, 0).header));
   CHECK_FALSE(gate.within_range(sample(0, 0, -1e6).header));
-  CHECK(gate.within_range(sample(0, 1e300, 9.81, ODO_IMU_ACCEL).header));  // what is not valid is not looked at
+  CHECK(gate.within_range(sample(0, 1e300, 9.81, ODO_IMU_ACCEL).header));  // not valid, hence not checked
   auto barometer = make_message<odo_barometer>(ODO_TYPE_BAROMETER, 0);
   barometer.pressure_pa = 101325;
   CHECK(gate.within_range(barometer.header));

@@ -91,14 +91,14 @@ std::string pipes() {
   }
 }
 
-/// Writes for ever, in lines whose length fits into no buffer evenly.
+/// Writes forever, in lines whose length divides no buffer size.
 [[noreturn]] void chatter() {
   const std::string much = std::string(997, 'x') + "\n";
   for (;;)
     for (const int fd : {1, 2}) (void)!write(fd, much.data(), much.size());
 }
 
-/// What forges lines of a log, moves a terminal's cursor, is no text, and is cut within a character.
+/// Reports that forge log lines, move a terminal's cursor, are not text, or are cut within a character.
 void lie_in_reports() {
   report("line\nfeed", "all is well\n2026-01-01 host: nothing is wrong");
   report("escape", "a\x1b[2J\xc2\x9b\x7f\r\tb");
@@ -108,7 +108,7 @@ void lie_in_reports() {
   report("cut", "x" + letters);
 }
 
-/// What it can open in the victim's folder, where the kernel's names of processes are mounted as `names`.
+/// What it can open in the victim's folder through a second mount of the process file system as `names`.
 std::string second_names() {
   const std::string folder = hostile::victim();
   std::string opened;
@@ -122,12 +122,12 @@ std::string ordered() {
   return what ? what : "";
 }
 
-/// Before anything of the library is called: answers in its host's place that all went well, and never returns.
+/// Runs before any function of the library: answers success in the host's place and never returns.
 __attribute__((constructor)) void forge_the_start() {
   if (ordered() != "forge the start") return;
   auto* shared = hostile::control();
   if (!shared) return;
-  constexpr size_t kBytes = 40;  // status, why, types, flags, and what the system lacked: nothing of it
+  constexpr size_t kBytes = 40;  // status, reason, types, flags and missing features: all empty
   for (size_t i = 0; i < kBytes; ++i) shared->response[i] = 0;
   shared->response_size = kBytes;
   (void)!write(odograph::wire::kSocket, "a", 1);

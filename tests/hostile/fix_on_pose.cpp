@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A fixer that does as it should, and has a fix for each pose.
+// A well-behaved fixer that emits a fix for each pose.
 #define HOSTILE_ID "test/fix_on_pose"
 #include <odograph/absolute_fixer.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// An attitude source that takes memory without end, and what it gets it uses.
+// An attitude source that allocates and uses memory without end.
 #define HOSTILE_ID "test/greedy"
 #include <cstdlib>
 

@@ -7,7 +7,7 @@
 
 namespace hostile {
 
-/// What a good attitude plugin answers to an IMU sample: level, whatever the sample says.
+/// The answer of a good attitude plugin to an IMU sample: a horizontal attitude, whatever the sample.
 inline int32_t emit_horizontal_attitude(const odo_header& sample) {
   odo_attitude a;
   std::memset(static_cast<void*>(&a), 0, sizeof a);

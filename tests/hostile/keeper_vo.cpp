@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A front-end that keeps the last frames as long as it may, and says with each frame how many it kept and what the
-// first pixel of the oldest one is by then: p_c0_c1 = {kept, pixel, 0}.
+// A front-end that keeps the last frames as long as possible, and reports with each frame the number kept and the first
+// pixel of the oldest one: p_c0_c1 = {kept, pixel, 0}.
 #define HOSTILE_ID "test/keeper_vo"
 #include <odograph/vo_frontend.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A scale source that answers each motion with a scale for the one before, and every third time with one that holds.
+// A scale source that answers each motion with a scale for the previous one, and every third time with a valid one.
 #define HOSTILE_ID "test/late_scale"
 #include <odograph/scale_source.h>
 

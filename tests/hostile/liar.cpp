@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A fixer, or a front-end, whose events have random numbers, good and absurd ones, in all fields.
+// A fixer, or a front-end, whose events have random numbers in all fields, plausible and absurd ones.
 #define HOSTILE_ID "test/liar"
 #include <cmath>
 #include <cstdint>
@@ -28,7 +28,7 @@ double number() {
 void fill(double* values, size_t count) {
   for (size_t i = 0; i < count; ++i) values[i] = number();
 }
-/// Mostly what a rotation or a covariance is, at any size, so that it is looked at further.
+/// Usually a valid rotation or covariance of any size, so that it passes the first checks.
 void rotation(double* q) {
   fill(q, 4);
   const double norm = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);

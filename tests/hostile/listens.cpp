@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A front-end that tells what it is given: ODO_TYPE_VENDOR(0, 2) with the message behind the head. It wants its own
-// events too, which nobody is to give it.
+// A front-end that reports its inputs: ODO_TYPE_VENDOR(0, 2) with the message behind the head. It also declares its own
+// events as inputs, which it must not receive.
 #define HOSTILE_ID "test/listens"
 #include <odograph/vo_frontend.h>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A level attitude that does one bad thing at one moment. Which and when its file is called: abort__create.so. In
-// process it is at the 40th sample of each life.
+// A horizontal attitude with one fault at one moment, both named by its file: abort__create.so. In process it occurs at
+// the 40th sample after each start.
 #define HOSTILE_ID "test/misdeed"
 #include <dlfcn.h>
 #include <pthread.h>
@@ -38,13 +38,13 @@ int deep(volatile char* above) {
   return deep(storage) + storage[0];
 }
 
-/// The shortest whole answer: a status, and neither events nor reports.
+/// The shortest complete answer: a status, without events and reports.
 void forge(volatile odograph::wire::Control& shared) {
   for (size_t i = 0; i < sizeof(int32_t); ++i) shared.response[i] = 0;
   shared.response_size = sizeof(int32_t);
 }
 
-/// Answers ahead of every question, as many as the socket holds, and takes none of them.
+/// Answers ahead of every question, as many times as the socket holds, and reads none of them.
 void answer_unasked() {
   auto* shared = hostile::control();
   if (!shared) return;
@@ -55,8 +55,8 @@ void answer_unasked() {
   for (;;) forge(*shared);
 }
 
-/// Answers the question that it has taken, and each further one once it lies in the socket, where it leaves it: they
-/// fill the socket.
+/// Answers the question that it has read, and each further one in the socket without reading it, so that they fill the
+/// socket.
 void answer_without_taking() {
   auto* shared = hostile::control();
   if (!shared) return;
@@ -68,7 +68,7 @@ void answer_without_taking() {
   }
 }
 
-/// Does what the file is called after, if its moment has come.
+/// Commits the fault named by the file if its moment has come.
 void now(const char* moment) {
   const size_t gap = name().find("__");
   if (gap == std::string::npos || name().substr(gap + 2) != moment) return;
@@ -102,7 +102,7 @@ void now(const char* moment) {
     }
   if (deed == "answers_unasked") answer_unasked();
   if (deed == "takes_no_question") answer_without_taking();
-  if (deed == "scribbles") {  // over whatever lies about it
+  if (deed == "scribbles") {  // over adjacent memory
     static int mine = 0;
     std::memset(static_cast<void*>(&mine), 0x5a, 1 << 24);
   }

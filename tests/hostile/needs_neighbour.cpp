@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A good plugin that needs the library neighbour.so beside it ($ORIGIN).
+// A good plugin that needs the library neighbour.so in its folder ($ORIGIN).
 #include "tests/hostile/table.hpp"
 
 extern "C" int hostile_neighbour();

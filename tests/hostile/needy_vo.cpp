@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A front-end that refuses frames of a camera that it has not been told of, forgets it when reset, and breaks down at
-// an exposure of 666 ns. It sees 5 cm forward between any two frames.
+// A front-end that rejects frames of an uncalibrated camera, loses the calibration on reset, and fails at an exposure
+// of 666 ns. Between any two frames it reports 5 cm forward.
 #define HOSTILE_ID "test/needy_vo"
 #include <odograph/vo_frontend.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A scale source that does what it is told by ODO_TYPE_VENDOR(0, 1): tests/obeys.hpp has the order's struct.
+// A scale source that executes the orders in ODO_TYPE_VENDOR(0, 1): tests/obeys.hpp has their struct.
 #define HOSTILE_ID "test/obeys"
 #include <cfenv>
 
@@ -53,7 +53,7 @@ extern "C" int32_t ODO_PLUGIN_ENTRY(const odo_host*, odo_plugin* out) {
     return std::memcpy(&of(instance).learnt, data, size), ODO_OK;
   };
   t.process = [](odo_instance* instance, const odo_batch* batch) -> int32_t {
-    const odo_header& told = *batch->messages[0];  // what test/echo is told has the same type and another size
+    const odo_header& told = *batch->messages[0];  // messages for test/echo have the same type and another size
     if (told.type != ODO_TYPE_VENDOR(0, 1) || told.struct_size != sizeof(odograph::Order)) return ODO_OK;
     const auto& order = *reinterpret_cast<const odograph::Order*>(batch->messages[0]);
     State& state = of(instance);

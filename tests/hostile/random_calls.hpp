@@ -19,12 +19,12 @@
 
 namespace hostile {
 
-/// System calls of random numbers with random arguments, among which are the victim's names, the host's number, the
-/// first descriptors and buffers that can be read and written.
+/// Random system calls with random arguments, including the victim's names, the host's process number, the first
+/// descriptors, and buffers that can be read and written.
 class RandomCalls {
  public:
   RandomCalls() {
-    // Never outside the sandbox: this would wreck the user's files. There the question itself is refused.
+    // Never outside the sandbox: this would destroy the user's files. In the sandbox fork() is refused.
     if (prctl(PR_GET_SECCOMP) >= 0 || errno != EPERM || fork() >= 0) std::abort();
     timespec now{};
     clock_gettime(CLOCK_REALTIME, &now);
@@ -32,7 +32,7 @@ class RandomCalls {
     file_ = std::string(victim()) + "/file";
     fresh_ = std::string(victim()) + "/fresh";
     readable_ = open(file_.c_str(), O_RDONLY);
-    // What a call writes through a pointer of ours ends at a page that nobody may touch.
+    // Writes through a pointer into the arena end at an inaccessible page.
     arena_ =
         static_cast<char*>(mmap(nullptr, kArena + kPage, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0));
     mprotect(arena_ + kArena, kPage, PROT_NONE);
@@ -41,7 +41,7 @@ class RandomCalls {
     long number = static_cast<long>(random() % 480);
     if (random() % 64 == 0) number |= 0x40000000;
     if (random() % 64 == 0) number = static_cast<long>(random());
-    // What ends, stops or wrecks this very process is tried now and then: it is started anew.
+    // Calls that end, stop or damage this process are tried rarely, since it must be restarted.
     if (harms_itself().count(number) && random() % 4096 != 0) return;
     long a[6];
     for (long& each : a) each = argument();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A step estimator that does as it should, and has a step for each fix.
+// A well-behaved step estimator that emits a step for each fix.
 #define HOSTILE_ID "test/step_on_fix"
 #include <odograph/step_estimator.h>
 

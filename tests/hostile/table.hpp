@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// A good plugin table written by hand, for the broken plugins to break in one place.
+// A correct plugin table written by hand, in which the broken plugins change one item.
 #pragma once
 
 #include <cstring>
@@ -23,7 +23,7 @@ inline int& instance() {
   return thing;
 }
 
-/// Of this plugin: several may be linked into one program.
+/// Of this plugin only: several may be linked into one program.
 static odo_plugin table() {
   static const odo_string interfaces[] = {{ODO_INTERFACE_SCALE_SOURCE, sizeof(ODO_INTERFACE_SCALE_SOURCE) - 1}};
   odo_plugin t;

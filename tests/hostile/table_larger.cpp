@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Built against a later minor version, whose table goes on; and careless enough to write all of it. That is survived.
+// Built against a later minor version with a larger table, which it writes completely. The host must survive that.
 #include "tests/hostile/table.hpp"
 
 extern "C" int32_t ODO_PLUGIN_ENTRY(const odo_host*, odo_plugin* out) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Ends before `process`: no version of the ABI was ever that small.
+// Ends before `process`: smaller than in any version of the ABI.
 #include "tests/hostile/table.hpp"
 
 extern "C" int32_t ODO_PLUGIN_ENTRY(const odo_host*, odo_plugin* out) {

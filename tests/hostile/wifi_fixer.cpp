@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A good fixer that lives on a vendor's own messages, and answers with one too.
+// A good fixer that uses a vendor's messages, and answers with one as well.
 #define HOSTILE_ID "test/wifi_fixer"
 #include <odograph/absolute_fixer.h>
 

@@ -23,7 +23,7 @@ VISIBLE void* malloc(size_t size) { return count(size), __libc_malloc(size); }
 VISIBLE void* calloc(size_t number, size_t size) { return count(number * size), __libc_calloc(number, size); }
 VISIBLE void* realloc(void* pointer, size_t size) { return count(size), __libc_realloc(pointer, size); }
 
-/* From here on allocations of at least that many bytes are counted as large. */
+/* From here on allocations of at least this many bytes are counted as large. */
 VISIBLE void odo_test_count(uint64_t bytes) {
   all = large = 0;
   largest = bytes;

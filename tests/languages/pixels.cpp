@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// A front-end that keeps a frame as long as others do, and notes where its pixels are (allocations.c).
+// A front-end that keeps a frame and records the address of its pixels (allocations.c).
 #include <dlfcn.h>
 
 #include <odograph/plugin.hpp>

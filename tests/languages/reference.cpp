@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What the languages are compared with: every pose of `odograph run` with all its digits, after a look whether
-// FOLDER/trajectory.tum is made of the same ones.
-//   odograph-reference CONFIG RECORDING FOLDER
+// Reference for the language bindings: every pose of `odograph run` with all its digits, after checking that
+// FOLDER/trajectory.tum contains the same ones.
+// odograph-reference CONFIG RECORDING FOLDER
 #include <cinttypes>
 #include <cstdio>
 #include <fstream>

@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr int64_t kBoot_ns = 1'781'700'000'000'000'000;  // when the phone was switched on
+constexpr int64_t kBoot_ns = 1'781'700'000'000'000'000;  // boot time of the phone
 constexpr double kDegrees = 57.29577951308232;
 
 std::string digits(double value) {

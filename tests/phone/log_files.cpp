@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The walk as ROS 2 records it: MCAP, with messages in CDR laid out by hand.
+// The walk as recorded by ROS 2: MCAP, with messages in hand-made CDR.
 #include <map>
 
 #include <doctest/doctest.h>
@@ -16,7 +16,7 @@ namespace {
 
 constexpr double kDegrees = 57.29577951308232;
 
-/// CDR as ROS 2 writes it: each number aligned to its size, counted from behind the head.
+/// CDR of ROS 2: each number aligned to its size, counted from the end of the head.
 class Cdr {
  public:
   Cdr() = default;
@@ -73,7 +73,7 @@ std::string sample_of(const odo_header& header, std::string& topic) {
   return out.message();
 }
 
-/// Where the camera sits: tf2_msgs/TFMessage with one transform, from camera to imu.
+/// The camera's mount: tf2_msgs/TFMessage with one transform, from camera to imu.
 std::string transform_of(const odo_calibration& c, int64_t t_ns) {
   const double q[4] = {c.q_b_c[1], c.q_b_c[2], c.q_b_c[3], c.q_b_c[0]};
   Cdr out;

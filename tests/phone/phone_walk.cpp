@@ -14,7 +14,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// A frame's picture as grey, rotated where the phone stands upright.
+/// A frame's picture in grey, rotated if the phone is upright.
 cv::Mat picture_of(const RecordedMessage& message, bool upright) {
   const auto frame = load_frame(message);
   REQUIRE(frame.ok());
@@ -39,7 +39,7 @@ PhoneWalk phone_walk(const Recording& walk, bool upright) {
   const double r = std::sqrt(0.5);
   Eigen::Quaterniond q_d_c =
       upright ? Eigen::Quaterniond(0, 1, 0, 0) : Eigen::Quaterniond(0, r, -r, 0);  // the phone's axes d
-  // The picture rotated clockwise: its x is the old one's -y.
+  // The picture rotated clockwise: its x is the old -y.
   const Eigen::Quaterniond q_c_k(Eigen::AngleAxisd(upright ? -EIGEN_PI / 2 : 0, Eigen::Vector3d::UnitZ()));
   const Eigen::Quaterniond q_d_b = q_d_c * q_c_k.conjugate() * q_b_c.conjugate();
   const int64_t shift_ns = kEpoch_ns - walk.messages.front().message.header().t_ns;
@@ -57,7 +57,7 @@ PhoneWalk phone_walk(const Recording& walk, bool upright) {
     c.cy = c.cx, c.cx = cx;
     std::swap(c.width, c.height);
   }
-  c.header.t_ns = kEpoch_ns;  // before the first sample, as the readers have it
+  c.header.t_ns = kEpoch_ns;  // before the first sample, as from the readers
   phone.recording.add(c.header);
   for (const auto& m : walk.messages) {
     RecordedMessage moved = m;

@@ -18,7 +18,7 @@ constexpr int kTimeScale = 90000;
 
 int64_t ticks_of(int64_t t_ns) { return (t_ns * kTimeScale + 500'000'000) / 1'000'000'000; }
 
-/// Takes packets out of the encoder and puts them into the file.
+/// Moves packets from the encoder to the file.
 bool drain(AVFormatContext* out, AVCodecContext* encoder, AVStream* stream, AVPacket* packet) {
   while (avcodec_receive_packet(encoder, packet) == 0) {
     packet->duration = kTimeScale / 30;  // without it the file ends before its last frame is shown
@@ -55,7 +55,7 @@ uint32_t size_at(const std::string& bytes, size_t at) {
   return size;
 }
 
-/// The track's description: samples lie one after the other from `offset` on.
+/// The track's description: samples are consecutive from `offset` on.
 std::string track_of(const std::vector<std::pair<int64_t, int64_t>>& samples, size_t offset) {
   const auto zeros = [](int n) { return std::string(static_cast<size_t>(n), '\0'); };
   const std::string key = "sensor_logger.epoch_timestamp";
@@ -98,7 +98,7 @@ bool write_video(const std::filesystem::path& file, const std::vector<cv::Mat>& 
   encoder->width = pictures.front().cols, encoder->height = pictures.front().rows;
   encoder->pix_fmt = AV_PIX_FMT_YUV420P;
   encoder->time_base = stream->time_base = {1, kTimeScale};
-  encoder->gop_size = 30, encoder->max_b_frames = 2;  // shown in another order than stored
+  encoder->gop_size = 30, encoder->max_b_frames = 2;  // display order differs from storage order
   encoder->thread_count = 1;
   if (out->oformat->flags & AVFMT_GLOBALHEADER) encoder->flags |= AV_CODEC_FLAG_GLOBAL_HEADER;
   av_opt_set(encoder->priv_data, quality == 0 ? "qp" : "crf", std::to_string(quality).c_str(), 0);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Built several times: plugins of different ids whose classes have one name.
+// Built several times: plugins with different ids and the same class name.
 #include <odograph/plugin.hpp>
 
 #if defined(ODO_STATIC)

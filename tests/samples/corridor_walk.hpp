@@ -13,8 +13,8 @@
 
 namespace odograph {
 
-/// A walk down a winding corridor whose truth is a formula: what the IMU, the platform's tracking and transmitters
-/// along the walls measure of it. The phone is held upright; its camera looks ahead.
+/// A walk down a winding corridor with a closed-form truth: measurements of the IMU, the platform's tracking and
+/// transmitters along the walls. The phone is held upright; its camera looks ahead.
 class CorridorWalk {
  public:
   using Vector3d = Eigen::Vector3d;
@@ -23,17 +23,17 @@ class CorridorWalk {
 
   struct Platform {
     double scale = 1;           ///< of its positions
-    double yaw_rate_radps = 0;  ///< by which its heading drifts
+    double yaw_rate_radps = 0;  ///< drift of its heading
     bool of_body = false;
     double hz = 20;
   };
 
-  /// Metres along the corridor, from a standstill.
+  /// Distance along the corridor, from a standstill.
   static double along(double t) {
     const double s = std::max(0.0, t - kStart_s), ramp = 2;
     return s < ramp ? kSpeed_mps * s * s * s / ramp / ramp * (1 - s / 2 / ramp) : kSpeed_mps * (s - ramp / 2);
   }
-  /// Share of the full gait: a smooth constant motion would look like rest to an IMU.
+  /// Fraction of the full gait: a smooth constant motion would look like rest to an IMU.
   static double gait(double t) {
     const double s = std::clamp((t - kStart_s) / 2, 0.0, 1.0);
     return s * s * s * (10 - 15 * s + 6 * s * s);
@@ -74,7 +74,7 @@ class CorridorWalk {
     CHECK(odo_session_push(app.session, &c.header) == ODO_OK);
   }
 
-  /// The platform's pose, whose drift is integrated: call it in the order of time.
+  /// The platform's pose with an integrated drift: call it in time order.
   odo_platform_pose platform_pose(double t, const Platform& platform) {
     const Quaterniond mount = platform.of_body ? Quaterniond::Identity() : q_b_c();
     const Vector3d lever = platform.of_body ? Vector3d(0, 0, 0) : p_b_c();
@@ -96,11 +96,11 @@ class CorridorWalk {
 
   struct Ranging {
     double sigma_m = 0.1, outliers = 0.1, reach_m = 25;
-    int only = -1;  ///< one transmitter alone
+    int only = -1;  ///< a single transmitter
   };
   static inline const Vector3d kLever_b{0.02, 0.07, 0.0};
 
-  /// One measurement of each transmitter within reach; some are too long by reflections.
+  /// One measurement of each transmitter within range; some are too long because of reflections.
   void ranges(const App& app, double t, const Ranging& ranging) {
     std::normal_distribution<double> noise(0, ranging.sigma_m);
     std::uniform_real_distribution<double> uniform(0, 1);
@@ -138,7 +138,7 @@ class CorridorWalk {
 
 inline std::string sample_plugins() { return (std::filesystem::path(ODOGRAPH_BUILD) / "tests/samples").string(); }
 
-/// The pipeline of both samples; the walk begins at the origin's height, heading north.
+/// The pipeline of both samples; the walk starts at the origin's height, heading north.
 inline std::string platform_config(const std::string& rest, const std::string& north = "0 m") {
   return "odograph: 1\nattitude: {plugin: attitude/vqf}\nvo_frontend: {plugin: vo/platform_pose}\ncoupling: {type: "
          "localizer}\nnavigation: {start: {position: [" +

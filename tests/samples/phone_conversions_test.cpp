@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What samples/android and samples/ios make of the platforms' numbers, against the platforms' own definitions.
+// The conversions of samples/android and samples/ios, against the platforms' definitions.
 #include "samples/android/app/src/main/cpp/conversions.hpp"
 #include "samples/ios/Sources/OdographPhone/conversions.h"
 
@@ -37,7 +37,7 @@ TEST_CASE("a lens in the middle of Android's array is in the middle of the pictu
   CHECK(phone::calibration_of(camera, 0, 480, 480).fx == doctest::Approx(3100 * 0.16));
 }
 
-TEST_CASE("a wide picture has fewer rows of the array and so less of its readout") {
+TEST_CASE("a wide picture has fewer rows of the array and thus less of its readout") {
   const phone::CameraFacts camera = array_4_by_3();
   const int64_t skew_ns = 24'000'000;
   CHECK(phone::line_time(skew_ns, camera, phone::crop_of(camera, 640, 480), 480) == 50'000);
@@ -45,7 +45,7 @@ TEST_CASE("a wide picture has fewer rows of the array and so less of its readout
   CHECK(phone::middle_of_frame(1000, 200, 100) == 1150);
 }
 
-TEST_CASE("Android's distortion in our order is what OpenCV projects with") {
+TEST_CASE("Android's distortion in our order is OpenCV's") {
   phone::CameraFacts camera = array_4_by_3();
   camera.has_distortion = true;
   const float kappa[5] = {0.11F, -0.23F, 0.05F, 0.003F, -0.002F};
@@ -56,7 +56,7 @@ TEST_CASE("Android's distortion in our order is what OpenCV projects with") {
   std::uniform_real_distribution<double> anywhere(-0.5, 0.5);
   for (int i = 0; i < 20; ++i) {
     const double x = anywhere(random), y = anywhere(random), r2 = x * x + y * y;
-    const double radial = 1 + r2 * (kappa[0] + r2 * (kappa[1] + r2 * kappa[2]));  // as Android's reference has it
+    const double radial = 1 + r2 * (kappa[0] + r2 * (kappa[1] + r2 * kappa[2]));  // Android's reference formula
     const double x_c = x * radial + kappa[3] * 2 * x * y + kappa[4] * (r2 + 2 * x * x);
     const double y_c = y * radial + kappa[4] * 2 * x * y + kappa[3] * (r2 + 2 * y * y);
     std::vector<cv::Point2d> pixels;
@@ -75,7 +75,7 @@ TEST_CASE("the camera looks away from the screen, and its picture's right is the
   camera.orientation_deg = 270;
   CHECK((mount() * Eigen::Vector3d::UnitX() - Eigen::Vector3d::UnitY()).norm() < 1e-9);
 
-  SUBCASE("the phone's own mount, from the sensors' axes to the camera's, turned round") {
+  SUBCASE("the phone's own mount, from the sensors' axes to the camera's, inverted") {
     camera.orientation_deg = 90;
     const Eigen::Quaterniond own = mount() * Eigen::AngleAxisd(0.05, Eigen::Vector3d(1, 2, 3).normalized());
     const Eigen::Quaterniond to_camera = own.inverse();
@@ -84,13 +84,13 @@ TEST_CASE("the camera looks away from the screen, and its picture's right is the
     camera.rotation[2] = float(to_camera.z()), camera.rotation[3] = float(to_camera.w());
     CHECK(mount().angularDistance(own) < 1e-6);
   }
-  SUBCASE("a mount that contradicts the sensor's orientation is not taken") {
+  SUBCASE("a mount that contradicts the sensor's orientation is ignored") {
     camera.orientation_deg = 90;
     const Eigen::Quaterniond expected = mount();
     camera.has_rotation = true;
     camera.rotation[3] = 1;
     CHECK(mount().angularDistance(expected) == 0);
-    camera.rotation[3] = 0;  // all zero, as some phones have it
+    camera.rotation[3] = 0;  // all zero, as on some phones
     CHECK(mount().angularDistance(expected) == 0);
   }
 }
@@ -105,7 +105,7 @@ TEST_CASE("a phone that lies on a table measures 9.8 m/s^2 out of its screen") {
   CHECK(iphone.header.flags == ODO_IMU_ACCEL);
 }
 
-TEST_CASE("68 in 100 fixes of the stated covariance are within the accuracy's radius") {
+TEST_CASE("68 of 100 fixes with the stated covariance are within the accuracy's radius") {
   const odo_gnss fix = phone::gnss(0, 45, 5, 200, 6, 9);
   CHECK(fix.header.flags == (ODO_GNSS_POSITION | ODO_GNSS_HEIGHT | ODO_GNSS_COVARIANCE));
   CHECK(fix.covariance_n[8] == doctest::Approx(81));

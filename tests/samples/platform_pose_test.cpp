@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// samples/plugins_c/vo_platform_pose: the platform's tracking as an odometry among others.
+// samples/plugins_c/vo_platform_pose: the platform's tracking as an odometry.
 #include <doctest/doctest.h>
 
 #include "tests/samples/corridor_walk.hpp"
@@ -12,7 +12,7 @@ TEST_SUITE_BEGIN("platform_pose");
 
 namespace {
 
-/// What a test does to the pose of a time before it is pushed; false: it is left out.
+/// Changes a pose before it is pushed; false: skips it.
 using Change = std::function<bool(double t, odo_platform_pose&)>;
 
 void walk(App& app, double from_s, double to_s, CorridorWalk& truth, const CorridorWalk::Platform& platform = {},
@@ -59,7 +59,7 @@ TEST_CASE("platform poses of camera or body give the track to within half a perc
   }
 }
 
-TEST_CASE("each pose gives one motion, and where there are frames each frame at most one") {
+TEST_CASE("each pose gives one motion, and with frames at most one per frame") {
   App poses(platform_config(""), ODO_RUN_REPLAY, sample_plugins());
   CorridorWalk truth, again;
   walk(poses, 0, 10, truth);
@@ -92,7 +92,7 @@ TEST_CASE("motions are metric with a scale sigma, and follow the platform's stat
     CHECK((motion.state == ODO_TRACKING) == (motion.reason == ODO_REASON_NONE));
   }
   CHECK(motion_at(app, 4.95).state == ODO_TRACKING);
-  for (const double t : {5.0, 5.05, 8.0}) {  // rotation alone, from and to a pose that is degraded, and over a jump
+  for (const double t : {5.0, 5.05, 8.0}) {  // rotation only: from and to a degraded pose, and over a jump
     CHECK(motion_at(app, t).state == ODO_DEGRADED);
     CHECK((motion_at(app, t).header.flags & kWhole) == ODO_VO_ROTATION);
   }
@@ -103,7 +103,7 @@ TEST_CASE("motions are metric with a scale sigma, and follow the platform's stat
   CHECK(motion_at(app, 8.05).state == ODO_TRACKING);
 }
 
-TEST_CASE("the host takes the stated uncertainty of the platform's scale") {
+TEST_CASE("the host uses the stated uncertainty of the platform's scale") {
   for (const auto& [stated, expected] : {std::pair{"0.01", 0.01}, std::pair{"0.08", 0.08}}) {
     std::string config = platform_config("");
     const std::string plain = "{plugin: vo/platform_pose}";
@@ -117,7 +117,7 @@ TEST_CASE("the host takes the stated uncertainty of the platform's scale") {
   }
 }
 
-TEST_CASE("in a new world of the platform a new scale group begins, and the track goes on") {
+TEST_CASE("a new world of the platform starts a new scale group, and the track continues") {
   App app(platform_config(""), ODO_RUN_REPLAY, sample_plugins());
   CorridorWalk truth;
   const Eigen::Quaterniond turned(Eigen::AngleAxisd(2.0, Vector3d::UnitZ()));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// samples/plugins_c/fix_range: ranges bring a drifting track back, with a covariance that is honest in all directions.
+// samples/plugins_c/fix_range: ranges correct a drifting track, with a consistent covariance in all directions.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -19,7 +19,7 @@ namespace {
 
 using RowMatrix3d = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
 const std::string kRange = "absolute_fixers: [{plugin: fix/range}]\n";
-/// 3 % too long, and turning by 3 degrees a minute.
+/// 3 % too long, and rotating by 3 degrees per minute.
 const CorridorWalk::Platform kDrifting{1.03, 9e-4, false, 20};
 
 /// Errors of the pose at each second.
@@ -49,7 +49,7 @@ double quantile(std::vector<double> values, double share) {
 
 }  // namespace
 
-TEST_CASE("ranges with outliers bring a track that drifts by metres to within a quarter of a metre") {
+TEST_CASE("ranges with outliers correct a track that drifts by metres to within a quarter of a metre") {
   App without(platform_config(""), ODO_RUN_REPLAY, sample_plugins());
   const auto drifting = walk(without, 180, nullptr);
   App with(platform_config(kRange), ODO_RUN_REPLAY, sample_plugins());
