@@ -53,7 +53,8 @@ class PluginRoster {
   bool in_use(const odo_header& event) const;
   /// Whether any plugin wants messages of this type.
   bool wants(uint32_t type) const;
-  /// Whether a plugin failed whose loss degrades the state; a fix plugin's or a replaced plugin's does not.
+  /// Whether a plugin whose output the pose needs is restarting, or has failed without an active replacement. Fix
+  /// plugins do not count.
   bool any_dead() const;
   uint64_t faults() const;
   /// Height of the ground in n, m downwards, from the first plugin with a terrain model; nothing without one.

@@ -22,8 +22,8 @@ class PosePredictor {
     double ahead_s = 0.1;         ///< extrapolation beyond the newest sample with constant rate and force (judgement)
     double longest_s = 0.5;       ///< maximum extrapolation beyond the newest sample or pose (odograph.h)
     double position_for_s = 0.5;  ///< after the newest pose, the position is given this long, then only the orientation
-    double attitude_after_s =
-        0.25;  ///< with an older pose, the orientation follows the attitude instead of the gyroscope
+    /// With an older pose, the orientation follows the attitude instead of the gyroscope.
+    double attitude_after_s = 0.25;
     double velocity_window_s = 0.35;  ///< window of poses for the velocity fit: more than half a step (judgement)
     size_t velocity_poses = 3;        ///< minimum number of poses for the fit
     double level_m = 0.001;    ///< m, height differences below which the pipeline is taken to move only horizontally
@@ -115,8 +115,8 @@ class PosePredictor {
   Ring<Support, 32> supports_;
   uint32_t state_ = ODO_LOST, reason_ = ODO_REASON_INITIALISING;
   SmoothPose smooth_;
-  mutable int64_t asked_ns_ =
-      INT64_MIN;  // latest time of a smooth pose returned; what was shown up to here must not change
+  // Latest time of a smooth pose returned; what was shown up to here must not change.
+  mutable int64_t asked_ns_ = INT64_MIN;
 };
 
 }  // namespace odograph

@@ -20,8 +20,8 @@ namespace odograph {
 class PosePublisher {
  public:
   struct Parameters {
-    double north_sigma_rad =
-        0.35;  ///< rad, below which a heading counts as one against north: 20 degrees, half a street
+    /// rad: with a smaller sigma, a heading counts as one against north; 20 degrees, half a street.
+    double north_sigma_rad = 0.35;
   };
 
   /// Objects that it uses; they outlive it.

@@ -18,8 +18,8 @@ using Eigen::Vector3d;
 
 namespace {
 
-constexpr double kTiltSigma_rad =
-    0.01;  // of the inclination that a front-end or an attitude source maintains; 0.5 degrees
+// Of the inclination that a front-end or an attitude source maintains; 0.5 degrees.
+constexpr double kTiltSigma_rad = 0.01;
 
 }  // namespace
 

@@ -55,7 +55,8 @@ double FrontEnd::heading_variance(const Moving& moving) const {
   if (!moving.rotation_known) return unknown_rotation * moving.dt_s;
   const odo_vo_motion& m = moving.m;
   double rate = squared(moving.inertial ? p_.inertial_rotation_walk : p_.rotation_walk);
-  // Without a gyroscope, nothing checks the front-end's rotation, and it cannot predict its corners.
+  // If the gyroscope has stopped, nothing checks the front-end's rotation, and the prediction of its corners is
+  // missing.
   const bool has_gyroscope = tracker_.inertia.newest_ns() != INT64_MIN;
   if (has_gyroscope && !tracker_.gyro_rotation(m.t_from_ns, m.header.t_ns)) rate += unknown_rotation;
   if (moving.inertial && !group_.walked) {

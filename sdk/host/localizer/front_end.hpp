@@ -23,15 +23,15 @@ class FrontEnd {
  public:
   struct Parameters {
     double drift_per_root_m = 0.01;  ///< m/sqrt(m), horizontal axes, without scale and heading (odograph bench vo)
-    double height_drift_per_root_m =
-        0.02;                     ///< the same for the vertical: 0.4 to 1.2 m over 700 m of three simulated walks
+    /// m/sqrt(m), vertical axis: 0.4 to 1.2 m over 700 m of three simulated walks.
+    double height_drift_per_root_m = 0.02;
     double rotation_walk = 1e-3;  ///< rad/sqrt(s), heading random walk: 0.018 deg a frame at 10 Hz (odograph bench vo)
     double inertial_rotation_walk = 1.5e-3;  ///< the same with inertia: 3 to 50 mrad over ten minutes of six real walks
     double start_rate_radps = 0.01;  ///< rad/s, gyroscope bias of a front-end with inertia before it has walked; 4.6 to
                                      ///< 17 mrad/s on four stabilised phones, below 1 without a stabiliser
-    double walked_scale_sigma =
-        0.10;  ///< of log-scale: below it, a front-end with inertia has walked and its scale is better known than step
-               ///< lengths vary between walkers, so steps do not update it
+    /// Of log-scale. Below it, a front-end with inertia has walked and its scale is better known than step lengths vary
+    /// between walkers, so steps do not update it.
+    double walked_scale_sigma = 0.10;
     double lead_scale_sigma = 0.2;     ///< of log-scale: above it, a front-end with inertia does not outweigh fixes
     double rotation_off_rad = 0.015;   ///< rad between the rotations of front-end and gyroscope, above which the former
                                        ///< is rejected; stabilised lenses differ by 2 to 3 mrad; empirical
@@ -43,8 +43,8 @@ class FrontEnd {
     double rewind_sigma_mps = 0.1;       ///< m/s, of the velocity used in this back-propagation
     double silent_start_s = 6.0;         ///< s after the first frame of a camera that has never moved
     double unstated_scale_sigma = 0.02;  ///< relative, of a metric front-end that states none; judgement
-    double metric_scale_walk =
-        2e-4;  ///< 1/sqrt(s), random walk of log-scale of a metric front-end: 0.5 % in ten minutes; judgement
+    /// 1/sqrt(s), random walk of log-scale of a metric front-end: 0.5 % in ten minutes; judgement.
+    double metric_scale_walk = 2e-4;
     double scale_walk = 2e-3;           ///< 1/sqrt(m), of any other: 0.9 % between halves of 10 m (odograph bench vo)
     double doubted_scale_walk = 0.015;  ///< 1/sqrt(m), of one whose metric scale contradicts the steps
     double walking_m = 0.5;             ///< m in one second, above which the camera walks: half the slowest walk

@@ -25,11 +25,11 @@ class GyroAttitudeFilter {
     double angle_random_walk = 0.001;  ///< rad/sqrt(s): white noise of a phone's gyroscope and other rotation errors
     double bias_sigma_radps = 0.009;   ///< rad/s at the start: 0.5 deg/s, data sheets of BMI270 and ICM-20602
     double bias_walk = 3e-5;           ///< rad/s/sqrt(s); temperature
-    double standing_sigma_rad =
-        0.03;  ///< rad, direction of the specific force over a frame: 20 mg accelerometer bias, engine vibration
+    /// rad, direction of the specific force over a frame: 20 mg accelerometer bias, engine vibration.
+    double standing_sigma_rad = 0.03;
     double moving_sigma_rad = 0.5;  ///< rad, the same in motion: a car brakes with 0.5 g; judgement
-    double longest_gap_s =
-        0.05;  ///< s, longest sample interval that is not a gap: ten samples at 200 Hz, two or three at 50 Hz
+    /// s, longest sample interval that is not a gap: ten samples at 200 Hz, two or three at 50 Hz.
+    double longest_gap_s = 0.05;
     double min_seen_sigma_rad = 5e-4;  ///< rad, lower clamp for the sigma of a camera's rotation; judgement
   };
 

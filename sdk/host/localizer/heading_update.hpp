@@ -16,8 +16,8 @@ class HeadingUpdate {
     double interval_s = 1.0;  ///< s between the attitudes used: closer ones have correlated errors
     double yaw_rad = 0.02;    ///< rad, of one attitude
     double walk = 2e-4;       ///< rad/sqrt(s), of a heading without north
-    double north_correlation_s =
-        60;                     ///< s, correlation time of the compass error: 20 to 60 s in streets (bench canyon)
+    /// s, correlation time of the compass error: 20 to 60 s in streets (bench canyon).
+    double north_correlation_s = 60;
     double gap_s = 0.25;        ///< s without an attitude, after which its frame may have rotated; empirical
     double gap_rotation = 0.7;  ///< rad/sqrt(s), of that rotation: a hand rotates by 30 deg/s rms
   };

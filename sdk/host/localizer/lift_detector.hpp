@@ -14,9 +14,9 @@ namespace odograph {
 class LiftDetector {
  public:
   struct Parameters {
-    double lift_mps =
-        0.45;           ///< vertical speed over `lift_s`: lifts of houses run at 0.63 to 1.6 m/s (ISO 8100-1 classes)
-    double lift_s = 4;  ///< s, half a storey and the acceleration of a lift
+    /// m/s, vertical, over `lift_s`: lifts of houses run at 0.63 to 1.6 m/s (ISO 8100-1 classes).
+    double lift_mps = 0.45;
+    double lift_s = 4;           ///< s, half a storey and the acceleration of a lift
     double escalator_mps = 0.2;  ///< vertical speed over `escalator_s`: 0.5 m/s at 30 degrees (EN 115) is 0.25 m/s
     double escalator_s = 10;     ///< s, one storey
     double end_mps = 0.12;       ///< over `lift_s`, below which a ride ends; judgement

@@ -110,7 +110,7 @@ UpdateResult Localizer::update(const Innovation<D>& innovation, double max_nis, 
   for (Held& held : held_) {
     const Eigen::Matrix<double, 4, D> CHt = held.cross * H.transpose();
     Eigen::Matrix<double, 4, D> K_held = CHt * inverse;
-    for (int i = 0; i < 4; ++i)  // a change of the current pose applies to the retained one
+    for (int i = 0; i < 4; ++i)  // what is considered of the current pose is considered of the retained one
       if (considered[static_cast<size_t>(kPose[i])]) K_held.row(i).setZero();
     const Eigen::Matrix<double, 4, 1> moved = K_held * innovation.residual;
     held.q_n_b = (about_down(moved[0]) * held.q_n_b).normalized();

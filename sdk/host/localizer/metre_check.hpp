@@ -19,9 +19,10 @@ class MetreCheck {
     double walker_sigma = 0.2;   ///< prior of a walker's log factor: 0.10 for brisk walkers, more for others
     double window_sigma = 0.08;  ///< of the mean over a window for a known walker, whose gait varies
     double walk = 0.02;          ///< random walk of the log factor from window to window
-    double max_sigmas = 3;       ///< beyond which the scale is rejected,
-    double min_log =
-        0.35;  ///< with at least this difference; from three city walks, and hybrid walks as counterexamples
+    double max_sigmas = 3;       ///< deviation beyond which the scale is rejected
+    /// Log difference below which the scale is never rejected; from three city walks, and hybrid walks as
+    /// counterexamples.
+    double min_log = 0.35;
     double trust_log = 0.15;  ///< below it twice in a row, the scale is accepted again; empirical
     double blind_s = 0.5;     ///< s without tracking; a velocity known to 0.3 m/s is then off by a tenth
     size_t probation = 36;    ///< steps afterwards during which steps judge the scale: three windows; empirical

@@ -22,7 +22,7 @@ struct Crumb {
   std::atomic<const char*> call{nullptr};
   std::atomic<int64_t> since_ns{0};
   std::atomic<uint64_t> plugin[kLongestId / 8] =
-      {};  // up to eight letters each, terminated; read while another thread writes
+      {};  // eight characters in each, terminated; read while another thread writes
 };
 
 /// Appends what fits and returns the new size.

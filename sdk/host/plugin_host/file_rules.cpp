@@ -41,8 +41,8 @@ size_t size_known_to(long version) {
 }
 
 void allow_reading(int rules, const std::string& path) {
-  const int fd =
-      open(path.c_str(), O_PATH | O_CLOEXEC | O_NOFOLLOW);  // do not follow links: their target has its own name
+  // Do not follow links: their target has its own name.
+  const int fd = open(path.c_str(), O_PATH | O_CLOEXEC | O_NOFOLLOW);
   struct stat kind {};
   if (fd >= 0 && fstat(fd, &kind) == 0 && !S_ISLNK(kind.st_mode)) {
     const PathBeneath rule{S_ISDIR(kind.st_mode) ? kReadFile | kReadFolder : kReadFile, fd};

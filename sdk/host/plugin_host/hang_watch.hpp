@@ -18,8 +18,8 @@ namespace odograph {
 class HangWatch {
  public:
   struct Parameters {
-    double longest_call_s =
-        5;                ///< on the steady clock; our plugins load their models faster on a slow phone (judgement)
+    /// s, on the steady clock; our plugins load their models faster on a slow phone (judgement).
+    double longest_call_s = 5;
     double period_s = 1;  ///< between two checks
   };
 

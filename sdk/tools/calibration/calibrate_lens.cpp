@@ -78,7 +78,8 @@ std::pair<Vector6d, double> rough_pose(const BoardView& view, Lens model, cv::Si
   return {pose, focal * std::sqrt(sum / static_cast<double>(rays.size()))};
 }
 
-/// Initial focal length, from a range between telephoto and fisheye: the one for which most boards fit a plane.
+/// Initial focal length, from a range between telephoto and fisheye: the one with the lowest median error of the
+/// boards.
 Fit start(const std::vector<const BoardView*>& views, cv::Size size, const LensOptions& options) {
   Fit best;
   double least = INFINITY;

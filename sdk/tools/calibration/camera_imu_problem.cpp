@@ -11,9 +11,9 @@ namespace {
 using Eigen::Matrix3d, Eigen::MatrixXd, Eigen::Quaterniond, Eigen::Vector2d, Eigen::Vector3d, Eigen::VectorXd;
 
 constexpr double kLength = 1e-3;  // sigma of a path's length about 1, because scale is unobservable
-constexpr double kMinDepth =
-    0.05;  // lower clamp of the depth, of the path's length; nearer points and those behind the camera are clamped
-constexpr double kNearest = 0.5;  // initial inverse depth of a point, in path lengths
+// Lower clamp of the depth, in path lengths; it applies to nearer points and those behind the camera.
+constexpr double kMinDepth = 0.05;
+constexpr double kNearest = 0.5;  // maximum initial inverse depth of a point, 1 / path length
 
 }  // namespace
 

@@ -13,8 +13,8 @@ namespace odograph {
 /// A camera pose from the composed motions of a visual odometry.
 struct ComposedPose {
   int64_t t_ns = 0;
-  Eigen::Quaterniond q =
-      Eigen::Quaterniond::Identity();             ///< from c to the composed frame, which has the first camera's axes
+  /// From c to the composed frame, which has the first camera's axes.
+  Eigen::Quaterniond q = Eigen::Quaterniond::Identity();
   Eigen::Vector3d own = Eigen::Vector3d::Zero();  ///< position up to scale, with every displacement
   /// Position in m: displacements of a scale group count from its first metric motion on, others are ignored.
   Eigen::Vector3d p_m = Eigen::Vector3d::Zero();

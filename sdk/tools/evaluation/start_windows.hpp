@@ -11,8 +11,8 @@ namespace odograph {
 
 struct StartWindowParameters {
   std::vector<double> after_s{1, 2, 4};  ///< times within a scale group at which its scale is compared, besides its end
-  double min_extent_m =
-      0.15;  ///< rms distance of the true positions from their mean; smaller ones do not determine a scale
+  /// Minimum rms distance of the true positions from their mean that determines a scale.
+  double min_extent_m = 0.15;
   double certain_sigmas = 3;    ///< beyond it, the scale was confidently wrong
   double largest_gap_s = 0.25;  ///< true poses further apart are not interpolated
 };

@@ -48,7 +48,7 @@ void add_modes(const Recording& recording, const WalkEstimate& result, WalkFigur
   }
 }
 
-/// Inclination over the whole walk, heading drift after half a minute, and heading error (95 % of the time) against
+/// Inclination after the first 10 s, heading drift after half a minute, and heading error (95 % of the time) against
 /// north or, without a magnetometer, against its value at that time.
 void add_attitude(const Recording& recording, const WalkEstimate& result, WalkFigures& f) {
   size_t at = 0;

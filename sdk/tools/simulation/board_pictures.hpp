@@ -15,8 +15,8 @@
 
 namespace odograph {
 
-/// A camera that takes pictures of a calibration board, with lens, optical blur (a sixth of the light goes to
-/// neighbouring pixels), noise of two grey levels and uneven light.
+/// A camera that takes pictures of a calibration board, with lens, Gaussian blur of 0.6 px, noise of two grey levels
+/// and uneven light.
 class BoardCamera {
  public:
   BoardCamera(const Board& board, const odo_calibration& lens);

@@ -17,8 +17,8 @@ Carried on_leg(double phase, double vigour, double height_m) {
   const double lever_m = 0.14 * height_m;  // of the thigh
   const double stride = std::cos(kPi * phase) + kFaster * std::sin(2 * kPi * phase);
   const double angle = vigour * (kFlexion_rad + kSwing_rad * stride);
-  const double own_side =
-      vigour * kPelvis_m * std::cos(kPi * phase - 0.8);  // the pelvis rises with its leg and falls with it
+  // The pelvis rises and falls with its leg.
+  const double own_side = vigour * kPelvis_m * std::cos(kPi * phase - 0.8);
   const Vector3d hip(0.08, 0.14, -0.52 * height_m - own_side);
   return {hip + lever_m * Vector3d(std::sin(angle), 0, std::cos(angle)), angle, 0.15};
 }

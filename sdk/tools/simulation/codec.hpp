@@ -16,8 +16,8 @@ class VideoCodec {
  public:
   struct Parameters {
     double bit_rate = 5e6;  ///< bit/s of a video of `frame_rate_hz`
-    double frame_rate_hz =
-        30;  ///< of the phone's video: a frame gets bit_rate / frame_rate_hz, even if fewer frames are recorded
+    /// Of the phone's video: a frame gets bit_rate / frame_rate_hz, even if fewer frames are recorded.
+    double frame_rate_hz = 30;
     int key_interval = 30;  ///< frames between intra-coded pictures
     double key_share = 4;   ///< ratio of the bits of such a picture to those of others
   };
