@@ -33,8 +33,8 @@ odograph config check pipeline.yaml
                               "/build/\n/target/\n/odograph\n"};
 
 constexpr char kCheck[] = R"(#!/bin/sh
-# Builds the plugin on Debian 12, tests it, and states what it conforms to: build/conformance.md, build/conformance.svg.
-# Where Odograph is not installed: ODOGRAPH_REPOSITORY is the address of an apt repository of it, with odograph.asc in it.
+# Builds and tests the plugin on Debian 12, and writes its conformance statement: build/conformance.md, build/conformance.svg.
+# If Odograph is not installed, ODOGRAPH_REPOSITORY must be the address of an apt repository with it and odograph.asc.
 set -eu
 if ! command -v odograph > /dev/null; then
   : "${ODOGRAPH_REPOSITORY:?the address of an apt repository of Odograph}"
@@ -69,7 +69,7 @@ jobs:
             build/check.xml
 )";
 
-constexpr char kGitLab[] = R"(# ODOGRAPH_REPOSITORY: a variable of the project (Settings, CI/CD).
+constexpr char kGitLab[] = R"(# ODOGRAPH_REPOSITORY: set it as a variable of the project (Settings, CI/CD).
 check:
   image: debian:12
   script: sh ci/check
@@ -100,7 +100,7 @@ Result<bool> write_plugin_repository(const std::string& id, const std::filesyste
                                    {".gitlab-ci.yml", kGitLab},
                                    {".gitignore", tools.ignored}}) {
     const fs::path file = folder / name;
-    if (fs::exists(file, error)) return Failure{ODO_E_ARGUMENT, file.string() + " is there already"};
+    if (fs::exists(file, error)) return Failure{ODO_E_ARGUMENT, file.string() + " already exists"};
     fs::create_directories(file.parent_path(), error);
     std::ofstream out(file, std::ios::binary);
     out << text;
@@ -109,8 +109,9 @@ Result<bool> write_plugin_repository(const std::string& id, const std::filesyste
   fs::permissions(folder / "ci/check", fs::perms::owner_exec | fs::perms::group_exec | fs::perms::others_exec,
                   fs::perm_options::add, error);
   std::ofstream readme(folder / "README.md", std::ios::binary | std::ios::app);
-  readme << "\n`ci/check` builds, tests and states what " << id
-         << " conforms to: `build/conformance.md`, and `build/conformance.svg` as a badge. GitHub and GitLab run it "
+  readme << "\n`ci/check` builds and tests " << id
+         << " and writes its conformance statement, `build/conformance.md`, with the badge `build/conformance.svg`. "
+            "GitHub and GitLab run it "
             "(`.github`, `.gitlab-ci.yml`);\n"
             "set `ODOGRAPH_REPOSITORY` there to the address of an apt repository of Odograph.\n";
   if (!readme.flush()) return Failure{ODO_E_NOT_FOUND, (folder / "README.md").string() + ": cannot be written"};

@@ -125,7 +125,7 @@ Result<bool> write_plugin_skeleton(const std::string& kind, const std::string& i
   std::error_code error;
   for (const auto& [name, text] : files) {
     if (std::filesystem::exists(folder / name, error))
-      return Failure{ODO_E_ARGUMENT, (folder / name).string() + " is there already"};
+      return Failure{ODO_E_ARGUMENT, (folder / name).string() + " already exists"};
     std::filesystem::create_directories((folder / name).parent_path(), error);
     std::ofstream out(folder / name, std::ios::binary);
     out << replaced(text, words);

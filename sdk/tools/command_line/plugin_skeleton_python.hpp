@@ -75,7 +75,7 @@ inline const PythonSkeleton kPythonSkeletons[] = {
             return
         north, east, _ = message.p_n
         if not (abs(north) < 1e7 and abs(east) < 1e7 and message.sigma_m < 1e7):
-            raise plugin.Discard  # no place on the Earth
+            raise plugin.Discard  # not a position on the Earth
         sigma = max(self.gain * 0.01, message.sigma_m)
         emit(Fix(t_ns=message.t_ns, flags=ODO_FIX_NORTH | ODO_FIX_EAST | ODO_FIX_COVARIANCE, p_n=(north, east, 0),
                  covariance_n=sigma * sigma * np.eye(3).ravel()))
@@ -94,7 +94,7 @@ from odograph.abi import *  # constants and messages, by their C names
 class Mine:
     ID, VERSION, SUMMARY = "@ID@", "0.1.0", "@SUMMARY@"
     KIND = @INTERFACE@
-    PARAMETERS = [plugin.Parameter("gain", "@UNIT@", @LOW@, @HIGH@, @DEFAULT@, "@HELP@")]  # each is a member: self.gain
+    PARAMETERS = [plugin.Parameter("gain", "@UNIT@", @LOW@, @HIGH@, @DEFAULT@, "@HELP@")]  # each becomes a member: self.gain
 @STATE@
     def on(self, message, emit):
 @BODY@
@@ -107,7 +107,7 @@ project(@FILE@ LANGUAGES C)
 find_package(Odograph REQUIRED)
 find_package(Python3 REQUIRED COMPONENTS Interpreter)
 find_path(ODOGRAPH_PYTHON plugin_host.c HINTS ${Odograph_DIR}/../../../share/odograph/bindings/python ${Odograph_DIR}/../../../../share/odograph/bindings/python REQUIRED)
-# The plugin's table, from its Python; the library runs the Python file in a process of its own.
+# Generate the plugin's table from its Python file, which the library runs in a separate process.
 set(describe ${CMAKE_COMMAND} -E env PYTHONPATH=${ODOGRAPH_PYTHON} ${Python3_EXECUTABLE} ${CMAKE_CURRENT_SOURCE_DIR}/@FILE@.py --describe)
 add_custom_command(OUTPUT plugin_description.h COMMAND ${describe} > plugin_description.h DEPENDS @FILE@.py VERBATIM)
 add_library(@FILE@ MODULE ${ODOGRAPH_PYTHON}/plugin_host.c ${CMAKE_CURRENT_BINARY_DIR}/plugin_description.h)
@@ -115,7 +115,7 @@ target_include_directories(@FILE@ PRIVATE ${CMAKE_CURRENT_BINARY_DIR})
 target_compile_definitions(@FILE@ PRIVATE PLUGIN_FILE="${CMAKE_CURRENT_SOURCE_DIR}/@FILE@.py" PLUGIN_PYTHON="${Python3_EXECUTABLE}" PLUGIN_PATH="${ODOGRAPH_PYTHON}")
 target_link_libraries(@FILE@ PRIVATE Odograph::abi)
 set_target_properties(@FILE@ PROPERTIES PREFIX "" C_STANDARD 99 C_VISIBILITY_PRESET hidden)
-# The manifest, beside the library.
+# Write the manifest beside the library.
 find_program(ODOGRAPH_PROGRAM odograph HINTS ${Odograph_DIR}/../../../bin ${Odograph_DIR}/../../../../bin REQUIRED)
 add_custom_command(TARGET @FILE@ POST_BUILD COMMAND ${ODOGRAPH_PROGRAM} plugin manifest $<TARGET_FILE:@FILE@> VERBATIM)
 )";

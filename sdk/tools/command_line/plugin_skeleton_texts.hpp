@@ -310,7 +310,7 @@ int32_t ODO_CALL ODO_PLUGIN_ENTRY(const odo_host *host, odo_plugin *out) {
   table.parameters = parameters, table.parameter_count = 1, table.parameter_stride = sizeof(odo_parameter);
   table.create = create, table.configure = configure, table.activate = activate;
   table.process = process, table.reset = reset, table.destroy = destroy;
-  /* A host of another age has a smaller or a larger table. */
+  /* An older or newer host has a smaller or larger table. */
   size = out->struct_size < table.struct_size ? out->struct_size : table.struct_size;
   memcpy(out, &table, size);
   out->struct_size = size;
@@ -324,13 +324,13 @@ find_package(Odograph REQUIRED)
 add_library(@FILE@ MODULE @SOURCE@)
 target_link_libraries(@FILE@ PRIVATE Odograph::abi@LIBRARIES@)
 set_target_properties(@FILE@ PROPERTIES PREFIX "" @STANDARD@)
-# Nothing visible but the entry, nothing undefined.
+# Export only the entry function; allow no undefined symbols.
 file(WRITE ${CMAKE_CURRENT_BINARY_DIR}/plugin.map "{ global: odo_plugin_entry_*; local: *; };")
 target_link_options(@FILE@ PRIVATE @STATIC@-Wl,--version-script=${CMAKE_CURRENT_BINARY_DIR}/plugin.map -Wl,-z,defs)
-# The manifest, beside the library.
+# Write the manifest beside the library.
 find_program(ODOGRAPH_PROGRAM odograph HINTS ${Odograph_DIR}/../../../bin ${Odograph_DIR}/../../../../bin REQUIRED)
 add_custom_command(TARGET @FILE@ POST_BUILD COMMAND ${ODOGRAPH_PROGRAM} plugin manifest $<TARGET_FILE:@FILE@> VERBATIM)
-# `ctest --test-dir build`; check.xml is for CI systems, conformance.md and its badge are for those who choose a plugin.
+# `ctest --test-dir build`; check.xml is for CI systems; conformance.md and its badge are for publication.
 include(CTest)
 add_test(NAME check COMMAND ${ODOGRAPH_PROGRAM} plugin check $<TARGET_FILE:@FILE@> --format junit -o check.xml --statement .)
 add_test(NAME pipeline COMMAND ${ODOGRAPH_PROGRAM} config check ${CMAKE_CURRENT_SOURCE_DIR}/pipeline.yaml)
