@@ -77,7 +77,7 @@ a, b = (json.load(open(name))['rpe_m']['max'] for name in ('out.json', 'correcte
 assert b < a, f'the corrected track jumps by {b} m, the one that came out by {a} m'" && grep -q "mapped/corrected.tum" eval.txt || { echo "FAILED: corrected.tum"; failed=1; }
 expect 0 '"latitude_deg": 47.' cat mapped/summary.json
 for kind in gpx kml geojson; do expect 0 "poses" "$odograph" convert mapped "mapped/track.$kind"; done
-expect 0 "one foot's fall" "$odograph" steps tiny.odo
+expect 0 "one foot's contact" "$odograph" steps tiny.odo
 expect 0 "messages" "$odograph" convert tiny.odo copy.odo
 [ "$(wc -c <copy.odo)" -le "$(wc -c <tiny.odo)" ] || { echo "FAILED: convert packs pictures anew"; failed=1; }
 expect 0 "written to" "$odograph" run -c "$configs/antigny2019.yaml" -i copy.odo -o o3
@@ -173,7 +173,7 @@ mkdir -p bare && touch bare/lonely.so
 printf 'odograph: 1\nplugins: {search: [gone, bare]}\nattitude: {plugin: acme/lonely}\n' >lonely.yaml
 expect 2 "there is no folder" "$odograph" config check lonely.yaml
 cat out err | grep -q "bare/lonely.so has no manifest" || { echo "FAILED: a library without a manifest is not named"; failed=1; }
-expect 0 "one foot's fall" "$odograph" steps tiny.odo -c "$configs/phone_walk_odograph.yaml" --plot steps.html --each
+expect 0 "one foot's contact" "$odograph" steps tiny.odo -c "$configs/phone_walk_odograph.yaml" --plot steps.html --each
 expect 0 "<svg" cat steps.html
 expect 0 '"distance_m"' "$odograph" steps tiny.odo -c "$configs/phone_walk_odograph.yaml" --json
 python3 -m json.tool out >/dev/null || { echo "FAILED: steps --json is not one JSON object"; failed=1; }

@@ -42,5 +42,5 @@ expect process_works__stack_overflow "odograph: segmentation fault in plugin zoo
 expect life_create_destroy__crash_in_destroy "in plugin zoo/animal in destroy"
 [ -s out/summary.json ] || { echo "FAILED: a crash in destroy took the results"; failed=1; }
 run process_works__throws
-grep -qF "an exception came out of process: the fortieth sample is unlucky" said || { echo "FAILED: an exception was not told"; cat said; failed=1; }
+grep -qF "an exception was thrown by process: the fortieth sample is unlucky" said || { echo "FAILED: an exception was not told"; cat said; failed=1; }
 exit $failed

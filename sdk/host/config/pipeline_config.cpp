@@ -93,7 +93,7 @@ Result<Value> checked_values(const YamlNode& root, const std::string& name, Plug
        (*checked)["plugins"]["signers"].items)  // a pattern that matches nothing would exempt every plugin
     if (const std::string& ids = signer["ids"].text; ids.find('*') < ids.size() - 1 || ids.empty())
       return Failure{ODO_E_CONFIG, at(name, signer["ids"].mark,
-                                      "plugins.signers: '" + ids + "'; expected an id, with '*' at its end alone")};
+                                      "plugins.signers: '" + ids + "'; expected an id, with '*' only at its end")};
   return checked;
 }
 

@@ -36,7 +36,7 @@ class TreeBuilder : public YAML::EventHandler {
     throw Refused{from_yaml(mark), "aliases (*name) are not allowed here; expected the value itself, written out"};
   }
   void OnAnchor(const YAML::Mark& mark, const std::string& name) override {
-    throw Refused{from_yaml(mark), "anchors (&" + name + ") are not allowed here; expected the value alone"};
+    throw Refused{from_yaml(mark), "anchors (&" + name + ") are not allowed here; expected only the value"};
   }
   void OnScalar(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor,
                 const std::string& value) override {

@@ -60,9 +60,9 @@ Result<odo_plugin> read_table(odo_plugin_entry entry, const odo_host* host, cons
   } catch (const ForcedUnwind&) {  // the plugin ends its thread (pthread_exit)
     throw;
   } catch (const std::exception& error) {
-    return fail(ODO_E_ERROR, std::string("an exception came out of its entry: ") + error.what());
+    return fail(ODO_E_ERROR, std::string("its entry threw an exception: ") + error.what());
   } catch (...) {
-    return fail(ODO_E_ERROR, "an exception came out of its entry");
+    return fail(ODO_E_ERROR, "its entry threw an exception");
   }
   if (status != ODO_OK) {
     const std::string refusal = text(filled->refusal);

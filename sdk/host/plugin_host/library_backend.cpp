@@ -88,8 +88,8 @@ int32_t LibraryBackend::call(const char* name, Work&& work) {
     what = std::string(": ") + error.what();
   } catch (...) {
   }
-  host_.report(sink_.instance, ODO_SEVERITY_ERROR, "exception", std::string("an exception came out of ") + name + what,
-               ODO_E_ERROR);
+  host_.report(sink_.instance, ODO_SEVERITY_ERROR, "exception",
+               std::string("an exception was thrown by ") + name + what, ODO_E_ERROR);
   return ODO_E_ERROR;
 }
 

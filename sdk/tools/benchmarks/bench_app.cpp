@@ -44,9 +44,9 @@ struct StreamBenchmark : Benchmark {
 
   std::string notes(const Rows&) const override {
     return text(
-        "\nPoses asked %.0f ms ahead, against the pipeline's own later ones; the first %.0f s left out. "
-        "Gyroscope and\naccelerometer (%.0f Hz) apart and %.0f ms late, pictures %.0f ms. jump: the longest "
-        "step between two polls at\n%.0f Hz beyond the true one, from the start on.\n",
+        "\nPoses predicted %.0f ms ahead, compared with the pipeline's later ones, without the first %.0f s. Gyroscope "
+        "and\naccelerometer (%.0f Hz) separate and %.0f ms late, pictures %.0f ms. jump: the largest excess of a step "
+        "between two\npolls at %.0f Hz over the true one, from the start on.\n",
         timing.ahead_ms, settle_s, timing.late.accel_hz, timing.late.imu_late_ms, timing.late.frame_late_ms,
         timing.poll_hz);
   }
@@ -81,10 +81,10 @@ struct Anchors : Benchmark {
 
   std::string notes(const Rows&) const override {
     return text(
-        "\npx: how far off an anchor is drawn that was placed %.0f m ahead and is %.0f to %.0f m away, on each "
-        "picture as it\narrives and before it has been used; the first %.0f s left out. drift: of the phone at "
-        "the end, and sigma what was\nsaid of it; start: how far off content placed at the start is after a fix "
-        "at the end (sigma %.0f cm), and newest: if\nit had been moved as the phone was.\n",
+        "\npx: error of a drawn anchor that was placed %.0f m ahead and is %.0f to %.0f m away, in each picture on "
+        "arrival, before\nit is processed, without the first %.0f s. drift: of the phone at the end; sigma: its stated "
+        "value; start: error of\ncontent placed at the start, after a fix at the end (sigma %.0f cm); newest: the same "
+        "if the phone's correction had\nmoved it.\n",
         walk.ahead_m, walk.nearest_m, walk.farthest_m, walk.settle_s, 100 * walk.mark_sigma_m);
   }
 
@@ -126,9 +126,9 @@ struct Consistency : Benchmark {
   }
 
   std::string notes(const Rows&) const override {
-    return "\nNEES: error squared over its covariance, per degree of freedom, mean over the poses, the first of them "
-           "laid on\nthe truth; 1 is consistent. beyond 3 sigma: the longest time without a break. times realtime: of "
-           "one core's time,\npictures decoded. peak: resident, of the process of the run.\n";
+    return "\nNEES: error squared over its covariance, per degree of freedom, mean over the poses, after alignment of "
+           "the first\npose; 1 is consistent. beyond 3 sigma: the longest continuous time. times realtime: recorded "
+           "time over one core's\ntime, including picture decoding. peak: resident memory of the run's process.\n";
   }
 
   double first_s = 1e9;

@@ -175,15 +175,15 @@ struct Drive : Benchmark {
 
   std::string heading(const Rows&) const override {
     return text(
-        "Horizontal errors after Gakne & O'Keefe 2018, Figure 11; where a config has no fixes, start\n"
-        "and heading (and the scale, where it has no source of it) are from the first %.0f m.\n"
-        "%zu seed%s, all frames; %.0f %% of the buildings are missing in the model.\n\n",
+        "Horizontal errors after Gakne & O'Keefe 2018, Figure 11; if a config has no fixes, start\nand heading (and "
+        "the scale, if it has no source) are fitted over the first %.0f m.\n%zu seed%s, all frames; %.0f %% of the "
+        "buildings are missing in the model.\n\n",
         start_m, options.seeds, options.seeds == 1 ? "" : "s", 100 * missing);
   }
 
   std::string notes(const Rows& rows) const override {
     std::string out =
-        "\nerror: of this part of the frames; scale: |length of a frame's displacement - true one|, median (Figure "
+        "\nerror: of this fraction of the frames; scale: |length of a frame's displacement - true one|, median (Figure "
         "9); end: error at the end of the path.\n";
     const auto by_config = groups_of(rows, "config");
     for (size_t c = 1; c < by_config.size(); ++c)

@@ -167,11 +167,10 @@ struct Tracks : Benchmark {
   }
   void add_options(CLI::App& command) override {
     command.add_option("--frames", frames, "number of frames of each recording");
-    command.add_flag(
-        "--excitation-only", excitation_only,
-        "S, N and the pull alone: rms of the true motion about a quadratic in time, rms error of a visual trajectory "
-        "(of the first config; vision alone) after Sim(3), and S^2/(S^2+N^2), in windows of 4 and 8 s (medians; "
-        "overlapping by half; windows with less than 0.25 m/s left out)");
+    command.add_flag("--excitation-only", excitation_only,
+                     "only S, N and the pull: rms of the true motion about a quadratic in time, rms error of a visual "
+                     "trajectory (of the first config; vision only) after Sim(3), and S^2/(S^2+N^2), in windows of 4 "
+                     "and 8 s (medians; overlapping by half; without windows below 0.25 m/s)");
   }
 
   Result<std::vector<BenchCase>> recordings() override {
@@ -226,14 +225,14 @@ struct Tracks : Benchmark {
     std::string out;
     if (!excitation_only)
       out = text(
-                "Up to %d corners, pyramidal Lucas-Kanade there and back within 0.7 px, five-point RANSAC within 1 px; "
-                "lengths in frames.\n\n",
+                "Up to %d corners, pyramidal Lucas-Kanade with a forward-backward check of 0.7 px, five-point RANSAC "
+                "within 1 px; lengths in frames.\n\n",
                 kFollowedCorners) +
             table_text({"", {{"recording", "recording"}}, columns}, summaries_of(rows, "recording", columns)) + '\n';
     out += text(
-        "S: true motion about the quadratic in time that fits a window best, rms; N: error of %s after Sim(3) in that\n"
-        "window, about a quadratic too, rms. Medians over windows that overlap by half, standing ones left out.\n"
-        "Pull: S^2 / (S^2 + N^2).\n\n",
+        "S: rms of the true motion about the best-fitting quadratic in time of a window; N: the same for the error of "
+        "%s\nafter Sim(3) in that window. Medians over windows that overlap by half, without those at rest.\nPull: S^2 "
+        "/ (S^2 + N^2).\n\n",
         options.configs.front().c_str());
     if (with_error) return out;
     return out + options.configs.front() +

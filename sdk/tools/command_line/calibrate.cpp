@@ -139,8 +139,8 @@ std::vector<Plot> plots_of(const LensCalibration& c) {
 std::string figures_of(const LensCalibration& c) {
   const auto used = std::count_if(c.pictures.begin(), c.pictures.end(), [](const auto& p) { return p.used; });
   return text(
-      "fx %10.3f +- %.3f px\nfy %10.3f +- %.3f px\ncx %10.3f +- %.3f px\ncy %10.3f +- %.3f px\n"
-      "residual %.3f px (rms) over %d pictures of %dx%d, %zu left out; corners in %.0f %% of the picture\n",
+      "fx %10.3f +- %.3f px\nfy %10.3f +- %.3f px\ncx %10.3f +- %.3f px\ncy %10.3f +- %.3f px\nresidual %.3f px (rms) "
+      "over %d pictures of %dx%d, %zu rejected; corners in %.0f %% of the picture\n",
       c.fx, c.sigma_fx, c.fy, c.sigma_fy, c.cx, c.sigma_cx, c.cy, c.sigma_cy, c.rms_px, static_cast<int>(used),
       c.size.width, c.size.height, c.pictures.size() - static_cast<size_t>(used), 100 * c.covered());
 }
@@ -200,7 +200,7 @@ int calibrate(const CalibrateArguments& a) {
   const auto seen = look(sources, *board);
   if (!seen) return complain(seen.failure());
   if (seen->other_size > 0)
-    std::fprintf(stderr, "%zu of %zu pictures are not %dx%d as the first is, and left out\n", seen->other_size,
+    std::fprintf(stderr, "%zu of %zu pictures are not %dx%d like the first, and are skipped\n", seen->other_size,
                  seen->pictures, seen->size.width, seen->size.height);
   const auto views = max_different(seen->views, seen->size, a.most);
   auto found = calibrate_lens(views, seen->size, a.options.lens());

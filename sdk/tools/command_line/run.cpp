@@ -140,7 +140,7 @@ void add_run(CLI::App& app, int& status) {
   auto* command = app.add_subcommand("run", "Run a pipeline over a recording");
   auto a = std::make_shared<RunArguments>();
   command->add_option("-c,--config", a->options.config,
-                      "pipeline config (YAML); without it the recommended one for what the recording has");
+                      "pipeline config (YAML); default: the recommended one for the recording's sensors");
   command
       ->add_option(
           "-i,--input", a->input,

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// `odograph steps`: what a step estimator makes of a recording, as text and as pictures (after Antigny et al. 2019,
-// Figure 9).
+// `odograph steps`: output of a step estimator on a recording, as text and plots (after Antigny et al. 2019, Figure 9).
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -27,7 +26,7 @@ struct StepsArguments {
 
 double seconds_since(int64_t start_ns, int64_t t_ns) { return seconds(t_ns - start_ns); }
 
-/// A stretch of one mode.
+/// A part of the walk in one mode.
 struct Stretch {
   uint32_t mode;
   double from_s, to_s, length_m;
@@ -47,7 +46,7 @@ std::vector<Stretch> stretches_of(const RunResult& result, int64_t start_ns, int
   return all;
 }
 
-/// Three pictures one below the other: lengths over time, their distribution, and the path.
+/// Three plots: lengths over time, their distribution, and the path.
 Result<std::string> page_of(const StepsArguments& a, const Recording& recording, const RunResult& result,
                             int64_t start_ns) {
   Plot lengths{.title = "Step lengths", .x_label = "s", .y_label = "m"};
@@ -61,7 +60,7 @@ Result<std::string> page_of(const StepsArguments& a, const Recording& recording,
     truth.points.emplace_back(seconds_since(start_ns, step.t_end_ns), step.length_m);
   lengths.series.push_back(estimated);
   if (!truth.points.empty()) lengths.series.push_back(truth);
-  Plot spread{.title = "Distribution", .x_label = "step length, m", .y_label = "part of the steps that are shorter"};
+  Plot spread{.title = "Distribution", .x_label = "step length, m", .y_label = "fraction of shorter steps"};
   PlotSeries curve{.name = "estimated", .style = "steps"};
   std::sort(values.begin(), values.end());
   for (size_t i = 0; i < values.size(); ++i)
@@ -84,7 +83,7 @@ Result<std::string> page_of(const StepsArguments& a, const Recording& recording,
   return page;
 }
 
-/// Attitude and steps alone, laid over waypoints where there are some: samples/configs/phone_walk_odograph.yaml.
+/// Attitude and steps only, aligned with waypoints if there are any: samples/configs/phone_walk_odograph.yaml.
 constexpr const char* kStepsAlone =
     "odograph: 1\nwalker: {height: 1.70 m}\nattitude: {plugin: attitude/vqf}\nstep_estimator: {plugin: step/odograph}\n"
     "replay: {start_at_first_waypoint: true, align_heading_over: 10 m}\n";
@@ -130,7 +129,7 @@ int steps(const StepsArguments& a) {
                     s.heading_rad * 180 / static_cast<double>(EIGEN_PI));
     }
     // The walker's factor is common to all steps, so their standard deviations add linearly.
-    std::printf("\n%zu steps (a step: one foot's fall to the other's), %.1f m +- %.1f m", result->steps.size(),
+    std::printf("\n%zu steps (a step: from one foot's contact to the other's), %.1f m +- %.1f m", result->steps.size(),
                 distance, variance);
     if (!lengths.empty())
       std::printf("; length 25 %%: %.2f m, 50 %%: %.2f m, 75 %%: %.2f m", percentile(lengths, 0.25),
@@ -157,8 +156,9 @@ void add_steps(CLI::App& app, int& status) {
       app.add_subcommand("steps", "Modes, steps, lengths and the dead-reckoned path from the IMU of a recording");
   auto a = std::make_shared<StepsArguments>();
   command->add_option("recording", a->recording, "any recording with an IMU")->required();
-  command->add_option("-c,--config", a->config,
-                      "pipeline config with a step estimator; without it attitude/vqf and step/odograph, 1.70 m tall");
+  command->add_option(
+      "-c,--config", a->config,
+      "pipeline config with a step estimator; default: attitude/vqf and step/odograph, walker height 1.70 m");
   command->add_option("--plot", a->plot, "write lengths over time, their distribution and the path as an HTML page");
   command->add_flag("--each", a->each, "one line per step");
   command->add_flag("--json", a->json, "print one JSON object");

@@ -71,7 +71,7 @@ class Unpacking {
       return error ? Result<bool>(wrong("'" + std::string(name) + "': " + error.message())) : true;
     }
     if (archive_entry_filetype(entry) != AE_IFREG || archive_entry_hardlink(entry))
-      return wrong("'" + std::string(name) + "' is a link or a device; expected files alone");
+      return wrong("'" + std::string(name) + "' is a link or a device; expected only files");
     if (archive_entry_is_encrypted(entry)) return wrong("has a password; export it without");
     fs::create_directories((folder_->path() / plain).parent_path(), error);
     std::ofstream out(folder_->path() / plain, std::ios::binary | std::ios::trunc);

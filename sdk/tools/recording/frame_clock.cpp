@@ -101,7 +101,7 @@ Result<std::vector<FrameTime>> by_table(Recording& recording, const Video& video
     recording.warnings.push_back(name + " has " + std::to_string(matched->size()) + " frames, " +
                                  table.file.filename().string() + " " + std::to_string(rows_ns.size()) +
                                  " rows: matched by their intervals" +
-                                 (without > 0 ? ", " + std::to_string(without) + " frames left out" : ""));
+                                 (without > 0 ? ", " + std::to_string(without) + " frames skipped" : ""));
   return times;
 }
 
@@ -180,7 +180,7 @@ Result<std::vector<FrameTime>> frame_clock(Recording& recording, const Format& f
   if (without == clock.size()) return by_name(recording, video, name);
   if (without > 0)
     recording.warnings.push_back(std::to_string(without) + " of " + std::to_string(clock.size()) + " frames of " +
-                                 name + " have no time in its track of metadata and are left out");
+                                 name + " have no time in its metadata track and are skipped");
   return clock;
 }
 

@@ -93,7 +93,7 @@ Result<Recording> read_image_folder(const fs::path& folder) {
                                  " ('fps' in camera.yaml)");
   }
   recording.warnings.push_back(
-      "pictures alone, no imu.csv: nothing gives the metric scale (docs/phone_recordings.md, plain folder)");
+      "pictures only, no imu.csv: the metric scale is not observable (docs/phone_recordings.md, plain folder)");
   std::error_code error;
   if (fs::exists(folder / "groundtruth.tum", error)) {
     auto truth = read_tum(folder / "groundtruth.tum");

@@ -236,8 +236,8 @@ class LogReading {
 
   void say_what_is_left_out() {
     for (const auto& [name, t] : topics_)
-      if (t.damaged > 0) warn(name + ": " + std::to_string(t.damaged) + " messages are damaged and left out");
-    if (const std::string left = topics_in_words(true); left != "no topic") warn("left out: " + left);
+      if (t.damaged > 0) warn(name + ": " + std::to_string(t.damaged) + " messages are damaged and skipped");
+    if (const std::string left = topics_in_words(true); left != "no topic") warn("skipped: " + left);
   }
 
   Recording recording_;

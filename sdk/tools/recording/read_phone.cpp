@@ -126,7 +126,7 @@ class Reading {
     for (auto& [stream, rows] : read_)
       if (rows.incomplete > 0)
         warn(rows.file.filename().string() + ": " + std::to_string(rows.incomplete) +
-             " rows without all values left out");
+             " rows with missing values skipped");
     return shift_to_unix();
   }
 
@@ -307,8 +307,8 @@ class Reading {
       recording_.add(m.header);
     }
     const std::string name = places->file.filename().string();
-    if (stale > 0) warn(name + ": " + std::to_string(stale) + " fixes are older than the recording and left out");
-    if (odd > 0) warn(name + ": " + std::to_string(odd) + " fixes are marked as invalid and left out");
+    if (stale > 0) warn(name + ": " + std::to_string(stale) + " fixes are older than the recording and skipped");
+    if (odd > 0) warn(name + ": " + std::to_string(odd) + " fixes are marked as invalid and skipped");
     return true;
   }
 

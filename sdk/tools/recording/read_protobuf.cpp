@@ -95,7 +95,7 @@ Result<bool> read_protobuf(const fs::path& path, std::span<Rows> tables) {
         take_message(rows, field->bytes, damaged);
   }
   if (messages == 0 || (damaged && tables[0].rows.empty()))
-    return Failure{ODO_E_DATA, path.string() + ": not what the app writes (VideoCaptureData)"};
+    return Failure{ODO_E_DATA, path.string() + ": not the app's format (VideoCaptureData)"};
   return true;
 }
 

@@ -171,10 +171,10 @@ Result<Recording> read_recording(const fs::path& path, const ReadOptions& option
                      outside->string() + ": a link leads out of the recording's folder; --pictures-outside allows it"};
   if (recording && recording->loss.wild_times > 0)
     recording->warnings.push_back(std::to_string(recording->loss.wild_times) +
-                                  " messages have times beyond +-2^62 ns and were left out");
+                                  " messages have times beyond +-2^62 ns and were skipped");
   if (recording && recording->loss.impossible > 0)
     recording->warnings.push_back(std::to_string(recording->loss.impossible) +
-                                  " messages are impossible and were left out; the first, " +
+                                  " messages are impossible and were skipped; the first, " +
                                   recording->loss.first_impossible);
   if (recording && recording->messages.empty()) return Failure{ODO_E_DATA, path.string() + ": no usable message in it"};
   return recording;

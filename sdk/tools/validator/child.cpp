@@ -43,9 +43,9 @@ std::string how_it_ended(int status) {
   try {
     text = work();
   } catch (const std::exception& error) {
-    text = std::string("an exception came out of the plugin: ") + error.what();
+    text = std::string("the plugin threw an exception: ") + error.what();
   } catch (...) {
-    text = "an exception came out of the plugin that is not a std::exception";
+    text = "the plugin threw an exception other than std::exception";
   }
   text += kEnd;
   for (size_t done = 0; done < text.size();) {
