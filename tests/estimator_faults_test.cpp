@@ -101,13 +101,13 @@ void begins_anew(WalkMeasurements& what, double from_s) {
 
 }  // namespace
 
-TEST_CASE("reference without a fault") {
+TEST_CASE("without a fault the error is small and consistent") {
   const Run r = worst_of("nothing", usual(), 10);
   CHECK(r.worst_m < 1.5);
   CHECK(r.beyond_s < 5);
 }
 
-TEST_CASE("the odometry fails for ten seconds") {
+TEST_CASE("steps bound the error while the odometry fails for ten seconds") {
   WalkMeasurements what = usual();
   what.odometry.blind_from_s = kFrom_s, what.odometry.blind_to_s = kFrom_s + 10;
   begins_anew(what, kFrom_s);
@@ -117,7 +117,7 @@ TEST_CASE("the odometry fails for ten seconds") {
   CHECK(r.beyond_s < 5);
 }
 
-TEST_CASE("the camera is off for four seconds: the orientation is kept") {
+TEST_CASE("the orientation is kept while the camera is off for four seconds") {
   WalkMeasurements what = usual();
   what.odometry.off_from_s = kFrom_s, what.odometry.off_to_s = kFrom_s + 4;
   what.change = [](double t, odo_vo_motion& m) {  // restarts: the first motion after the gap is missing
@@ -129,7 +129,7 @@ TEST_CASE("the camera is off for four seconds: the orientation is kept") {
   CHECK(r.beyond_s < 5);
 }
 
-TEST_CASE("no inertial samples for two seconds, and the odometry that needs them is lost") {
+TEST_CASE("the error stays bounded without inertial samples for two seconds and without the odometry that needs them") {
   WalkMeasurements what = usual();
   what.no_imu_from_s = kFrom_s, what.no_imu_to_s = kFrom_s + 2;
   what.odometry.blind_from_s = kFrom_s, what.odometry.blind_to_s = kFrom_s + 2.5;
@@ -140,7 +140,7 @@ TEST_CASE("no inertial samples for two seconds, and the odometry that needs them
   CHECK(r.beyond_s < 5);
 }
 
-TEST_CASE("positions are 40 m off for a minute") {
+TEST_CASE("positions that are 40 m off for a minute move the track by a few metres") {
   WalkMeasurements what = usual();
   what.fix_every_s = 1, what.fix_sigma_m = 4;
   what.change_fix = [](double t, odo_fix& fix) {
@@ -152,7 +152,7 @@ TEST_CASE("positions are 40 m off for a minute") {
   CHECK(r.beyond_s < 5);
 }
 
-TEST_CASE("steps are reported twice") {
+TEST_CASE("steps that are reported twice count once") {
   WalkMeasurements what = usual();
   what.step_times = [](double t) { return t > kFrom_s && t < kFrom_s + 20 ? 2 : 1; };
   Run r = worst_of("steps told twice for 20 s, beside a camera", what, 20);
@@ -166,7 +166,7 @@ TEST_CASE("steps are reported twice") {
   CHECK(r.beyond_s < 5);
 }
 
-TEST_CASE("the phone goes into a pocket with another orientation: the direction of the steps becomes uncertain") {
+TEST_CASE("steps are less certain once the phone is in a pocket with another orientation") {
   WalkMeasurements what = usual();
   what.odometry.blind_from_s = kFrom_s, what.odometry.blind_to_s = kFrom_s + 15;
   begins_anew(what, kFrom_s);
@@ -181,9 +181,7 @@ TEST_CASE("the phone goes into a pocket with another orientation: the direction 
   CHECK(r.beyond_s < 5);
 }
 
-TEST_CASE(
-    "the phone rotates on its way into the pocket, seen by the camera, and keeps its orientation relative to the "
-    "walk") {
+TEST_CASE("a rotation of the phone on its way into the pocket, seen by the camera, does not bend the walk") {
   WalkMeasurements what = usual();
   what.odometry.blind_from_s = kFrom_s, what.odometry.blind_to_s = kFrom_s + 15;
   begins_anew(what, kFrom_s);
@@ -197,7 +195,7 @@ TEST_CASE(
   CHECK(r.beyond_s < 5);
 }
 
-TEST_CASE("a single fix is 50 m off") {
+TEST_CASE("a single fix that is 50 m off does not move the track") {
   WalkMeasurements what = usual();
   what.fix_every_s = 5, what.fix_sigma_m = 2;
   what.change_fix = [](double t, odo_fix& fix) {

@@ -75,7 +75,7 @@ TEST_CASE("there are no steps while the device lies or is held still") {
   CHECK(steps == 0);
 }
 
-TEST_CASE("real walks: steps, distance and position do not get worse" * doctest::test_suite("gait_data")) {
+TEST_CASE("steps, distance and position of the real walks do not get worse" * doctest::test_suite("gait_data")) {
   const auto folder = data_or_skip("phone_walks");
   if (folder.empty()) return;
   std::vector<double> distance;

@@ -194,7 +194,7 @@ TEST_CASE("a thousand kills are survived with an immediate restart each time") {
   CHECK(isolated.plugin->recovering());
 }
 
-TEST_CASE("isolation overhead per batch") {
+TEST_CASE("isolation adds less than 0.25 ms to a batch") {
   IsolatedPlugin isolated;
   std::vector<double> us;
   for (int i = 0; i < 20'000; ++i) {

@@ -172,7 +172,7 @@ std::string digest_of(const CouplingConfig& config, const Told& told) {
 
 TEST_SUITE_BEGIN("kept_estimates");
 
-TEST_CASE("the localizer with each kind of input") {
+TEST_CASE("the localizer's estimates are as kept with each kind of input") {
   if (!kept_for_this_machine()) return;
   CouplingConfig config;
   config.type = CouplingType::localizer;
@@ -180,7 +180,7 @@ TEST_CASE("the localizer with each kind of input") {
     compare_kept(std::string("estimate_localizer_") + told.name, digest_of(config, told), kSame);
 }
 
-TEST_CASE("the papers' rules with each kind of input and each source of orientation") {
+TEST_CASE("the papers' rules give the kept estimates with each kind of input and each source of orientation") {
   if (!kept_for_this_machine()) return;
   for (const Told& told : all_told())
     if (const std::string name = told.name; name != "no_imu" && name != "pressure" && name != "scales")

@@ -84,7 +84,7 @@ void check(const char* name, const std::vector<Choice>& choices) {
 
 }  // namespace
 
-TEST_CASE("attitudes on a walk with many faults") {
+TEST_CASE("attitudes are as kept on a walk with many faults") {
   check("troubled_attitude", {{"attitude_vqf", {}},
                               {"attitude_vqf", {{"magnetometer", "true"}, {"tau_mag", "2"}, {"tau_acc", "1"}}},
                               {"attitude_vqf", {{"forward_axis", "[1, 0.2, 0]"}}},
@@ -92,7 +92,7 @@ TEST_CASE("attitudes on a walk with many faults") {
                               {"attitude_magyq", {{"magnetometer", "false"}}}});
 }
 
-TEST_CASE("steps on a walk with many faults") {
+TEST_CASE("steps are as kept on a walk with many faults") {
   check("troubled_step", {{"step_odograph", {}},
                           {"step_odograph", {{"learn", "false"}, {"factor", "1.1"}, {"factor_sigma", "0.03"}}},
                           {"step_odograph", {{"forward_axis", "[1, 0, 0]"}}},
@@ -103,7 +103,7 @@ TEST_CASE("steps on a walk with many faults") {
                           {"step_tian2016", {{"forward_axis", "[1, 0, 0]"}}}});
 }
 
-TEST_CASE("scales on a walk with many faults") {
+TEST_CASE("scales are as kept on a walk with many faults") {
   check("troubled_scale",
         {{"scale_step_length", {}},
          {"scale_step_length", {{"hold", "1"}}},
@@ -116,7 +116,7 @@ TEST_CASE("scales on a walk with many faults") {
          {"scale_inertial", {}}});
 }
 
-TEST_CASE("fixes on a walk with many faults") {
+TEST_CASE("fixes are as kept on a walk with many faults") {
   check("troubled_fix",
         {{"fix_gnss", {}},
          {"fix_gnss", {{"height", "true"}, {"heading", "false"}, {"correlation", "0"}, {"min_satellites", "3"}}},

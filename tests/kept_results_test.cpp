@@ -194,14 +194,14 @@ void check(const std::string& config, const std::string& recording_name, const R
 
 TEST_SUITE_BEGIN("kept_results");
 
-TEST_CASE("simulated sensors") {
+TEST_CASE("simulated sensors are as kept") {
   if (!kept_for_this_machine()) return;
   for (const char* name : {"street_short", "viewing", "drive_short", "sensors_wild", "stress_stairs"})
     compare_kept(std::string("sensors_") + name,
                  digest_of(sensors_of("samples/scenarios/" + std::string(name) + ".yaml", 11)), kSame);
 }
 
-TEST_CASE("every attitude and step estimator, on walks without a camera") {
+TEST_CASE("every attitude and step estimator gives the kept results on walks without a camera") {
   if (!kept_for_this_machine()) return;
   for (const char* name : {"street_short", "viewing"}) {
     const Recording recording = sensors_of("samples/scenarios/" + std::string(name) + ".yaml", 12);
@@ -215,7 +215,7 @@ TEST_CASE("every attitude and step estimator, on walks without a camera") {
   }
 }
 
-TEST_CASE("every source of positions, on a walk without a camera") {
+TEST_CASE("every source of positions gives the kept results on a walk without a camera") {
   if (!kept_for_this_machine()) return;
   const Recording recording = sensors_of("tests/kept_results/walk.yaml", 13);
   RunOptions options = pipeline("tests/kept_results/all_fixes.yaml", source("tests/kept_results").string());
@@ -224,7 +224,7 @@ TEST_CASE("every source of positions, on a walk without a camera") {
   check("walk_all_fixes_paper", recording, options, kSame);
 }
 
-TEST_CASE("a rendered walk past known objects, as a recording and as played by an app") {
+TEST_CASE("a rendered walk past known objects gives the kept results, as a recording and as played by an app") {
   if (!kept_for_this_machine()) return;
   const TemporaryFolder folder;
   const Recording recording = rendered("tests/kept_results/walk.yaml", 14, folder);
@@ -254,7 +254,7 @@ TEST_CASE("a rendered walk past known objects, as a recording and as played by a
   compare_kept("walk_app", digest.text(), kRendered);
 }
 
-TEST_CASE("a rendered drive between the buildings of a city model") {
+TEST_CASE("a rendered drive between the buildings of a city model gives the kept results") {
   if (!kept_for_this_machine()) return;
   const TemporaryFolder folder;
   const Recording recording = rendered("samples/scenarios/drive_short.yaml", 14, folder);
@@ -264,7 +264,7 @@ TEST_CASE("a rendered drive between the buildings of a city model") {
 TEST_SUITE_END();
 TEST_SUITE_BEGIN("kept_results_data");
 
-TEST_CASE("a phone through a house, a drone in a hall and a hand-held camera in a room") {
+TEST_CASE("a phone through a house, a drone in a hall and a hand-held camera in a room give the kept results") {
   if (!kept_for_this_machine()) return;
   const auto house = data_or_skip("phone_house"), hall = data_or_skip("euroc_mh05"),
              tsukuba = data_or_skip("tsukuba_90");
@@ -276,7 +276,7 @@ TEST_CASE("a phone through a house, a drone in a hall and a hand-held camera in 
     check(config, "tsukuba_90", read(tsukuba), kChosen);
 }
 
-TEST_CASE("a phone through a shopping mall") {
+TEST_CASE("a phone through a shopping mall gives the kept results") {
   if (!kept_for_this_machine()) return;
   const auto walks = data_or_skip("phone_walks");
   if (walks.empty()) return;

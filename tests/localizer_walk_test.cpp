@@ -78,15 +78,17 @@ WalkMeasurements with_inertial_front_end() {
 
 TEST_SUITE_BEGIN("localizer_walk");
 
-TEST_CASE("a visual-inertial front-end") { check(with_inertial_front_end(), 60, false, 1.35); }
+TEST_CASE("the track of a visual-inertial front-end is accurate and consistent") {
+  check(with_inertial_front_end(), 60, false, 1.35);
+}
 
-TEST_CASE("a visual-inertial front-end that is blind for five seconds, bridged by steps") {
+TEST_CASE("steps bridge five seconds in which a visual-inertial front-end is blind") {
   WalkMeasurements what = with_inertial_front_end();
   what.odometry.blind_from_s = 15, what.odometry.blind_to_s = 20;
   check(what, 60, false, 1.41);
 }
 
-TEST_CASE("the same without frames") {
+TEST_CASE("steps bridge five seconds without frames") {
   WalkMeasurements what = with_inertial_front_end();
   what.odometry.off_from_s = 15, what.odometry.off_to_s = 20;
   check(what, 60, false, 1.46);
@@ -103,14 +105,14 @@ TEST_CASE("a front-end without metric scale is scaled by the walker's steps, wit
   CHECK(out.worst_nees < 9);
 }
 
-TEST_CASE("steps alone, with late fixes") {
+TEST_CASE("the track of steps alone with late fixes is accurate and consistent") {
   WalkMeasurements what;
   what.camera = false;
   what.fix_every_s = 1, what.fix_sigma_m = 1.5;
   check(what, 100, true, 1.79);
 }
 
-TEST_CASE("a visual-inertial front-end with late fixes") {
+TEST_CASE("the track of a visual-inertial front-end with late fixes is accurate and consistent") {
   WalkMeasurements what = with_inertial_front_end();
   what.fix_every_s = 1, what.fix_sigma_m = 1.5;
   check(what, 100, true, 1.74);

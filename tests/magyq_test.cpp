@@ -43,7 +43,7 @@ struct Standing {
 
 }  // namespace
 
-TEST_CASE("a still device: inclination and bias within seconds, without a field") {
+TEST_CASE("a still device gives its inclination and bias within seconds, without a field") {
   magyq::Filter filter{magyq::Parameters{}};
   Random random(1, 1);
   const Vector3d bias(0.004, -0.006, 0.008);

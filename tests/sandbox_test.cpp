@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What a plugin in a process of its own cannot do, tried by one that wants to (hostile/escape.cpp): the table of
-// docs/security.md.
+// Limits of an isolated plugin, tested by an attacker (hostile/escape.cpp): the table of docs/security.md.
 #include <doctest/doctest.h>
 
 #include <chrono>
@@ -52,7 +51,7 @@ std::string file_state(const fs::path& path) {
   return text.str();
 }
 
-/// Everything about this process, this user's files and this machine that an attacker might change, as text.
+/// Everything of this process, this user's files and this machine that an attacker might change, as text.
 std::string outside(const Victim& victim) {
   std::stringstream text;
   text << file_state(victim.folder.path());
@@ -77,11 +76,11 @@ std::string outside(const Victim& victim) {
   clock_gettime(CLOCK_REALTIME, &real);
   clock_gettime(CLOCK_MONOTONIC, &steady);
   const int64_t between_ns = (real.tv_sec - steady.tv_sec) * INT64_C(1'000'000'000) + real.tv_nsec - steady.tv_nsec;
-  text << "clock " << between_ns / INT64_C(8'000'000'000) << '\n';  // of which part of a second it is now is no change
+  text << "clock " << between_ns / INT64_C(8'000'000'000) << '\n';  // the fraction of a second is no change
   return text.str();
 }
 
-/// What the attacker reports.
+/// Reports of the attacker.
 std::string attacked(const char* plugins_folder) {
   IsolatedPlugin plugin(kEscape, plugins_folder);
   for (int i = 0; i < 3; ++i) plugin.sample();
@@ -90,7 +89,7 @@ std::string attacked(const char* plugins_folder) {
 
 }  // namespace
 
-TEST_CASE("no attempt on the host, its user's files or the machine comes off") {
+TEST_CASE("no attempt on the host, its user's files or the machine succeeds") {
   const TestPlugins plugins{"escape"};
   const Victim victim("attempts");
   const std::string before = outside(victim);
@@ -104,7 +103,7 @@ TEST_CASE("no attempt on the host, its user's files or the machine comes off") {
   CHECK(outside(victim) == before);
 }
 
-TEST_CASE("where the system has neither namespaces nor Landlock that is said, and nothing outside can be changed") {
+TEST_CASE("without namespaces and Landlock that is reported, and nothing outside can be changed") {
   const TestPlugins plugins{"escape"};
   const Victim victim("attempts");
   const std::string before = outside(victim);
@@ -126,7 +125,7 @@ TEST_CASE("where the system has neither namespaces nor Landlock that is said, an
   CHECK(outside(victim) == before);
 }
 
-TEST_CASE("a second mount of the kernel's processes is closed as the first is, and what lies beside it is open") {
+TEST_CASE("a second mount of the process file system is closed like the first, and its neighbours stay open") {
   const TestPlugins plugins{"escape"};
   const Victim victim("second names");
   for (const char* name : {"names", "beside"}) fs::create_directory(victim.folder / name);
@@ -142,7 +141,7 @@ TEST_CASE("a second mount of the kernel's processes is closed as the first is, a
   CHECK_MESSAGE(said.find("opened: /file /beside/file \n") != std::string::npos, said);
 }
 
-TEST_CASE("threads and what pipes hold are bounded") {
+TEST_CASE("threads and the content of pipes are bounded") {
   const TestPlugins plugins{"escape"};
   for (const auto& [attack, what, most] : {std::tuple{"threads", " threads", 300}, {"pipes", " MiB in pipes", 32}}) {
     const Victim victim(attack);
@@ -157,7 +156,7 @@ TEST_CASE("threads and what pipes hold are bounded") {
   }
 }
 
-TEST_CASE("a plugin that blocks every signal and thread is gone with its host") {
+TEST_CASE("a plugin that blocks every signal and thread ends with its host") {
   const TestPlugins plugins{"escape"};
   const Victim victim("outlive");
   const pid_t host = fork();
@@ -166,7 +165,7 @@ TEST_CASE("a plugin that blocks every signal and thread is gone with its host") 
     plugin.sample();
     _exit(0);
   }
-  std::this_thread::sleep_for(std::chrono::milliseconds(700));  // it is in its attack
+  std::this_thread::sleep_for(std::chrono::milliseconds(700));  // the attack is running
   const auto below = descendants(host);
   REQUIRE_FALSE(below.empty());
   kill(host, SIGKILL);
@@ -194,7 +193,7 @@ TEST_CASE("random system calls change nothing outside") {
     if (plugin.sample() > 0)
       done += a_sample;
     else
-      plugin.t_ns += 1'000'000'000;  // it is away
+      plugin.t_ns += 1'000'000'000;  // until it has disabled itself
   }
   MESSAGE(done << " calls, ended " << plugin.plugin->faults() << " times");
   CHECK(done >= calls);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What the tests of the sandbox and of its keeper share: a victim, a host in a process of its own, and who lives below.
+// Common parts of the tests of the sandbox and its keeper: a victim, a host in a separate process, its descendants.
 #pragma once
 
 #include <csignal>
@@ -32,7 +32,7 @@ inline std::string read_all(const std::filesystem::path& path) {
   return text.str();
 }
 
-/// A folder for the attacker to harm, and this process named as the host.
+/// A folder for the attacker to damage, with this process named as the host.
 struct Victim {
   TemporaryFolder folder;
   explicit Victim(const char* attack) {
@@ -54,7 +54,7 @@ inline std::string joined(const std::vector<std::string>& lines) {
   return all;
 }
 
-/// The work in a process of its own, which gets its lines back.
+/// Runs the work in a separate process and returns its lines.
 template <class Work>
 std::string in_a_process(Work&& work) {
   int ends[2];
@@ -76,7 +76,7 @@ std::string in_a_process(Work&& work) {
   return lines + (WIFSIGNALED(status) ? "the host was ended by signal " + std::to_string(WTERMSIG(status)) : "");
 }
 
-/// Processes below this one, by what /proc says.
+/// Processes below this one, from /proc.
 inline std::vector<pid_t> descendants(pid_t of) {
   std::vector<pid_t> found;
   for (const auto& entry : std::filesystem::directory_iterator("/proc")) {
@@ -93,13 +93,13 @@ inline std::vector<pid_t> descendants(pid_t of) {
   }
   return found;
 }
-/// Not where it is dead and waits for whoever inherited it: it has no memory left.
+/// False for a zombie, which has no memory left.
 inline bool lives(pid_t process) {
   const std::string pages = read_all("/proc/" + std::to_string(process) + "/statm");
   return !pages.empty() && pages.rfind("0 ", 0) != 0;
 }
 
-/// From now on these calls fail in this process and below.
+/// Makes these calls fail in this process and its descendants.
 inline void refuse_calls(std::initializer_list<long> numbers, int error) {
   std::vector<sock_filter> code = {BPF_STMT(BPF_LD | BPF_W | BPF_ABS, offsetof(seccomp_data, nr))};
   for (const long number : numbers) {

@@ -16,7 +16,7 @@ TEST_SUITE_BEGIN("scale_inertial");
 
 namespace {
 
-/// In a hand that trembles by 1 mm, for this long.
+/// In a hand that trembles by 1 mm, for this time.
 Motion standing(double seconds, uint64_t seed) {
   Random random(seed, 5);
   std::vector<Vector3d> p;
@@ -30,7 +30,7 @@ struct Consistency {
   int n = 0;
 };
 
-/// Over 30 walkers, each 5 s one answer.
+/// Over 30 walkers, one result per 5 s.
 Consistency consistency(const Errors& errors) {
   Consistency sum;
   for (uint64_t seed = 1; seed <= 30; ++seed) {
@@ -47,7 +47,7 @@ Consistency consistency(const Errors& errors) {
 
 }  // namespace
 
-TEST_CASE("without errors the scale is exact, with a long lever and frames between the IMU's samples too") {
+TEST_CASE("without errors the scale is exact, also with a long lever arm and frames between the IMU's samples") {
   for (const uint64_t seed : {1u, 2u, 3u}) {
     Walk walk = Walk::of_length(30, seed, Errors::none());
     walk.p_b_c = {0.3, -0.4, 0.2};
@@ -56,7 +56,7 @@ TEST_CASE("without errors the scale is exact, with a long lever and frames betwe
     CHECK(answers.front().t_s < 5);  // the first window
     for (const auto& answer : answers) CHECK(std::abs(answer.off()) < 2e-3);
     CHECK(answers.back().scale.relative_sigma < 0.025);
-    CHECK(answers.back().scale.relative_sigma > 0.01);  // the accelerometer's own is never averaged away
+    CHECK(answers.back().scale.relative_sigma > 0.01);  // the accelerometer's scale error is never averaged out
   }
 }
 
@@ -73,7 +73,7 @@ TEST_CASE("a walk with a phone's errors gives the scale within 5 % and three sig
   CHECK(within >= 9);
 }
 
-TEST_CASE("the scale errs by as much as it states, whatever errs most") {
+TEST_CASE("the scale error matches its sigma for each dominant error source") {
   const auto with = [](auto&& change) {
     Errors e;
     change(e);
@@ -98,13 +98,13 @@ TEST_CASE("the scale errs by as much as it states, whatever errs most") {
     CHECK(c.n > 60);
     CHECK(c.nees > 0.3);
     CHECK(c.nees < 2);
-    CHECK(std::abs(c.bias) < 0.025);  // a regression of alpha on y: -0.2 and more
+    CHECK(std::abs(c.bias) < 0.025);  // regressing alpha on y gives -0.2 and more
   }
 }
 
 TEST_CASE(
-    "a window's regression is blind to a cubic trend and to rotation taken for translation, and to noise of the "
-    "odometry as large as the gait") {
+    "a window's regression is insensitive to a cubic trend, to rotation seen as translation, and to noise of the "
+    "gait's size") {
   Random random(1, 1);
   double sum = 0, chi = 0;
   constexpr int kWindows = 400;
@@ -144,8 +144,7 @@ TEST_CASE(
   CHECK(small.solve());
 }
 
-TEST_CASE(
-    "rotation that the odometry takes for translation at a depth of 5 m, in the rhythm of the steps, bends no scale") {
+TEST_CASE("rotation seen as translation at a depth of 5 m, in step with the gait, does not bias the scale") {
   for (const uint64_t seed : {1u, 2u, 3u}) {
     Walk walk = Walk::of_length(40, seed, Errors::none());
     walk.change = [](double t, InertialScale::Motion& m) {
@@ -159,7 +158,7 @@ TEST_CASE(
   }
 }
 
-TEST_CASE("a new scale group has no scale until its own windows tell it, and nothing of the old one's") {
+TEST_CASE("a new scale group has no scale before its own windows, and nothing of the old group's") {
   for (const uint64_t seed : {1u, 2u, 3u, 4u}) {
     Walk walk = Walk::of_length(60, seed);
     walk.change = [](double t, InertialScale::Motion& m) {
@@ -180,7 +179,7 @@ TEST_CASE("a new scale group has no scale until its own windows tell it, and not
   }
 }
 
-TEST_CASE("a scale that changes within its group is found again after three windows that contradict it") {
+TEST_CASE("a scale that changes within its group is estimated again after three contradicting windows") {
   Walk walk = Walk::of_length(80, 3);
   walk.change = [](double t, InertialScale::Motion& m) {
     if (t > 20) m.p_c0_c1 *= 0.4;
@@ -191,27 +190,27 @@ TEST_CASE("a scale that changes within its group is found again after three wind
     if (answer.t_s > 37) CHECK(std::abs(answer.off() + std::log(0.4)) < 3 * answer.scale.relative_sigma);
 }
 
-TEST_CASE("a window with a gap in the IMU or in the motions is none") {
+TEST_CASE("a window with a gap in the IMU or in the motions gives no result") {
   const auto answers = [](auto&& prepare) {
     Walk walk = Walk::of_length(60, 5);
     prepare(walk);
     return walk.run().size();
   };
   CHECK(answers([](Walk&) {}) > 100);
-  // Each 3 s something is missing: no window of 4 s is ever whole.
+  // Something is missing every 3 s: no window of 4 s is complete.
   CHECK(answers([](Walk& w) { w.imu_missing = [](double t) { return std::fmod(t, 3) < 0.07; }; }) == 0);
   CHECK(answers([](Walk& w) { w.imu_missing = [](double t) { return std::fmod(t, 3) < 0.03; }; }) > 100);
   CHECK(answers([](Walk& w) { w.change = [](double t, auto& m) { m.translates = std::fmod(t, 3) > 0.15; }; }) == 0);
   CHECK(answers([](Walk& w) {
           w.change = [](double t, auto& m) { m.from_ns += std::fmod(t, 3) < 0.15 ? 1'000'000 : 0; };
         }) == 0);
-  CHECK(answers([](Walk& w) {  // the host turns north by 10 degrees
+  CHECK(answers([](Walk& w) {  // the host rotates north by 10 degrees
           w.change = [](double t, auto& m) {
             m.q_n_c0 = Eigen::AngleAxisd(0.17 * std::floor(t / 3), Vector3d::UnitZ()) * m.q_n_c0;
           };
         }) == 0);
 
-  Walk walk = Walk::of_length(60, 5);  // half of the walk without an IMU: the scale stays, less well known
+  Walk walk = Walk::of_length(60, 5);  // half of the walk without an IMU: the scale stays, with a larger sigma
   walk.imu_missing = [](double t) { return t > 20; };
   const auto all = walk.run();
   double sigma = 0;
@@ -224,7 +223,7 @@ TEST_CASE("a window with a gap in the IMU or in the motions is none") {
   CHECK(all.back().t_s > 35);
 }
 
-TEST_CASE("who stands has no scale at first, and keeps the one that he had") {
+TEST_CASE("standing gives no scale at first, and keeps an existing one") {
   for (const uint64_t seed : {1u, 2u, 3u, 4u, 5u, 6u}) CHECK(Walk(standing(60, seed), seed).run().empty());
 
   Scenario s;
@@ -242,7 +241,7 @@ TEST_CASE("who stands has no scale at first, and keeps the one that he had") {
   }
 }
 
-TEST_CASE("the plugin answers each motion of an odometry without a metre, and reports one that has it") {
+TEST_CASE("the plugin scales each motion of a non-metric odometry, and reports a metric one") {
   for (const bool metric : {false, true}) {
     std::vector<AnyMessage> messages;
     Walk walk = Walk::of_length(40, 6);
@@ -250,7 +249,7 @@ TEST_CASE("the plugin answers each motion of an odometry without a metre, and re
       auto c = make_message<odo_calibration>(ODO_TYPE_CALIBRATION, ns(0));
       c.header.source = camera;
       c.header.flags = ODO_CALIBRATION_EXTRINSICS;
-      c.q_b_c[camera == 4 ? 1 : 0] = 1;  // the other one looks the other way
+      c.q_b_c[camera == 4 ? 1 : 0] = 1;  // the other one looks backwards
       Vector3d::Map(c.p_b_c) = walk.p_b_c;
       messages.emplace_back(c.header);
     }

@@ -20,17 +20,17 @@ using Eigen::Vector3d;
 
 inline int64_t ns(double t_s) { return 1'000'000'000 + std::llround(t_s * 1e9); }
 
-/// What errs beside the walker's steps: sizes of a phone's IMU (data sheet of the BMI270) and of vo/five_point.
+/// Errors besides the walker's steps: sizes of a phone's IMU (data sheet of the BMI270) and of vo/five_point.
 struct Errors {
-  double noise_m = 0.01, noise_s = 0.25;  ///< the odometry's position against its map, Gauss-Markov
+  double noise_m = 0.01, noise_s = 0.25;  ///< position of the odometry relative to its map, Gauss-Markov
   double scale_walk = 0.01;               ///< 1/sqrt(m)
-  double tilt_rad = 0.0175, tilt_s = 10;  ///< the host's orientation about a horizontal axis, Gauss-Markov
+  double tilt_rad = 0.0175, tilt_s = 10;  ///< orientation of the host about a horizontal axis, Gauss-Markov
   double gyro_bias = 0.005, accel_bias = 0.1, gyro_noise = 2e-4, accel_noise = 2e-3;
 
   static Errors none() { return {0, 1, 0, 0, 1, 0, 0, 0, 0}; }
 };
 
-/// A walk with its corner, or any motion, measured with errors.
+/// A walk with a corner, or any motion, measured with errors.
 class Walk {
  public:
   Errors errors;
@@ -56,7 +56,7 @@ class Walk {
     double off() const { return std::log(scale.scale) - log_true; }
     double normalised() const { return off() / scale.relative_sigma; }
   };
-  /// Every answer, one for each motion.
+  /// All results, one per motion.
   std::vector<Answer> run() {
     Parameters p;
     p.scale_walk = errors.scale_walk, p.common_sigma = 0.01;

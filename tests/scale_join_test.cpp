@@ -28,7 +28,7 @@ odo_vo_motion motion(int64_t t_ns, uint32_t group = 7) {
 
 }  // namespace
 
-TEST_CASE("two scales of one motion are averaged in their logarithms by the inverse of their variances") {
+TEST_CASE("two scales of one motion are averaged in the logarithm, weighted by their inverse variances") {
   ScaleJoin join(2);
   join.begin(motion(100));
   const odo_scale a = scale(2.0, 0.05), b = scale(2.4, 0.20);
@@ -41,7 +41,7 @@ TEST_CASE("two scales of one motion are averaged in their logarithms by the inve
   CHECK(both->sigma / both->scale == doctest::Approx(1 / std::sqrt(400.0 + 25.0)).epsilon(1e-12));
 }
 
-TEST_CASE("one word is taken as it is, another group's or another time's is not") {
+TEST_CASE("a single scale is used as it is, those of another group or time are not") {
   ScaleJoin join(2);
   CHECK(join.note(0, scale(2.0, 0.05)));
   join.begin(motion(100));
@@ -58,7 +58,7 @@ TEST_CASE("one word is taken as it is, another group's or another time's is not"
   CHECK_FALSE(join.joined());
 }
 
-TEST_CASE("a horizontal scale and one of all three components are not mixed, and what both hold for is told") {
+TEST_CASE("a horizontal scale and one of all three components are not mixed, and their common validity is reported") {
   ScaleJoin join(3);
   join.begin(motion(100));
   odo_scale a = scale(2.0, 0.1, ODO_SCALE_HORIZONTAL | ODO_SCALE_STEADY), c = scale(2.2, 0.1, ODO_SCALE_HORIZONTAL);

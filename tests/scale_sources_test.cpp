@@ -19,7 +19,7 @@ namespace {
 
 constexpr int64_t kSecond = 1'000'000'000, kFrame = 100'000'000;
 
-/// An odometry that moves as it is told, ten frames a second, and the steps beside it, two a second.
+/// An odometry that moves as commanded, ten frames a second, and the steps beside it, two a second.
 struct Walked {
   step_fit::StepFit fit;
   int64_t t = 17 * kSecond;
@@ -31,7 +31,7 @@ struct Walked {
   void move(const Vector2d& d, int frames = 5) {
     for (int k = 0; k < frames; ++k, t += kFrame) fit.add_motion(t, t + kFrame, d / frames, group);
   }
-  /// The odometry moves by d within half a second, and a step tells a length.
+  /// The odometry moves by d within half a second, with a step of a given length.
   bool step(const Vector2d& d, double length_m, double sigma_m = 0.05) {
     move(d);
     return fit.add_step(t - 5 * kFrame, t, length_m, sigma_m);
@@ -42,7 +42,7 @@ const step_fit::StepFit::Parameters kFit;
 
 }  // namespace
 
-TEST_CASE("the scale of all steps is that of a plain filter of their logarithms, outliers held at what they may pull") {
+TEST_CASE("the scale of all steps equals that of a plain filter of their logarithms with bounded outliers") {
   for (const uint64_t seed : {1u, 2u, 3u, 4u}) {
     Random random(seed, 9);
     const double drift = 0.01 * static_cast<double>(seed), common = 0.03;
@@ -54,7 +54,7 @@ TEST_CASE("the scale of all steps is that of a plain filter of their logarithms,
       const double length = 2.5 * d * (k % 7 == 6 ? random.uniform(1.8, 4.0) : random.uniform(0.9, 1.1));
       const bool taken = walked.step({0.6 * d, 0.8 * d}, length, relative * length);
       CHECK(taken == (k >= 2));
-      // The variance by the step and by its timing; beyond 1.5 sigmas a step pulls no more than at 1.5 sigmas.
+      // The variance by the step and by its timing; beyond 1.5 sigma a step has the effect of 1.5 sigma.
       const double z = std::log(length / d), r = relative * relative + kFit.timing * kFit.timing;
       if (variance < 0) {
         level = z, variance = r;
@@ -74,7 +74,7 @@ TEST_CASE("the scale of all steps is that of a plain filter of their logarithms,
   }
 }
 
-TEST_CASE("a step seen three times too long pulls the scale as far as one seen ten times too long, and no farther") {
+TEST_CASE("a step seen three times too long has the same effect on the scale as one seen ten times too long") {
   double pulled[2];
   for (const int k : {0, 1}) {
     Walked walked;
@@ -87,7 +87,7 @@ TEST_CASE("a step seen three times too long pulls the scale as far as one seen t
   CHECK(std::abs(pulled[1] - pulled[0]) < 1e-9);
 }
 
-TEST_CASE("three displacements in a row that are alike and lead somewhere are a walk, others are not") {
+TEST_CASE("a walk is three consecutive similar displacements in a straight line") {
   const auto at = [](double length, double deg) {
     return Vector2d(length * std::cos(deg * M_PI / 180), length * std::sin(deg * M_PI / 180));
   };
@@ -100,7 +100,7 @@ TEST_CASE("three displacements in a row that are alike and lead somewhere are a 
       {{at(1.95, 0), at(1.4, 0), at(1, 0)}, true},   {{at(2.05, 0), at(1.4, 0), at(1, 0)}, false},
       {{at(1, 0), at(1, 40), at(1, 80)}, true},      {{at(1, 0), at(1, 50), at(1, 100)}, false},  // 0.84, 0.76
       {{at(1, 0), at(1, -40), at(1, -80)}, true},    {{at(1, 0), at(1, 180), at(1, 0)}, false},
-      {{at(1, 170), at(1, 179), at(1, -175)}, true},  // by the points of the compass
+      {{at(1, 170), at(1, 179), at(1, -175)}, true},  // across the wrap of the heading
   };
   for (const Row& row : rows) {
     Walked walked;
@@ -109,8 +109,8 @@ TEST_CASE("three displacements in a row that are alike and lead somewhere are a 
   }
 }
 
-TEST_CASE("after a pause, and in another scale group, a walk has to show itself anew") {
-  for (const int frames : {9, 11}) {  // of standing
+TEST_CASE("after a pause, and in another scale group, a walk must be detected again") {
+  for (const int frames : {9, 11}) {  // while standing
     Walked walked;
     for (int k = 0; k < 3; ++k) walked.step({0.3, 0}, 0.7);
     walked.move({0, 0}, frames);
@@ -127,9 +127,9 @@ TEST_CASE("after a pause, and in another scale group, a walk has to show itself 
   CHECK_FALSE(walked.fit.add_step(16 * kSecond, walked.t, 0.7, 0.05));  // before the group's first motion
 }
 
-TEST_CASE("a step that begins and ends between frames has the part of the motions that it covers") {
+TEST_CASE("a step between frames gets its share of their motions") {
   Walked walked(0, 0);
-  // A frame's displacement grows, so that parts of a frame count.
+  // A growing displacement per frame, so that fractions of a frame matter.
   for (int k = 0; k < 40; ++k) walked.move({0.1 + 0.001 * k, 0}, 1);
   const auto gone = [](double frames) {
     double sum = 0;
@@ -146,8 +146,7 @@ TEST_CASE("a step that begins and ends between frames has the part of the motion
   CHECK(std::abs(std::log(walked.fit.scale()->scale) - logs) < 1e-7);  // equal weights: the mean of the logarithms
 }
 
-TEST_CASE(
-    "between two frames a walker goes by the speed of the step before each moment, and stands when he is told to") {
+TEST_CASE("between two frames a walker has the speed of the preceding step, and stands on command") {
   const double hold = 1.6;
   step_scale::StepInterpolation steps(hold);
   struct Step {
@@ -157,7 +156,7 @@ TEST_CASE(
   const auto ns = [](double s) { return static_cast<int64_t>(std::llround(s * 1e9)); };
   CHECK_FALSE(steps.between(ns(10), ns(10.4)));
   for (const Step& s : all) steps.add_step(ns(s.start_s), ns(s.end_s), s.length_m, s.sigma_m);
-  steps.add_step(ns(20), ns(20), 0.7, 0.1);  // no time: no step
+  steps.add_step(ns(20), ns(20), 0.7, 0.1);  // no duration: no step
   steps.stand(ns(15));
   const auto plain = [&](double from, double to) {
     step_scale::Displacement sum{0, 0};
@@ -185,7 +184,7 @@ TEST_CASE(
     CHECK(std::abs(seen->relative_sigma - expected.relative_sigma) < 2e-4);
   }
   CHECK_FALSE(steps.between(ns(10.1), ns(10.5)));
-  steps.add_step(ns(16), ns(16.5), 0.7, 0.07);  // walks again
+  steps.add_step(ns(16), ns(16.5), 0.7, 0.07);  // walking again
   CHECK(steps.between(ns(16.5), ns(16.6))->metres == doctest::Approx(0.14));
   steps.add_step(ns(16.5), ns(17), 0, 0);  // on the spot
   CHECK(steps.between(ns(17), ns(17.1))->metres == 0);
@@ -193,7 +192,7 @@ TEST_CASE(
 
 namespace {
 
-/// A drive along `heading` of which the odometry has 1 / scale, a fix for each frame.
+/// A drive along `heading` with an odometry scaled by 1 / scale, and a fix per frame.
 struct Driven {
   slant_scale::SlantScale fit;
   int64_t t = 5 * kSecond;
@@ -210,29 +209,30 @@ struct Driven {
 
 }  // namespace
 
-TEST_CASE("scale from roofs: as far as the fixes lie apart, of the window alone, and as sure as their errors say") {
+TEST_CASE(
+    "the scale from roofs needs the extent of the fixes, uses the window only, and its sigma follows from their "
+    "errors") {
   Driven near;
   for (int k = 0; k < 8; ++k) near.go({0, 1}, 2);
   CHECK_FALSE(near.fit.scale());  // 7 m
   for (int k = 0; k < 4; ++k) near.go({0, 1}, 2);
   REQUIRE(near.fit.scale());
   CHECK(near.fit.scale()->scale == doctest::Approx(2.0));
-  // sigma of the scale: that of a place over the odometry's spread, and the odometry's own drift beside it.
+  // sigma of the scale: that of a position over the odometry's spread, plus the odometry's drift.
   double spread = 0;
   for (int k = 0; k < 12; ++k) spread += std::pow((k - 5.5) / 2, 2);
   CHECK(std::abs(near.fit.scale()->sigma * std::sqrt(spread) - 1) < 1e-6);
   Driven drifting(15, 8, 0.05);
   for (int k = 0; k < 12; ++k) drifting.go({0, 1}, 2, 4);
   CHECK(std::abs(drifting.fit.scale()->sigma / std::hypot(2 / std::sqrt(spread), 0.05 * 2) - 1) < 1e-6);
-  // What is older than the window counts no more.
+  // Fixes older than the window are ignored.
   Driven changing(3, 8, 0);
   for (int k = 0; k < 40; ++k) changing.go({1, 0}, 2);
   for (int k = 0; k < 32; ++k) changing.go({1, 0}, 1.5);
   CHECK(changing.fit.scale()->scale == doctest::Approx(1.5));
 }
 
-TEST_CASE(
-    "a scale that doubles within a window is believed after twenty fixes that insist, not after nineteen in a row") {
+TEST_CASE("a scale that doubles within a window is accepted after twenty persistent fixes, not after nineteen") {
   Driven driven(2, 4, 0);
   for (int k = 0; k < 40; ++k) driven.go({1, 0}, 2);
   int until = 0;
@@ -240,7 +240,7 @@ TEST_CASE(
   CHECK(driven.fit.scale()->scale > 3);
   Driven back(2, 4, 0);
   for (int k = 0; k < 40; ++k) back.go({1, 0}, 2);
-  for (int round = 0; round < 3; ++round) {  // never so long that it insists
+  for (int round = 0; round < 3; ++round) {  // never long enough
     for (int k = 0; k < until - 2; ++k) back.go({1, 0}, 5);
     CHECK(back.fit.scale()->scale < 4.1);
     for (int k = 0; k < 25; ++k) back.go({1, 0}, 2);
@@ -248,20 +248,19 @@ TEST_CASE(
   }
 }
 
-TEST_CASE(
-    "a new group begins with the speed before for one second of motions, and fixes of the old one are forgotten") {
+TEST_CASE("a new group has the previous speed for one second of motions, and fixes of the old one are dropped") {
   Driven driven;
   for (int k = 0; k < 60; ++k) driven.go({0.9, 0}, 2);
   driven.group = 2;
   for (int k = 0; k < 10; ++k) driven.go({0.9, 0}, 6, 0);
   CHECK(driven.fit.scale()->scale == doctest::Approx(6.0));
   CHECK(driven.fit.scale()->sigma == doctest::Approx(1.8));
-  for (int k = 0; k < 10; ++k) driven.go({0.3, 0}, 6, 0);  // slower: no longer by the speed before
+  for (int k = 0; k < 10; ++k) driven.go({0.3, 0}, 6, 0);  // slower: no longer the previous speed
   CHECK(driven.fit.scale()->scale == doctest::Approx(6.0));
   driven.group = 3;
   for (int k = 0; k < 12; ++k) driven.go({0.9, 0}, 3);
   CHECK(driven.fit.scale()->scale == doctest::Approx(3.0));
-  CHECK(driven.fit.scale()->sigma < 1);  // by fixes again
+  CHECK(driven.fit.scale()->sigma < 1);  // from fixes again
   Driven standing;
   for (int k = 0; k < 60; ++k) standing.go({0.04, 0}, 2);
   standing.group = 2;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Every error of a simulated sensor has the size that was asked for, measured over seeds or samples.
+// Every error of a simulated sensor has the requested size, measured over seeds or samples.
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -15,7 +15,7 @@ using Eigen::Vector3d;
 
 namespace {
 
-/// Root mean square over 600 seeds and three axes: known to 1.7 %.
+/// Rms over 600 seeds and three axes: known to 1.7 %.
 double over_seeds(const std::function<Vector3d(uint64_t seed)>& value) {
   double squares = 0;
   for (uint64_t seed = 1; seed <= 600; ++seed) squares += value(seed).squaredNorm() / (3 * 600);
@@ -32,7 +32,7 @@ SimTriad triad(uint64_t seed, const SimTriad::Errors& errors, double rate_hz = 1
 
 Scenario::Magnetometer quiet() { return {50, 0, 0, 0, 0}; }
 
-/// The correlation of a signal with itself a sample later.
+/// Autocorrelation of a signal at a lag of one sample.
 double correlation(const std::vector<double>& x) {
   const double mean = statistics_of(x).mean;
   double same = 0, next = 0;
@@ -44,7 +44,7 @@ double correlation(const std::vector<double>& x) {
 }  // namespace
 
 TEST_SUITE("phone_sensors") {
-  TEST_CASE("a triad's bias, scale, misalignment and noise are of the size asked for, each alone") {
+  TEST_CASE("a triad's bias, scale, misalignment and noise each have the requested size") {
     const Vector3d truth(2, -3, 5);
     const auto with = [&](auto set) {
       SimTriad::Errors errors = none();
@@ -58,7 +58,7 @@ TEST_SUITE("phone_sensors") {
     CHECK(is_near(with([](auto& e) { e.noise = 0.02; }), 0.02 * std::sqrt(100.0), 0.06));
     CHECK(is_near(with([](auto& e) { e.walk = 0.3; }), 0.3 / std::sqrt(100.0), 0.06));
     SimTriad::Errors scaled = none();
-    scaled.scale = 0.01;  // of each axis apart
+    scaled.scale = 0.01;  // of each axis separately
     const Vector3d x = triad(3, scaled).measure({1, 0, 0});
     CHECK((x.x() != 1 && x.y() == 0 && x.z() == 0));
     SimTriad::Errors biased = none();
@@ -67,7 +67,7 @@ TEST_SUITE("phone_sensors") {
     CHECK((one.measure(truth) - truth - one.bias()).norm() < 1e-12);
   }
 
-  TEST_CASE("a triad saturates at its range on both sides and counts in whole steps") {
+  TEST_CASE("a triad saturates at its range on both sides and is quantised") {
     SimTriad::Errors errors = none();
     errors.range = 4, errors.step = 0.25;
     SimTriad sensor = triad(1, errors);
@@ -76,7 +76,7 @@ TEST_SUITE("phone_sensors") {
     CHECK(sensor.measure({0.4, -0.4, 0.13}) == Vector3d(0.5, -0.5, 0.25));
   }
 
-  TEST_CASE("a gyroscope's drift is 10 K by so much a kelvin in five minutes, and so much for each g") {
+  TEST_CASE("a gyroscope drifts by its temperature coefficient over 10 K in five minutes, and by its g-sensitivity") {
     Scenario::Imu imu;
     imu.gyro_warming = 1e-3, imu.gyro_by_g = 0;
     const Vector3d force(0, 0, 9.80665);
@@ -91,7 +91,7 @@ TEST_SUITE("phone_sensors") {
     CHECK(SimGyroErrors(imu, 1).at(9, 2 * force).isApprox(2 * SimGyroErrors(imu, 1).at(0, force)));
   }
 
-  TEST_CASE("stalls come at the interval asked for, and last from a third of the longest to all of it") {
+  TEST_CASE("stalls have the requested interval, and last from a third of the maximum to the maximum") {
     Scenario::Imu imu;
     imu.gap_s = 0.04, imu.gap_interval_s = 2;
     SimStamps stamps(imu, 3);
@@ -109,7 +109,7 @@ TEST_SUITE("phone_sensors") {
     CHECK(std::abs(s.mean - 0.65 * 0.04) < 3e-3);
   }
 
-  TEST_CASE("wild samples are a thousand ranges or nine tenths of one, in turn, on every axis and of both signs") {
+  TEST_CASE("outliers alternate between a thousand ranges and nine tenths of one, on every axis and with both signs") {
     Scenario::Imu imu;
     imu.wild_interval_s = 0.5, imu.gyro_range = 3, imu.accel_range = 7;
     SimWildSamples wild(imu, 3);
@@ -133,7 +133,7 @@ TEST_SUITE("phone_sensors") {
     }
   }
 
-  TEST_CASE("a magnetometer has Earth's field in the body, and each kind of iron and noise in its size") {
+  TEST_CASE("a magnetometer has the Earth's field in the body, and each kind of iron and noise in its size") {
     Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
     T.linear() = Eigen::AngleAxisd(1.1, Vector3d(1, 2, -1).normalized()).toRotationMatrix();
     const Vector3d field_b = T.linear().transpose() * Vector3d(21e-6, 0, 43e-6);
@@ -147,7 +147,7 @@ TEST_SUITE("phone_sensors") {
     CHECK(is_near(off([](auto& m) { m.hard_iron = 3e-6; }), 3e-6, 0.06));
     CHECK(is_near(off([](auto& m) { m.soft_iron = 0.02; }), 0.02 * field_b.norm(), 0.06));
     CHECK(is_near(off([](auto& m) { m.disturbance = 5e-6; }), 5e-6, 0.06));
-    Scenario::Magnetometer iron = quiet();  // the phone's own stays, the path's changes within metres
+    Scenario::Magnetometer iron = quiet();  // the phone's own is constant, the path's changes within metres
     iron.disturbance = 5e-6;
     SimMagnetometer along(iron, 2);
     std::vector<double> x;
@@ -178,7 +178,7 @@ TEST_SUITE("phone_sensors") {
     CHECK(is_near(std::sqrt(squares), 20, 0.15));
   }
 
-  TEST_CASE("a receiver's error keeps for its correlation time, a room has no satellites") {
+  TEST_CASE("a receiver's error has its correlation time, and indoors there are no satellites") {
     Scenario s;
     s.gnss = {3, 3, 20, 1};
     SimGnss gnss(s, 5);

@@ -10,7 +10,7 @@ using namespace odograph;
 
 TEST_SUITE_BEGIN("services");
 
-TEST_CASE("reports that were held back are counted into the next one, once, each origin and key on its own") {
+TEST_CASE("suppressed reports are counted in the next one, once, separately for each origin and key") {
   std::vector<Report> told;
   HostServices services(0, {}, [&](const Report& report) { told.push_back(report); });
   services.name_instance(7, "test/plugin");
@@ -39,7 +39,7 @@ TEST_CASE("reports that were held back are counted into the next one, once, each
   CHECK((told[1].count == 1 && told[1].text == "trouble"));
 }
 
-TEST_CASE("an origin with more kinds of reports than are kept apart has one kind for the rest") {
+TEST_CASE("an origin beyond the limit of distinct keys has one key for the rest") {
   std::vector<Report> told;
   HostServices services(0, {}, [&](const Report& report) { told.push_back(report); });
   for (int i = 0; i < 260; ++i) services.report(0, 1, "kind " + std::to_string(i), "x");
@@ -48,7 +48,7 @@ TEST_CASE("an origin with more kinds of reports than are kept apart has one kind
   CHECK(told[256].key == "more");
 }
 
-TEST_CASE("what a plugin reports holds nothing back that the host says about it") {
+TEST_CASE("a plugin's reports do not suppress the host's reports about it") {
   std::vector<Report> told;
   HostServices services(0, {}, [&](const Report& report) { told.push_back(report); });
   services.name_instance(1, "a/plugin");

@@ -22,10 +22,10 @@ inline const std::string kWalk =
 inline const std::string kCamera =
     kWalk + "vo_frontend:\n  plugin: vo/five_point\nscale_source:\n  plugin: scale/step_length\n";
 
-/// A session of the C API with everything that it says.
+/// A session of the C API with all its output.
 class App {
  public:
-  /// `plugins`: a further folder of plugins.
+  /// `plugins`: an additional folder of plugins.
   explicit App(const std::string& yaml, uint32_t run = ODO_RUN_REPLAY, const std::string& plugins = {}) {
     odo_session_options o{};
     o.struct_size = sizeof o;
@@ -53,7 +53,7 @@ class App {
     }
     return worst;
   }
-  /// What has been reported, a line each.
+  /// All reports, one line each.
   std::string said() const {
     std::string lines;
     for (const odo_report& report : reports) lines += std::string(report.plugin) + ": " + report.text + "\n";
@@ -75,7 +75,7 @@ class App {
     CHECK((smooth ? odo_session_get_smooth_pose : odo_session_get_pose)(session, t_ns, &p) == ODO_OK);
     return p;
   }
-  /// Every event of a type so far.
+  /// All events of a type so far.
   template <class Event>
   std::vector<Event> all(uint32_t type) const {
     std::vector<Event> found;
@@ -102,14 +102,14 @@ class App {
  private:
   static void on_event(void* user, const odo_header* event) {
     auto& self = *static_cast<App*>(user);
-    if (event->type == ODO_TYPE_REPORT) {  // what people are told is no part of what a run gives
+    if (event->type == ODO_TYPE_REPORT) {  // reports are not part of a run's results
       self.reports.push_back(as<odo_report>(*event));
       return;
     }
     self.events.emplace_back(reinterpret_cast<const char*>(event), event->struct_size);
     if (event->type == ODO_TYPE_POSE) {
       ++self.poses;
-      odo_pose pose{};  // a callback may ask for the pose and for statistics
+      odo_pose pose{};  // a callback may query the pose and the statistics
       pose.header.struct_size = sizeof pose;
       odo_session_get_pose(self.session, ODO_TIME_LATEST, &pose);
       self.statistics();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What a session tells the plugins and the app in detail: calibrations, sizes, flags, states, reports, saved names.
+// Details of a session's interaction with plugins and app: calibrations, sizes, flags, states, reports, saved names.
 #include <doctest/doctest.h>
 
 #include <cfenv>
@@ -23,7 +23,7 @@ namespace {
 
 const std::string kListens = "odograph: 1\nvo_frontend: {plugin: test/listens}\n";
 
-/// What the plugin was given of a type.
+/// The plugin's inputs of a type.
 template <class Message>
 std::vector<Message> given(const App& app, uint32_t type) {
   std::vector<Message> all;
@@ -48,7 +48,7 @@ int32_t push_frame(App& app, int64_t t_ns, uint32_t width, uint32_t height, uint
   return odo_session_push(app.session, &f.header);
 }
 
-/// A message for `test/echo`, which says what is behind the head.
+/// A message for `test/echo`, which emits its content.
 template <class Event>
 void echo(App& app, Event event, int64_t t_ns) {
   struct {
@@ -65,7 +65,8 @@ void echo(App& app, Event event, int64_t t_ns) {
 
 }  // namespace
 
-TEST_CASE("of mount, time offset and row time each comes from the config where it has it, else from what is pushed") {
+TEST_CASE(
+    "mount, time offset and row time each come from the config if it has them, else from the pushed calibration") {
   const TestPlugins plugins{"listens"};
   constexpr uint32_t kMount = ODO_CALIBRATION_EXTRINSICS, kOffset = ODO_CALIBRATION_TIME_OFFSET,
                      kRows = ODO_CALIBRATION_LINE_TIME;
@@ -96,18 +97,19 @@ TEST_CASE("of mount, time offset and row time each comes from the config where i
       const auto from = [&](uint32_t flag, int64_t config, int64_t app_s) {
         return own & flag ? config : pushed & flag ? app_s : 0;
       };
-      CHECK(got.header.flags == ((own | pushed) & ~kOffset));  // the host applies the offset and keeps it
+      CHECK(got.header.flags == ((own | pushed) & ~kOffset));  // the host applies the offset itself
       CHECK(got.time_offset_ns == 0);
-      CHECK(got.fx == 70);  // the config's lens in any case
+      CHECK(got.fx == 70);  // always the config's lens
       if ((own | pushed) & kMount) CHECK(got.p_b_c[own & kMount ? 0 : 1] == (own & kMount ? 1 : 2));
       CHECK(frames[0].header.t_ns == 2'000'000'000 + from(kOffset, 10'000'000, 20'000'000));
       CHECK(((frames[0].header.flags & ODO_FRAME_LINE_TIME) != 0) == (((own | pushed) & kRows) != 0));
       CHECK(frames[0].line_time_ns == from(kRows, 10'000, 20'000));
-      CHECK(frames[1].line_time_ns == (own & kRows ? 10'000 : 5'000));  // above an app's calibration stands the frame
+      // The frame takes precedence over an app's calibration.
+      CHECK(frames[1].line_time_ns == (own & kRows ? 10'000 : 5'000));
     }
 }
 
-TEST_CASE("after a clock that was set back each camera and each IMU is described anew, as it was told last") {
+TEST_CASE("after a clock that was set back each camera and each IMU is described again, by its last calibration") {
   const TestPlugins plugins{"listens"};
   App app(kListens, ODO_RUN_REPLAY, plugins.path());
   REQUIRE_MESSAGE(app.status == ODO_OK, app.message);
@@ -134,14 +136,14 @@ TEST_CASE("after a clock that was set back each camera and each IMU is described
       (cameras[0].header.source == 1 && cameras[0].fx == 101 && cameras[1].header.source == 2 && cameras[1].fx == 201));
   REQUIRE(noises.size() == 2);
   CHECK((noises[0].gyro_noise == 1 && noises[1].gyro_noise == 2));
-  CHECK(app.statistics().events_dropped == 0);  // nobody is given its own events
+  CHECK(app.statistics().events_dropped == 0);  // no plugin receives its own events
 }
 
-TEST_CASE("a frame has the size that its camera's lens is known for, both ways, or brings its own intrinsics") {
+TEST_CASE("a frame has the size of its camera's calibration in both dimensions, or its own intrinsics") {
   const TestPlugins plugins{"listens"};
   App app(kListens, ODO_RUN_REPLAY, plugins.path());
   REQUIRE_MESSAGE(app.status == ODO_OK, app.message);
-  CHECK(push_frame(app, 900'000'000, 10, 10) == ODO_OK);  // nobody knows the lens
+  CHECK(push_frame(app, 900'000'000, 10, 10) == ODO_OK);  // the lens is unknown
   const auto c = calibration(64, 48);
   odo_session_push(app.session, &c.header);
   int64_t t_ns = 1'000'000'000;
@@ -151,7 +153,7 @@ TEST_CASE("a frame has the size that its camera's lens is known for, both ways, 
   }
 }
 
-TEST_CASE("what a plugin says of being accepted is the host's to say") {
+TEST_CASE("only the host sets the accepted flag of a plugin's event") {
   const TestPlugins plugins{"echo"};
   App app("odograph: 1\nvo_frontend: {plugin: test/echo}\n", ODO_RUN_REPLAY, plugins.path());
   REQUIRE_MESSAGE(app.status == ODO_OK, app.message);
@@ -170,7 +172,7 @@ TEST_CASE("what a plugin says of being accepted is the host's to say") {
   CHECK(app.statistics().fixes_rejected == 1);
 }
 
-TEST_CASE("a fix far from the origin of n is refused, counted and reported") {
+TEST_CASE("a fix far from the origin of n is rejected, counted and reported") {
   const std::string config = kWalk +
                              "coupling: {type: localizer}\nnavigation: {origin: {latitude: 48 deg, longitude: 11 deg, "
                              "height: 500 m}}\nabsolute_fixers: [{plugin: "
@@ -197,7 +199,7 @@ TEST_CASE("a fix far from the origin of n is refused, counted and reported") {
   }
 }
 
-TEST_CASE("the time in each state is that between the states that were told") {
+TEST_CASE("the time in each state is that between the reported states") {
   App app(kWalk);
   REQUIRE(app.status == ODO_OK);
   const auto barometer = [&](int from_ms, int to_ms) {
@@ -217,14 +219,14 @@ TEST_CASE("the time in each state is that between the states that were told") {
     const int64_t until = i + 1 < states.size() ? states[i + 1].header.t_ns : poses.back().header.t_ns;
     expected[states[i].state] += static_cast<double>(until - states[i].header.t_ns) * 1e-9;
   }
-  const auto s = app.statistics();  // a pose may be older than the sample that told the silence
+  const auto s = app.statistics();  // a pose may be older than the sample that revealed the silence
   CHECK(std::abs(s.tracking_s - expected[ODO_TRACKING]) < 0.2);
   CHECK(std::abs(s.degraded_s - expected[ODO_DEGRADED]) < 0.2);
   CHECK(std::abs(s.lost_s - expected[ODO_LOST]) < 0.2);
   CHECK(s.lost_s > 5);
 }
 
-TEST_CASE("a report says how many it stands for, its status and the newest time; the last error has that status") {
+TEST_CASE("a report has its count, status and newest time, and the last error has that status") {
   App app(kWalk);
   app.walk(0, 100);
   odo_session_flush(app.session);
@@ -250,7 +252,7 @@ TEST_CASE("a report says how many it stands for, its status and the newest time;
   CHECK(std::string(error.message).find("host: dropped a sample of imu") == 0);
 }
 
-TEST_CASE("each sample that is refused is the last error, also within the second in which its kind is not reported") {
+TEST_CASE("each rejected sample is the last error, also within the second in which its kind is not reported") {
   App app(kWalk);
   app.walk(0, 100);
   odo_session_flush(app.session);
@@ -268,7 +270,7 @@ TEST_CASE("each sample that is refused is the last error, also within the second
   }
 }
 
-TEST_CASE("a calibration without a mount leaves the mount as it was, and that of another camera does not change it") {
+TEST_CASE("a calibration without a mount keeps the mount, and another camera's does not change it") {
   App app(kWalk);
   auto c = calibration(64, 48);
   c.header.flags = ODO_CALIBRATION_EXTRINSICS, c.q_b_c[1] = 1, c.p_b_c[0] = 0.3, c.p_b_c[2] = 0.4;
@@ -288,7 +290,7 @@ TEST_CASE("a calibration without a mount leaves the mount as it was, and that of
         doctest::Approx(0.5).epsilon(1e-9));
 }
 
-TEST_CASE("two of one plugin are saved under names of their own, and each gets its own back" *
+TEST_CASE("two instances of one plugin are saved under separate names, and each gets its own state back" *
           doctest::skip(!kCameraPlugins)) {
   const TestPlugins plugins{"obeys"};
   const std::string yaml =
@@ -311,7 +313,7 @@ TEST_CASE("two of one plugin are saved under names of their own, and each gets i
   CHECK(blob_of(second) == blob);
 }
 
-TEST_CASE("a live session answers what is pushed without being flushed") {
+TEST_CASE("a live session processes pushes without a flush") {
   App app(kWalk, ODO_RUN_LIVE);
   REQUIRE(app.status == ODO_OK);
   std::this_thread::sleep_for(std::chrono::milliseconds(30));  // until its thread waits
@@ -321,13 +323,13 @@ TEST_CASE("a live session answers what is pushed without being flushed") {
   odo_session_set_callback(app.session, nullptr, 0, nullptr, nullptr);
 }
 
-TEST_CASE("the rounding of an app's thread, or one that a plugin leaves behind, changes no digit" *
+TEST_CASE("the rounding mode of an app's thread, or one left by a plugin, changes no digit" *
           doctest::skip(!kCameraPlugins)) {
   const TestPlugins plugins{"obeys"};
   struct Sample {
     double gyro[3], accel[3];
   };
-  std::vector<Sample> samples;  // sines of another rounding are others
+  std::vector<Sample> samples;  // sines depend on the rounding mode
   for (int i = 0; i < 600; ++i) {
     const double phase = 0.12 * i;
     samples.push_back(
@@ -361,7 +363,7 @@ TEST_CASE("the rounding of an app's thread, or one that a plugin leaves behind, 
   CHECK(walked(FE_TONEAREST, 1) == plain);
 }
 
-TEST_CASE("places that are none are refused in both directions") {
+TEST_CASE("invalid positions are rejected in both directions") {
   App app(kWalk + "navigation: {origin: {latitude: 48.1 deg, longitude: 11.6 deg, height: 500 m}}\n");
   REQUIRE_MESSAGE(app.status == ODO_OK, app.message);
   const double good_n[3] = {10, -20, 3};

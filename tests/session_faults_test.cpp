@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What an app does to a session, and what plugins do to each other.
+// Faults of an app, and interactions of plugins.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -28,7 +28,7 @@ const std::string kNeedy = "odograph: 1\nattitude:\n  plugin: attitude/vqf\nvo_f
 
 }  // namespace
 
-TEST_CASE("plugins that answer each other without end are cut off and reported") {
+TEST_CASE("plugins that answer each other endlessly are cut off and reported") {
   const TestPlugins plugins{"fix_on_pose", "step_on_fix"};
   App app(
       "odograph: 1\nattitude:\n  plugin: attitude/vqf\nstep_estimator:\n  plugin: test/step_on_fix\n"
@@ -40,7 +40,7 @@ TEST_CASE("plugins that answer each other without end are cut off and reported")
   const auto s = app.statistics();
   CHECK(s.processed == 100);
   CHECK(s.events_dropped >= 1);
-  CHECK(s.steps > 100);  // of one sample
+  CHECK(s.steps > 100);  // for one sample
   CHECK(s.steps < 1000);
   odo_error error{};
   error.struct_size = sizeof error;
@@ -48,7 +48,7 @@ TEST_CASE("plugins that answer each other without end are cut off and reported")
   CHECK(std::string(error.message).find("in a loop") != std::string::npos);
 }
 
-TEST_CASE("a published fix says in its flags whether it was used, and keeps its quality") {
+TEST_CASE("a published fix is flagged whether it was used, and keeps its quality") {
   const TestPlugins plugins{"fix_on_pose"};
   App app("odograph: 1\nattitude:\n  plugin: attitude/vqf\nabsolute_fixers:\n  - plugin: test/fix_on_pose\n",
           ODO_RUN_REPLAY, plugins.path());
@@ -61,7 +61,7 @@ TEST_CASE("a published fix says in its flags whether it was used, and keeps its 
   CHECK(fixes[0].header.quality == 0.25f);
 }
 
-TEST_CASE("a plugin that asks for corrections is told each that the app is told, with the same numbers, and once") {
+TEST_CASE("a plugin that requests corrections receives each one that the app receives, once, with the same numbers") {
   const TestPlugins plugins{"correction_echo"};
   App app(kWalk + "absolute_fixers:\n  - plugin: test/correction_echo\ncoupling: {type: localizer}\n" +
               "navigation: {start: {position: [0 m, 0 m, 0 m], heading: 0 rad}}\n",
@@ -82,7 +82,7 @@ TEST_CASE("a plugin that asks for corrections is told each that the app is told,
   }
 }
 
-TEST_CASE("a plugin that was reset, and a clock that was set back, are told of the camera anew") {
+TEST_CASE("after a reset or a clock that was set back a plugin receives the camera's calibration again") {
   const TestPlugins plugins{"needy_vo"};
   App app(kNeedy, ODO_RUN_REPLAY, plugins.path());
   REQUIRE_MESSAGE(app.status == ODO_OK, app.message);
@@ -99,7 +99,7 @@ TEST_CASE("a plugin that was reset, and a clock that was set back, are told of t
     return app.all<odo_vo_motion>(ODO_TYPE_VO_MOTION).size() - before;
   };
   CHECK(motions_of(60'000 * kMs, false) == 9);
-  CHECK(motions_of(61'000 * kMs, true) == 8);  // the fault at one frame, the next is a first one
+  CHECK(motions_of(61'000 * kMs, true) == 8);  // the fault at one frame makes the next one a first one
   CHECK(app.statistics().plugin_faults == 1);
   motions_of(1'000 * kMs, false);  // the clock is set back
   CHECK(motions_of(2'000 * kMs, false) >= 9);
@@ -115,7 +115,7 @@ TEST_CASE("a clock that is set back before the first frame does not lose the cam
     App app(kNeedy, ODO_RUN_REPLAY, plugins.path());
     auto c = calibration(64, 48);
     c.header.flags = ODO_CALIBRATION_EXTRINSICS;
-    c.q_b_c[0] = c.q_b_c[3] = std::sqrt(0.5);  // by no means the default
+    c.q_b_c[0] = c.q_b_c[3] = std::sqrt(0.5);  // different from the default
     odo_session_push(app.session, &c.header);
     if (set_back) app.walk(9000, 9200);
     app.walk(0, 200);
@@ -132,7 +132,7 @@ TEST_CASE("a clock that is set back before the first frame does not lose the cam
   CHECK(std::abs(dot) > 0.999);
 }
 
-TEST_CASE("a camera that starts after the other sensors works, and loses no frame") {
+TEST_CASE("a camera that starts after the other sensors works and loses no frame") {
   for (const int late_ms : {100, 200, 1000, 5000}) {
     CAPTURE(late_ms);
     const TestPlugins plugins{"needy_vo"};
@@ -153,7 +153,7 @@ TEST_CASE("a camera that starts after the other sensors works, and loses no fram
   }
 }
 
-TEST_CASE("a burst of late samples after a stall is no clock that was set back") {
+TEST_CASE("a burst of late samples after a stall is not taken for a clock that was set back") {
   App app(kWalk);
   app.walk(0, 1000);
   const auto before = app.pose(ODO_TIME_LATEST);
@@ -176,7 +176,7 @@ TEST_CASE("a burst of late samples after a stall is no clock that was set back")
   CHECK(app.pose(ODO_TIME_LATEST).header.t_ns >= 16'900 * kMs);
 }
 
-TEST_CASE("a wild sample is refused, counted and reported, and changes nothing that follows") {
+TEST_CASE("an outlier is rejected, counted and reported, and changes nothing that follows") {
   App clean(kWalk), app(kWalk);
   clean.walk(0, 2000);
   odo_session_flush(clean.session);
@@ -247,7 +247,7 @@ TEST_CASE("an app may push within release and within a callback") {
       }
       CHECK(odo_session_flush(app.session) == ODO_OK);
     }
-    CHECK(reentrant.pushed >= 99);  // 50 frames given back, 49 motions and the first pose
+    CHECK(reentrant.pushed >= 99);  // 50 released frames, 49 motions and the first pose
   }
 }
 
@@ -283,7 +283,7 @@ TEST_CASE("a live session calls back on one thread of its own, also while flush 
   CHECK(seen.after_end == 0);
 }
 
-TEST_CASE("pose and statistics are answered while the pipeline is busy") {
+TEST_CASE("pose and statistics are available while the pipeline is busy") {
   App app(kWalk, ODO_RUN_LIVE);
   app.walk(0, 500);
   odo_session_flush(app.session);
@@ -294,7 +294,7 @@ TEST_CASE("pose and statistics are answered while the pipeline is busy") {
   const uint32_t attitudes = ODO_TYPE_ATTITUDE;
   odo_session_set_callback(
       app.session, &attitudes, 1,
-      [](void* user, const odo_header*) {  // an app that takes its time: the pipeline stands still
+      [](void* user, const odo_header*) {  // a slow app: the pipeline is blocked
         auto& self = *static_cast<Gate*>(user);
         self.blocked = true;
         while (!self.go_on) std::this_thread::sleep_for(1ms);
@@ -310,7 +310,7 @@ TEST_CASE("pose and statistics are answered while the pipeline is busy") {
     const auto p = app.pose(ODO_TIME_LATEST);
     const auto end = std::chrono::steady_clock::now();
     CHECK(s.pushed == 600);
-    CHECK(p.header.t_ns == 6'990 * kMs);  // the newest sample, which the pipeline has not seen
+    CHECK(p.header.t_ns == 6'990 * kMs);  // the newest sample, which the pipeline has not processed
     statistics_us.push_back(std::chrono::duration<double, std::micro>(middle - start).count());
     pose_us.push_back(std::chrono::duration<double, std::micro>(end - middle).count());
   }
@@ -320,11 +320,11 @@ TEST_CASE("pose and statistics are answered while the pipeline is busy") {
   std::sort(pose_us.begin(), pose_us.end());
   MESSAGE("statistics: median " << statistics_us[1000] << " us, 99 % " << statistics_us[1980] << " us; pose: median "
                                 << pose_us[1000] << " us, 99 % " << pose_us[1980] << " us");
-  CHECK(statistics_us[1000] < 100);  // on a busy machine; the marks are 10 and 5 us
+  CHECK(statistics_us[1000] < 100);  // on a busy machine; the targets are 10 and 5 us
   CHECK(pose_us[1000] < 100);
 }
 
-TEST_CASE("while the IMU is silent and the camera runs the state stays the same") {
+TEST_CASE("while the IMU is silent and the camera runs the state does not change") {
   const TestPlugins plugins{"needy_vo"};
   App app(kNeedy, ODO_RUN_REPLAY, plugins.path());
   REQUIRE_MESSAGE(app.status == ODO_OK, app.message);
@@ -343,7 +343,7 @@ TEST_CASE("while the IMU is silent and the camera runs the state stays the same"
   CHECK(app.pose(ODO_TIME_LATEST).reason == ODO_REASON_SENSOR_SILENT);
 }
 
-TEST_CASE("while the camera is off there is the orientation, and the position is not said to be known") {
+TEST_CASE("while the camera is off there is the orientation, and the position is flagged unknown") {
   const TestPlugins plugins{"needy_vo"};
   App app(kNeedy, ODO_RUN_REPLAY, plugins.path());
   REQUIRE_MESSAGE(app.status == ODO_OK, app.message);
@@ -366,7 +366,7 @@ TEST_CASE("while the camera is off there is the orientation, and the position is
       double dot = 0;
       for (int k = 0; k < 4; ++k) dot += p.q_n[k] * last.q_n[k];
       const double step = 2 * std::acos(std::min(1.0, std::abs(dot)));
-      CHECK(std::abs(step - 0.005) < 0.001);  // 0.5 rad/s over 10 ms, never a repetition, never a jump
+      CHECK(std::abs(step - 0.005) < 0.001);  // 0.5 rad/s over 10 ms: no repetition, no jump
       turned += step;
     }
     last = p;
@@ -375,7 +375,7 @@ TEST_CASE("while the camera is off there is the orientation, and the position is
   CHECK((app.pose(ODO_TIME_LATEST).header.flags & ODO_POSE_POSITION) != 0);
 }
 
-TEST_CASE("a frame that cannot be held is counted and reported in words" * doctest::skip(!kCameraPlugins)) {
+TEST_CASE("a frame that cannot be held is counted and reported with a reason" * doctest::skip(!kCameraPlugins)) {
   App app("odograph: 1\nattitude:\n  plugin: attitude/vqf\nvo_frontend:\n  plugin: vo/five_point\n");
   REQUIRE_MESSAGE(app.status == ODO_OK, app.message);
   const auto lens = calibration(64, 48);

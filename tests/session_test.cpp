@@ -19,7 +19,7 @@ using namespace odograph;
 
 TEST_SUITE_BEGIN("session");
 
-TEST_CASE("a bad call is a status and a sentence, never a crash") {
+TEST_CASE("an invalid call returns a status and a message and never crashes") {
   odo_session* session = nullptr;
   odo_error error{};
   error.struct_size = sizeof error;
@@ -47,7 +47,7 @@ TEST_CASE("a bad call is a status and a sentence, never a crash") {
   CHECK(odo_session_push(app.session, &header) == ODO_E_STRUCT_SIZE);
   header.struct_size = sizeof header;
   header.type = 999;
-  CHECK(odo_session_push(app.session, &header) == ODO_OK);  // somebody's sensor, which no plugin asks for
+  CHECK(odo_session_push(app.session, &header) == ODO_OK);  // a sensor that no plugin uses
   CHECK(odo_session_flush(app.session) == ODO_OK);
   CHECK(app.statistics().unknown == 1);
   header.type = ODO_TYPE_POSE;
@@ -62,7 +62,7 @@ TEST_CASE("a bad call is a status and a sentence, never a crash") {
   for (int32_t s = -20; s < 5; ++s) CHECK(odo_status_text(s) != nullptr);
 }
 
-TEST_CASE("steps and poses come out of inertial samples, and the pose can be asked for at any time") {
+TEST_CASE("steps and poses are computed from inertial samples, and the pose can be queried at any time") {
   App app(kWalk);
   REQUIRE_MESSAGE(app.status == ODO_OK, app.message);
   CHECK(app.walk(0, 3000) == ODO_OK);
@@ -84,7 +84,7 @@ TEST_CASE("steps and poses come out of inertial samples, and the pose can be ask
   CHECK(odo_session_get_pose(app.session, 900'000'000'000, &middle) == ODO_E_NOT_FOUND);
 }
 
-TEST_CASE("replay is deterministic to the bit, however the pushes are cut") {
+TEST_CASE("a replay is bit-identical, whatever the order of pushes between sensors") {
   App one(kWalk), other(kWalk);
   one.walk(0, 2000);
   odo_session_flush(one.session);
@@ -110,7 +110,7 @@ TEST_CASE("a live session with samples from several threads gives the replay's e
       odo_session_last_error(live.session, &error);
     }
   });
-  std::atomic<int64_t> now_ns{0};  // of the IMU: a sensor that ran seconds ahead would make the others late
+  std::atomic<int64_t> now_ns{0};  // of the IMU: a sensor seconds ahead would make the others late
   std::thread barometer([&] {
     for (int i = 0; i < 200 && !stop; ++i) {
       while (now_ns < 1'000'000'000 + i * 50'000'000LL && !stop) std::this_thread::yield();
@@ -137,7 +137,7 @@ TEST_CASE("a live session with samples from several threads gives the replay's e
   CHECK(live.events == replay.events);
 }
 
-TEST_CASE("a sensor that is late for good is counted, and costs the others nothing") {
+TEST_CASE("a sensor that is permanently late is counted and does not affect the others") {
   App replay(kWalk), app(kWalk);
   replay.walk(0, 1000);
   odo_session_flush(replay.session);
@@ -147,7 +147,7 @@ TEST_CASE("a sensor that is late for good is counted, and costs the others nothi
     b.pressure_pa = 101325;
     odo_session_push(app.session, &b.header);
   }
-  for (int i = 0; i < 200; ++i) {  // nothing else comes any more
+  for (int i = 0; i < 200; ++i) {  // no further samples of the others
     auto b = make_message<odo_barometer>(ODO_TYPE_BAROMETER, 8'000'000'000 + i * 1'000'000LL);
     b.pressure_pa = 101325;
     odo_session_push(app.session, &b.header);
@@ -157,17 +157,17 @@ TEST_CASE("a sensor that is late for good is counted, and costs the others nothi
   CHECK(app.events == replay.events);
 }
 
-TEST_CASE("bad samples are counted, survived and recovered from") {
+TEST_CASE("bad samples are counted, and the session recovers from them") {
   App app(kWalk);
   app.walk(0, 1000);
   const double nan3[3] = {std::numeric_limits<double>::quiet_NaN(), 0, 0}, zero[3] = {0, 0, 0};
   const double infinite[3] = {0, std::numeric_limits<double>::infinity(), 0};
   CHECK(odo_session_push_imu(app.session, 11'000'000'000, nan3, zero) == ODO_E_DISCARD);
   CHECK(odo_session_push_imu(app.session, 11'000'000'000, zero, infinite) == ODO_E_DISCARD);
-  CHECK(odo_session_push_imu(app.session, 2'000'000'000, zero, zero) == ODO_E_DISCARD);        // long past
+  CHECK(odo_session_push_imu(app.session, 2'000'000'000, zero, zero) == ODO_E_DISCARD);        // far in the past
   CHECK(odo_session_push_imu(app.session, 999'000'000'000'000, zero, zero) == ODO_E_DISCARD);  // far ahead
   CHECK(odo_session_push_imu(app.session, 1'000'000'000 + 9'990'000'000, zero, zero) ==
-        ODO_E_DISCARD);  // twice the same time
+        ODO_E_DISCARD);  // a repeated time
   auto s = app.statistics();
   CHECK(s.invalid == 3);
   CHECK(s.late == 1);
@@ -178,7 +178,7 @@ TEST_CASE("bad samples are counted, survived and recovered from") {
   CHECK(std::string(error.message).find("imu") != std::string::npos);
   CHECK(odo_session_last_error(app.session, &error) == ODO_OK);
   const auto steps = s.steps;
-  app.walk(1600, 2600);  // six seconds of silence, then on
+  app.walk(1600, 2600);  // six seconds of silence, then continues
   odo_session_flush(app.session);
   s = app.statistics();
   CHECK(s.gaps == 1);
@@ -190,7 +190,7 @@ TEST_CASE("bad samples are counted, survived and recovered from") {
   for (const double x : pose.p_n) CHECK(std::isfinite(x));
 }
 
-TEST_CASE("steps come back within two seconds of every fault of the sensor") {
+TEST_CASE("steps return within two seconds after every sensor fault") {
   for (const std::string attitude : {"vqf", "magyq"}) {
     const std::string yaml =
         "odograph: 1\nattitude:\n  plugin: attitude/" + attitude + "\nstep_estimator:\n  plugin: step/odograph\n";
@@ -227,7 +227,7 @@ TEST_CASE("steps come back within two seconds of every fault of the sensor") {
       }
       REQUIRE(ends.size() > 2);
       CHECK(ends.front() < 27'000'000'000);  // a step that ended within two seconds of the fault's end
-      CHECK(std::abs(static_cast<int>(ends.size()) - 29) < 4);  // and no more, no fewer than were walked from then on
+      CHECK(std::abs(static_cast<int>(ends.size()) - 29) < 4);  // the number walked from then on
       const auto s = app.statistics();
       if (fault == silence || fault == not_numbers) CHECK(s.gaps == 1);
       if (fault == not_numbers) CHECK(s.invalid == 400);
@@ -241,7 +241,7 @@ TEST_CASE("steps come back within two seconds of every fault of the sensor") {
   }
 }
 
-TEST_CASE("a sensor clock that is set back starts the session anew") {
+TEST_CASE("a sensor clock that is set back restarts the session") {
   App app(kWalk);
   app.walk(5000, 6000);
   app.walk(0, 1000);
@@ -250,8 +250,7 @@ TEST_CASE("a sensor clock that is set back starts the session anew") {
   CHECK(app.statistics().late < 100);
 }
 
-TEST_CASE("a frame is held without a copy while it waits, and given back exactly once" *
-          doctest::skip(!kCameraPlugins)) {
+TEST_CASE("a frame is held without a copy while it waits, and released exactly once" * doctest::skip(!kCameraPlugins)) {
   static std::atomic<int> holds{0};
   static std::atomic<int> releases{0};
   holds = releases = 0;
@@ -285,7 +284,7 @@ TEST_CASE("a frame is held without a copy while it waits, and given back exactly
   CHECK(holds == releases);
 }
 
-TEST_CASE("a camera's time offset brings its frames onto the IMU's clock" * doctest::skip(!kCameraPlugins)) {
+TEST_CASE("a camera's time offset shifts its frames to the IMU's clock" * doctest::skip(!kCameraPlugins)) {
   App app(kCamera);
   auto c = calibration(64, 48);
   c.header.flags = ODO_CALIBRATION_TIME_OFFSET;
@@ -307,7 +306,7 @@ TEST_CASE("a camera's time offset brings its frames onto the IMU's clock" * doct
   CHECK((pose.header.flags & ODO_POSE_CAMERA) != 0);
 }
 
-TEST_CASE("a config's camera stands above what is pushed, and needs nothing to be pushed" *
+TEST_CASE("a config's camera takes precedence over pushed calibrations, and needs none" *
           doctest::skip(!kCameraPlugins)) {
   const TemporaryFolder folder;
   const auto file = write_text(folder / "camera.yaml",
@@ -335,11 +334,11 @@ TEST_CASE("a config's camera stands above what is pushed, and needs nothing to b
     odo_error error{};
     error.struct_size = sizeof error;
     odo_session_last_error(app.session, &error);
-    CHECK(std::string(error.message).find("calibration") == std::string::npos);  // every frame was of the right size
+    CHECK(std::string(error.message).find("calibration") == std::string::npos);  // every frame had the right size
   }
 }
 
-TEST_CASE("too many waiting frames are refused, not piled up" * doctest::skip(!kCameraPlugins)) {
+TEST_CASE("too many waiting frames are rejected, not queued" * doctest::skip(!kCameraPlugins)) {
   App app(kCamera + "time_ordering:\n  frames: 3\n  max_wait: 5 s\n");
   const auto c = calibration(64, 48);
   odo_session_push(app.session, &c.header);
@@ -357,7 +356,7 @@ TEST_CASE("too many waiting frames are refused, not piled up" * doctest::skip(!k
   CHECK(app.statistics().overflow == 7);
 }
 
-TEST_CASE("swapping an estimator or a scale source is one line of YAML" * doctest::skip(!kCameraPlugins)) {
+TEST_CASE("an estimator or a scale source is exchanged by one line of YAML" * doctest::skip(!kCameraPlugins)) {
   const auto steps_of = [](std::string yaml) {
     App app(yaml);
     REQUIRE_MESSAGE(app.status == ODO_OK, app.message);

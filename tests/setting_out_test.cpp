@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Who stands, takes a few steps and stands again: the steps are found, and the first ones are shorter.
+// Standing, a few steps, standing again: the steps are found, and the first ones are shorter.
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -19,7 +19,7 @@ TEST_SUITE_BEGIN("steps");
 
 namespace {
 
-/// Steps at 1.8 Hz in these times, s; standing between them.
+/// Steps at 1.8 Hz within these times, s; standing in between.
 std::vector<FoundStep> found_in(const std::vector<std::pair<double, double>>& walks) {
   constexpr double kStep_hz = 1.8, kRise_m = 0.04, kTwoPi = 6.283185307179586;
   Resampler resampler;
@@ -51,7 +51,7 @@ size_t between(const std::vector<FoundStep>& steps, double from_s, double to_s) 
 
 }  // namespace
 
-TEST_CASE("three steps between two stops are steps of who has just walked, and may be gestures of who has not") {
+TEST_CASE("three steps between two stops count shortly after a walk, and may be gestures otherwise") {
   const double few_s = 2.4 / 1.8;  // three contacts
   const auto after = found_in({{4, 14}, {17, 17 + few_s}, {20, 20 + few_s}});
   CHECK(between(after, 16, 19) >= 2);
@@ -61,7 +61,7 @@ TEST_CASE("three steps between two stops are steps of who has just walked, and m
   CHECK(between(later, 30, 45) == 0);
 }
 
-TEST_CASE("the first step after a stop is half a step, the fifth nearly a whole one") {
+TEST_CASE("the first step after a stop is half a step, and the fifth almost a whole one") {
   const auto steps = found_in({{4, 14}, {18, 28}});
   const LengthModel model;
   std::vector<double> parts;

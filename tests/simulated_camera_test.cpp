@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The simulated camera: rays and pixels are each other's inverse, and its errors have the size that was asked for.
+// The simulated camera: rays and pixels are inverse to each other, and its errors have the requested size.
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -43,7 +43,7 @@ std::vector<double> pixels_of(const cv::Mat& picture) {
 }  // namespace
 
 TEST_SUITE("phone_camera") {
-  TEST_CASE("a point on a pixel's ray appears in that pixel, whatever lens, stabiliser, focus and shutter") {
+  TEST_CASE("a point on a pixel's ray is projected to that pixel, for any lens, stabiliser, focus and shutter") {
     const Motion phone = shaking();
     for (int k = 0; k < 32; ++k) {
       CAPTURE(k);
@@ -66,11 +66,11 @@ TEST_SUITE("phone_camera") {
           CHECK((*seen - Vector2d(x, y)).norm() < 0.02);
           furthest_px = std::max(furthest_px, (camera.project(ray) - Vector2d(x, y)).norm());
         }
-      CHECK((furthest_px > 0.5) == ((k & 3) != 0));  // it is not the still lens that has been asked
+      CHECK((furthest_px > 0.5) == ((k & 3) != 0));  // differs from the static lens
     }
   }
 
-  TEST_CASE("rows are exposed so much later downwards, about the middle row") {
+  TEST_CASE("rows are exposed with a delay downwards, about the middle row") {
     Scenario::Camera c = plain();
     c.row_time_s = 1e-4;
     const SimCamera camera(c, 1, 1);
@@ -79,7 +79,7 @@ TEST_SUITE("phone_camera") {
     CHECK(std::abs(camera.row_offset_s(0) + 59.5e-4) < 1e-12);
   }
 
-  TEST_CASE("a pixel's noise is that of light and of reading, more so in the dark; corners are darker") {
+  TEST_CASE("a pixel has shot and read noise, larger in the dark, and corners are darker") {
     for (const double shot : {0.0, 0.5})
       for (const double read : {0.0, 3.0})
         for (const double light : {1.0, 0.25}) {
@@ -101,12 +101,12 @@ TEST_SUITE("phone_camera") {
     CHECK(std::abs(seen.at<uint8_t>(60, 80) - 200) <= 1);
     CHECK(std::abs(seen.at<uint8_t>(0, 0) - 120) <= 1);
     CHECK(std::abs(seen.at<uint8_t>(60, 0) - 200 * (1 - 0.4 * std::pow(79.5 / std::hypot(79.5, 59.5), 2))) <= 1);
-    // Gain makes up for a twelfth of the light and no more.
+    // Gain compensates a twelfth of the light and no more.
     CHECK(std::abs(SimCamera(c, 1, 3).develop(grey, 0, 1 / 24.0).at<uint8_t>(60, 80) - 100) <= 1);
     CHECK(std::abs(SimCamera(c, 1, 3).develop(grey, 0, 1 / 6.0).at<uint8_t>(60, 80) - 200) <= 1);
   }
 
-  TEST_CASE("the exposure's steps have the size asked for, and last for seven frames") {
+  TEST_CASE("the exposure's steps have the requested size and last seven frames") {
     Scenario::Camera c = plain();
     c.width = 8, c.height = 8, c.shot_noise = c.read_noise = c.vignetting = 0, c.exposure_steps = 0.1;
     std::vector<double> steps;
@@ -120,7 +120,8 @@ TEST_SUITE("phone_camera") {
   }
 
   TEST_CASE(
-      "a camera whose clock is behind by its time offset stamps the same frames earlier, and its calibration says so") {
+      "a camera whose clock is behind by its time offset stamps the same frames earlier, and its calibration has the "
+      "offset") {
     const TemporaryFolder folder;
     const auto recorded = [&](double offset_s) {
       Scenario s;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What benchmarks feed in: simulated sensors, boards and walkers, receivers made worse, options, and when a recording's
-// frames were taken.
+// Inputs of benchmarks: simulated sensors, boards and walkers, degraded receivers, options, and frame times of a
+// recording.
 #include <doctest/doctest.h>
 
 #include <filesystem>
@@ -35,7 +35,7 @@ TrueState state_at(int64_t t_ns, const Vector3d& p = Vector3d::Zero()) {
 
 }  // namespace
 
-TEST_CASE("frames' times are put on the IMU's clock") {
+TEST_CASE("frame times are converted to the IMU's clock") {
   Recording r;
   for (const int i : {1, 2}) r.add(make_message<odo_frame>(ODO_TYPE_FRAME, i * kSecond).header);
   CHECK(frame_times_ns(r) == std::vector<int64_t>{kSecond, 2 * kSecond});
@@ -44,13 +44,13 @@ TEST_CASE("frames' times are put on the IMU's clock") {
   calibration.fx = calibration.fy = 500;
   calibration.time_offset_ns = 5'000'000;
   r.add(calibration.header);
-  CHECK(frame_times_ns(r)[0] == kSecond);  // it says that it does not know
+  CHECK(frame_times_ns(r)[0] == kSecond);  // flagged unknown
   calibration.header.flags = ODO_CALIBRATION_TIME_OFFSET;
   r.add(calibration.header);
   CHECK(frame_times_ns(r)[0] == kSecond + 5'000'000);
 }
 
-TEST_CASE("a simulated triad at rest has the Allan deviation that its errors come to") {
+TEST_CASE("a simulated triad at rest has the Allan deviation of its errors") {
   for (const double tau_s : {0.1, 2.0, 30.0}) {
     const SimTriad::Errors errors{0.1, 2e-3, 4e-3, 0, 0, 100, 0.02};
     SimTriad triad(Random(3, 2), errors, 100);
@@ -65,7 +65,7 @@ TEST_CASE("a simulated triad at rest has the Allan deviation that its errors com
   }
 }
 
-TEST_CASE("a simulated board is found in its pictures, which are kept where a folder is named") {
+TEST_CASE("a simulated board is found in its pictures, which are stored if a folder is named") {
   const TemporaryFolder folder;
   const odo_calibration lens = random_lens(false, 3);
   const auto views = simulated_views({}, lens, 3, 3, folder / "kept", {});
@@ -76,7 +76,7 @@ TEST_CASE("a simulated board is found in its pictures, which are kept where a fo
   CHECK(simulated_views({}, lens, 3, 1, folder / "file", {}).failure().status == ODO_E_NOT_FOUND);
 }
 
-TEST_CASE("any walker keeps to the scenario's route without its stops, and no two are alike") {
+TEST_CASE("a random walker follows the scenario's route without stops, and no two are alike") {
   Scenario s = surveyor_walk(1);
   const Scenario one = any_walker(s, 4), other = any_walker(s, 5);
   CHECK(one.events.empty());
@@ -85,7 +85,7 @@ TEST_CASE("any walker keeps to the scenario's route without its stops, and no tw
   CHECK(one.walker.height_m != other.walker.height_m);
 }
 
-TEST_CASE("satellite positions are shifted east for a time, and velocities added are the walker's") {
+TEST_CASE("GNSS positions are shifted east for a time, and added velocities are the walker's") {
   Recording r;
   for (int i = 0; i <= 200 * 20; ++i) {
     r.true_states.push_back(state_at(i * kSecond / 200, Vector3d(0, i / 200.0, 0)));
@@ -105,7 +105,7 @@ TEST_CASE("satellite positions are shifted east for a time, and velocities added
   CHECK(at(7).velocity_n[1] == doctest::Approx(1));
 }
 
-TEST_CASE("a scenario's IMU at rest is told for both sensors") {
+TEST_CASE("both sensors of a scenario's IMU at rest are reported") {
   Scenario::Imu imu;
   for (const bool gyroscope : {true, false}) {
     const auto points = imu_at_rest(imu, gyroscope, 0.2, 1);
@@ -117,7 +117,7 @@ TEST_CASE("a scenario's IMU at rest is told for both sensors") {
   CHECK(imu_at_rest(imu, true, 0.2, 1)[0].asked_for < imu_at_rest(imu, false, 0.2, 1)[0].asked_for);
 }
 
-TEST_CASE("a scenario is simulated without a camera, the same for the same seed") {
+TEST_CASE("a scenario is simulated without a camera, identically for the same seed") {
   Scenario s;
   s.walk_m = 10;
   const auto one = simulated(s, 3), again = simulated(s, 3);
@@ -128,7 +128,7 @@ TEST_CASE("a scenario is simulated without a camera, the same for the same seed"
   CHECK(one->true_states.back().p != simulated(s, 4)->true_states.back().p);
 }
 
-TEST_CASE("a model takes the place of the skyline fixer's, with its origin, and a database where one is named") {
+TEST_CASE("a model replaces that of the skyline fixer with its origin, and so does a named database") {
   const auto plain = skyline_overrides("folder/lyon.city.json", {1, 2.5, -3}, "");
   REQUIRE(plain.size() == 2);
   CHECK(plain[0].path == "absolute_fixers.fix/skyline.parameters.model");
@@ -137,7 +137,7 @@ TEST_CASE("a model takes the place of the skyline fixer's, with its origin, and 
   CHECK(skyline_overrides("a.json", {0, 0, 0}, "/b.skylines").at(2).value == "/b.skylines");
 }
 
-TEST_CASE("an interval is two numbers of seconds, the second of them above zero") {
+TEST_CASE("an interval is two numbers of seconds, the second above zero") {
   double from_s = -1, for_s = -1;
   CHECK(parse_interval("", "--gap", from_s, for_s));
   CHECK(from_s == -1);

@@ -37,7 +37,7 @@ Scenario tiny() {
 
 }  // namespace
 
-TEST_CASE("the same seed gives the same bytes for any number of threads, another seed others") {
+TEST_CASE("the same seed gives the same bytes for any number of threads, and another seed different ones") {
   const TemporaryFolder folder;
   REQUIRE(simulate(tiny(), 5, folder / "a.odo", {.threads = 1}).ok());
   REQUIRE(simulate(tiny(), 5, folder / "b.odo", {.threads = 3}).ok());
@@ -47,7 +47,7 @@ TEST_CASE("the same seed gives the same bytes for any number of threads, another
   CHECK(a != read_text(folder / "c.odo"));
 }
 
-TEST_CASE("the motion's derivatives are those of its poses") {
+TEST_CASE("the motion's derivatives match its poses") {
   const Journey walk = make_walk(small(), 3);
   const double h = 2e-5;
   double worst_speed = 0, worst_acceleration = 0, worst_rotation = 0, speed = 0, acceleration = 0, rotation = 0;
@@ -92,7 +92,7 @@ TEST_CASE("the ideal IMU integrates to the true motion") {
   CHECK(Eigen::AngleAxisd(T.linear().transpose() * truth.linear()).angle() < 1e-4);
 }
 
-TEST_CASE("the true steps cover the walk, and stops end it where they should") {
+TEST_CASE("the true steps cover the walk and end at the stops") {
   Scenario s = small();
   s.events = {{6.0, "stand", 3.0, 0, true}, {12.0, "turn", 4.0, 0, false}};
   const Journey walk = make_walk(s, 3);
@@ -111,13 +111,13 @@ TEST_CASE("the true steps cover the walk, and stops end it where they should") {
   const Eigen::Vector3d phone = walk.phone.pose(walk.waypoints[0].t_s).translation();
   CHECK((phone - walk.waypoints[0].p_n).head<2>().norm() < 0.8);  // the phone is held in front of the walker
   CHECK(walk.modes.front().mode == ODO_MODE_STATIC);
-  // The phone goes where the feet go.
+  // The phone moves with the feet.
   const double gone =
       (walk.phone.pose(walk.phone.duration_s()).translation() - walk.phone.pose(0).translation()).norm();
   CHECK(gone == doctest::Approx(std::hypot(14, 8)).epsilon(0.06));
 }
 
-TEST_CASE("points appear where lens, motion and rolling shutter put them") {
+TEST_CASE("points are projected according to lens, motion and rolling shutter") {
   for (const char* model : {"pinhole", "kannala_brandt"}) {
     Scenario s = small();
     s.camera.model = model;
@@ -128,10 +128,10 @@ TEST_CASE("points appear where lens, motion and rolling shutter put them") {
     const double t = 4.2;
     for (int y = 5; y < s.camera.height; y += 37)
       for (int x = 5; x < s.camera.width; x += 41) {
-        // A point on the ray of a pixel, seen from where the phone is while that row is exposed.
+        // A point on the ray of a pixel, from the phone's position when that row is exposed.
         const Eigen::Isometry3d T = camera.pose(phone, t + camera.row_offset_s(y));
         const Eigen::Vector3d p_n = T * (7.0 * camera.ray(x, y).cast<double>());
-        // Found again from outside: fixed point over the row at which it appears.
+        // Projected again: fixed-point iteration over the row at which it appears.
         double row = camera.cy();
         Eigen::Vector2d seen;
         for (int k = 0; k < 20; ++k) {
@@ -143,7 +143,7 @@ TEST_CASE("points appear where lens, motion and rolling shutter put them") {
   }
 }
 
-TEST_CASE("the paper's pipeline follows a simulated walk") {
+TEST_CASE("the paper's pipeline tracks a simulated walk") {
   const TemporaryFolder folder;
   Scenario s = small();
   s.camera = Scenario().camera;  // the resolution that the configs are made for
@@ -186,7 +186,7 @@ TEST_CASE("an exported EuRoC folder is read back and gives the identical run") {
   CHECK(copy->format == "EuRoC/ASL");
   RunOptions options;
   options.plugin_path = plugin_folder().string();
-  for (const char* config : {"antigny2019", "phone_walk_camera"}) {  // the second knows of the rolling shutter
+  for (const char* config : {"antigny2019", "phone_walk_camera"}) {  // the second models the rolling shutter
     options.config = source("samples/configs/" + std::string(config) + ".yaml").string();
     const auto a = replay(*original, options), b = replay(*copy, options);
     REQUIRE(a.ok());
@@ -201,7 +201,7 @@ TEST_CASE("an exported EuRoC folder is read back and gives the identical run") {
   }
   REQUIRE(copy->truth.size() == original->true_states.size());
   CHECK(std::filesystem::exists(folder / "asl/camchain-imucam.yaml"));
-  // As the data set's own files begin and are laid out.
+  // The layout of the data set's own files.
   const auto first_line = [&](const char* file) {
     const std::string text = read_text(folder / (std::string("asl/mav0/") + file));
     return text.substr(0, text.find_first_of("\r\n"));
@@ -220,7 +220,7 @@ TEST_CASE("an exported EuRoC folder is read back and gives the identical run") {
     CHECK_MESSAGE(camera.find(key) != std::string::npos, key);
 }
 
-TEST_CASE("every scenario that comes with the SDK is valid and walks its route") {
+TEST_CASE("every scenario of the SDK is valid and walks its route") {
   size_t found = 0;
   for (const auto& entry : std::filesystem::directory_iterator(source("samples/scenarios"))) {
     CAPTURE(entry.path().string());
@@ -253,7 +253,7 @@ std::vector<double> resting(const SimTriad::Errors& errors, double hz, double du
 
 }  // namespace
 
-TEST_CASE("the IMU's Allan deviation is what was asked for") {
+TEST_CASE("the IMU's Allan deviation is as requested") {
   const double hz = 100, noise = 2e-3, walk = 1e-4;
   const auto white = resting({0.1, 0, noise, 0, 0, 1e3, 0}, hz, 20000);
   for (const double tau : {0.1, 1.0, 10.0})
@@ -267,7 +267,7 @@ TEST_CASE("the IMU's Allan deviation is what was asked for") {
   CHECK(std::abs(allan_deviation(both, hz, 10) - asked_for) < 0.08 * asked_for);
 }
 
-TEST_CASE("fixes from GNSS bound a walk on the Earth") {
+TEST_CASE("GNSS fixes bound the error of a geodetic walk") {
   const TemporaryFolder folder;
   Scenario s = small();
   s.camera.width = 96, s.camera.height = 64, s.camera.focal_px = 80, s.camera.rate_hz = 1;
@@ -285,7 +285,7 @@ TEST_CASE("fixes from GNSS bound a walk on the Earth") {
   const auto result = replay(*recording, options);
   REQUIRE_MESSAGE(result.ok(), (result.ok() ? "" : result.failure().text));
   CHECK(result->statistics.fixes_accepted > 30);
-  // What the fixes' source is can be looked up.
+  // The source of the fixes can be looked up.
   REQUIRE(result->plugins.size() == 3);
   REQUIRE_FALSE(result->fixes.empty());
   for (const auto& fix : result->fixes) {
@@ -294,7 +294,7 @@ TEST_CASE("fixes from GNSS bound a walk on the Earth") {
     CHECK((plugin.id == "fix/gnss" && plugin.kind == "absolute_fixer"));
     CHECK(plugin.sha256 == *sha256_of(plugin_folder() / "fix_gnss.so"));
   }
-  // n's origin is the first fix, the walk starts at the true origin: shifted by that fix's error and no more.
+  // n's origin is the first fix, the walk starts at the true origin: the offset is that fix's error.
   CHECK((result->track.back().p - recording->truth.back().p).head<2>().norm() < 6.0);
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The scale from slant distances to roof lines, and the sky's odometry (Gakne & O'Keefe 2018).
+// The scale from slant distances to roof lines, and the sky odometry (Gakne & O'Keefe 2018).
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -22,7 +22,7 @@ using Eigen::Vector3d;
 
 TEST_SUITE_BEGIN("skyline");
 
-TEST_CASE("eq. (5): the scale is the line through places, whatever the heading, and outliers do not bend it") {
+TEST_CASE("eq. (5): the scale is the line through positions, for any heading and robust against outliers") {
   slant_scale::SlantScale scale(15, 8, 0.02);
   const double true_scale = 0.4;
   const Eigen::Rotation2Dd turned(0.1);
@@ -37,21 +37,21 @@ TEST_CASE("eq. (5): the scale is the line through places, whatever the heading, 
   REQUIRE(scale.scale());
   CHECK(scale.scale()->scale == doctest::Approx(true_scale).epsilon(0.03));
   CHECK(scale.scale()->sigma < 0.1 * true_scale);
-  // Another unit: until there are fixes again the speed before goes on.
+  // Another scale: until the next fixes the speed is assumed unchanged.
   scale.add_motion(10'000'000'000, 10'100'000'000, {0.2, 0, 0}, 2);
   REQUIRE(scale.scale());
   CHECK(scale.scale()->scale == doctest::Approx(5.0).epsilon(0.05));
   CHECK(scale.scale()->sigma > 1.0);
 }
 
-TEST_CASE("each new scale group goes on with the speed before, also where there were no fixes in between") {
+TEST_CASE("each new scale group continues with the previous speed, also without fixes in between") {
   slant_scale::SlantScale scale(15, 8, 0.02);
   int64_t t = 0;
   const auto move = [&](double units, uint32_t group) {
     scale.add_motion(t, t + 100'000'000, {units, 0, 0}, group);
     t += 100'000'000;
   };
-  for (int k = 1; k <= 100; ++k) {  // 10 m/s, a metre a unit
+  for (int k = 1; k <= 100; ++k) {  // 10 m/s, a metre per unit
     move(1, 1);
     if (k % 5 == 0) scale.add_place(t, {static_cast<double>(k), 0}, 0.01);
   }
@@ -65,7 +65,7 @@ TEST_CASE("each new scale group goes on with the speed before, also where there 
   }
 }
 
-TEST_CASE("eq. (5) letter for letter falls with the distance driven: it is no scale") {
+TEST_CASE("eq. (5) taken literally decreases with the distance driven and is not a scale") {
   const double u = 0.5;
   slant_scale::LiteralScale scale;
   CHECK_FALSE(scale.scale());
@@ -80,7 +80,7 @@ TEST_CASE("eq. (5) letter for letter falls with the distance driven: it is no sc
   CHECK(at_10_40_160[2] == doctest::Approx(40.0 / 158));
 }
 
-TEST_CASE("eq. (1): the rigid motion of weighted points") {
+TEST_CASE("eq. (1): the rigid motion of weighted points is found") {
   std::vector<Eigen::Vector2d> p, q;
   const Eigen::Rotation2Dd R(0.2);
   for (int i = 0; i < 20; ++i) {
@@ -95,7 +95,7 @@ TEST_CASE("eq. (1): the rigid motion of weighted points") {
   CHECK((motion.T - Eigen::Vector2d(0.3, -0.1)).norm() < 1e-9);
 }
 
-TEST_CASE("the sky's odometry moves against the roofs, in units of their height") {
+TEST_CASE("the sky odometry moves against the roofs, in units of their height") {
   cv::Mat noise(120, 160, CV_8UC1), roofs;
   cv::RNG(7).fill(noise, cv::RNG::UNIFORM, 0, 255);
   cv::resize(noise, roofs, {1280, 960}, 0, 0, cv::INTER_LINEAR);

@@ -11,7 +11,7 @@ using namespace odograph;
 
 TEST_SUITE_BEGIN("steps");
 
-TEST_CASE("stairs are told by the air's pressure, wind notwithstanding") {
+TEST_CASE("stairs are detected from pressure despite wind") {
   for (const double rate_hz : {1.0, 10.0}) {
     CAPTURE(rate_hz);
     Random random(4, 4);
@@ -27,11 +27,11 @@ TEST_CASE("stairs are told by the air's pressure, wind notwithstanding") {
       if (truth) (stairs.on_stairs() ? climbed_s : late_s) += 1 / rate_hz;
     }
     CHECK(wrong_s < 6);     // of ten minutes
-    CHECK(climbed_s > 10);  // of thirty seconds, the window's ten seconds being late twice
+    CHECK(climbed_s > 10);  // of thirty seconds, with the window's delay of ten seconds twice
   }
 }
 
-TEST_CASE("a street of 17 % lifts as fast as stairs and is none, since the steps are the walker's usual ones") {
+TEST_CASE("a street of 17 % lifts as fast as stairs but is not taken for them, since the steps have the usual length") {
   const auto stairs_s = [](double length_m, double period_s) {
     Random random(5, 4);
     double gust = 0, on_s = 0, next_s = 30;
@@ -47,10 +47,10 @@ TEST_CASE("a street of 17 % lifts as fast as stairs and is none, since the steps
     return on_s;
   };
   CHECK(stairs_s(0.75, 0.53) == 0);
-  CHECK(stairs_s(0.40, 0.58) > 20);  // treads, taken for somewhat longer steps
+  CHECK(stairs_s(0.40, 0.58) > 20);  // treads, estimated as somewhat longer steps
 }
 
-TEST_CASE("stairs end ten seconds after the last pressure, though steps go on") {
+TEST_CASE("stairs end ten seconds after the last pressure sample, though steps continue") {
   steps::StairDetector stairs;
   for (int i = 0; i < 30; ++i) {
     stairs.add(i * 1'000'000'000ll, 101325 - 0.28 * i / 0.0843);

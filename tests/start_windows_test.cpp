@@ -16,7 +16,7 @@ namespace {
 
 constexpr int64_t kFrame_ns = 50'000'000;
 
-/// 8 s of a camera on an arc; its odometry is metric from `metric_from` on, too large by `scale` and sure to `sigma`.
+/// 8 s of a camera on an arc; its odometry is metric from `metric_from` on, too large by `scale` with sigma `sigma`.
 struct Flight {
   Trajectory truth;
   std::vector<odo_vo_motion> motions;
@@ -41,7 +41,7 @@ struct Flight {
 
 }  // namespace
 
-TEST_CASE("a scale that is off by ten stated sigmas is counted as wrong and certain, one within is not") {
+TEST_CASE("a scale that is off by ten stated sigmas counts as wrong and certain, one within does not") {
   const Flight wrong(1.1, 0.01, 20), right(1.1, 0.05, 20);
   const StartWindow w = start_window(wrong.truth, wrong.motions, 0);
   CHECK(w.start_s == doctest::Approx(1.0));
@@ -54,7 +54,7 @@ TEST_CASE("a scale that is off by ten stated sigmas is counted as wrong and cert
   CHECK(start_window(right.truth, right.motions, 0).worst_sigmas < 3);
 }
 
-TEST_CASE("every scale group is asked, not the longest alone") {
+TEST_CASE("every scale group is evaluated, not only the longest") {
   Flight flight(1, 0.01, 1, 60);
   for (size_t k = 0; k < 58; ++k) Vector3d::Map(flight.motions[k].p_c0_c1) *= 1.3;
   const StartWindow w = start_window(flight.truth, flight.motions, 0);
@@ -63,7 +63,7 @@ TEST_CASE("every scale group is asked, not the longest alone") {
   CHECK(w.worst_sigmas > 20);
 }
 
-TEST_CASE("who never is metric has no scale, and who stands has none either") {
+TEST_CASE("an odometry that is never metric has no scale, and neither has a standing one") {
   const Flight never(1, 0.01, 1000);
   const StartWindow w = start_window(never.truth, never.motions, 0);
   CHECK(std::isnan(w.start_s));

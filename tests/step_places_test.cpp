@@ -27,14 +27,14 @@ namespace {
 
 constexpr double kPi = 3.14159265358979323846;
 
-/// How a phone is thrown about while somebody walks with `step_hz`.
+/// Motion of a phone on a person who walks with `step_hz`.
 struct Place {
   double vertical_mps2, other_foot, surge_mps2, swing_mps2, tilting_radps;
   double direction_rad = 0.7;
 };
 
-/// Both feet push, the other one by that part, 0.42 of a stride later; the surge leads by a good quarter of a step; the
-/// swing is that of a pendulum across both, once a stride.
+/// Both feet push, the second one by that fraction, 0.42 of a stride later; the surge leads by a good quarter of a
+/// step; the swing is a pendulum's across both, once per stride.
 std::vector<FoundStep> found_in(const Place& place, double step_hz, double walk_s, uint64_t seed) {
   Resampler resampler;
   GaitFinder finder;
@@ -74,7 +74,7 @@ const Place kLeg{8, 0.5, 2, 3, 1.6}, kBag{5, 0.8, 1.5, 2.5, 0.6};
 }  // namespace
 
 TEST_CASE(
-    "a phone on a leg or in a bag shows both feet's steps, though strides alone are alike and little is vertical") {
+    "a phone on a leg or in a bag shows the steps of both feet, though only strides are alike and little is vertical") {
   for (const Place& place : {kLeg, kBag})
     for (const double hz : {1.5, 1.8, 2.2}) {
       CAPTURE(place.vertical_mps2);
@@ -85,19 +85,19 @@ TEST_CASE(
     }
 }
 
-TEST_CASE("what is thrown about as much, by a hand that keeps no time, is no walk") {
+TEST_CASE("equally strong motion by a hand without rhythm is no walk") {
   size_t found = 0;
   for (const uint64_t seed : {1, 2, 3}) {
     Resampler resampler;
     GaitFinder finder;
     Random random(seed, 1);
-    Eigen::Vector3d at = Eigen::Vector3d::Zero(), speed = at;  // each axis rings at 1.5 Hz, as gestures do
+    Eigen::Vector3d at = Eigen::Vector3d::Zero(), speed = at;  // each axis rings at 1.5 Hz, as in gestures
     constexpr double dt = 0.01, w = 2 * kPi * 1.5, damping = 0.3;
     for (double t = 0; t < 200; t += dt) {
       const Eigen::Vector3d push(random.normal(), random.normal(), random.normal());
       speed += dt * (-w * w * at - 2 * damping * w * speed) + std::sqrt(4 * damping * w * dt) * w * push;
       at += dt * speed;
-      const Eigen::Vector3d force = 2.0 * at;  // m/s^2, root mean square
+      const Eigen::Vector3d force = 2.0 * at;  // m/s^2, rms
       resampler.push(
           {.t_ns = static_cast<int64_t>(t * 1e9),
            .vertical = force.z(),
@@ -112,10 +112,10 @@ TEST_CASE("what is thrown about as much, by a hand that keeps no time, is no wal
           [&] { finder.reset(); });
     }
   }
-  CHECK(found <= 10);  // one a minute
+  CHECK(found <= 10);  // one per minute
 }
 
-TEST_CASE("the surge says where the walk goes, in the phone's own frame, and how well that is known") {
+TEST_CASE("the surge gives the walking direction in the phone's frame, with a consistent sigma") {
   WalkDirection direction;
   CHECK(direction.sigma_rad() > 3);
   for (const FoundStep& step : found_in(kLeg, 1.8, 20, 6)) direction.add(step.surge_n, 0.5);
@@ -135,7 +135,7 @@ TEST_CASE("a leg's swing is a pocket from the second step on") {
   CHECK(carry.on_leg());
 }
 
-TEST_CASE("a thigh that swings a little less for a few steps is one still, and the direction does not flip") {
+TEST_CASE("a thigh that swings a little less for a few steps stays one, and the direction does not flip") {
   CarryModeClassifier carry;
   FoundStep step{.swing_mps2 = 6, .frequency_hz = 1.8, .vertical_part = 0.8};
   const auto walk = [&](int steps, double radps) {
@@ -152,8 +152,7 @@ TEST_CASE("a thigh that swings a little less for a few steps is one still, and t
   CHECK_FALSE(carry.on_leg());
 }
 
-TEST_CASE(
-    "a small bounce is no short step, a walk that does not repeat itself has shorter steps and less certain ones") {
+TEST_CASE("a small bounce gives no short step, and an irregular walk has shorter and less certain steps") {
   const LengthModel model;
   const FoundStep softened{
       .rise_m = 0.015, .gyro_radps = 0.5, .frequency_hz = 1.9, .vertical_part = 0.7, .repetition = 0.9};
@@ -163,15 +162,15 @@ TEST_CASE(
   CHECK(model.length_m(felt) > 1.15 * model.length_m(softened));
   CHECK(model.length_m(strolled) < 0.92 * model.length_m(softened));
   CHECK(model.own_sigma(strolled) > 1.5 * model.own_sigma(softened));
-  // Nobody ran among those whom the numbers are from: they are not carried on without bound.
+  // The fitted data contain no running: extrapolation is bounded.
   const FoundStep run{.rise_m = 0.09, .gyro_radps = 1, .frequency_hz = 2.8, .vertical_part = 0.8, .repetition = 0.95};
   CHECK(model.length_m(run) > 0.75);
 }
 
-TEST_CASE("a bag swings with its strap's own period, and less and less") {
+TEST_CASE("a bag swings with its strap's own period, with damping") {
   constexpr double kRate_hz = 400, kStrap_m = 0.5;
   std::vector<Eigen::Vector3d> trunk(4000, Eigen::Vector3d::Zero());
-  for (size_t i = 100; i < trunk.size(); ++i) trunk[i].x() = 0.05;  // a jerk ahead
+  for (size_t i = 100; i < trunk.size(); ++i) trunk[i].x() = 0.05;  // a forward jerk
   const Bag bag(trunk, Signal(trunk.size()), kStrap_m, 0.1, kRate_hz);
   std::vector<size_t> crossings;
   for (size_t i = 200; i + 2 < trunk.size(); ++i)
@@ -183,7 +182,7 @@ TEST_CASE("a bag swings with its strap's own period, and less and less") {
   CHECK(std::abs(bag.forward_rad[3990]) < 0.1 * std::abs(bag.forward_rad[150]));
 }
 
-TEST_CASE("no more than a step a minute in lifts and in a car") {
+TEST_CASE("there is at most a step per minute in lifts and in a car") {
   const TemporaryFolder folder;
   for (const bool drives : {false, true}) {
     CAPTURE(drives);
@@ -241,7 +240,7 @@ std::vector<double> sizes(const std::vector<Error>& errors, double Error::*what)
 
 }  // namespace
 
-TEST_CASE("real walks with the phone in the hand, on the body, in a bag and on the leg" *
+TEST_CASE("real walks with the phone in the hand, on the body, in a bag and on the leg are within limits" *
           doctest::test_suite("steps_data")) {
   const auto folder = data_or_skip("ridi");
   if (folder.empty()) return;
@@ -252,7 +251,7 @@ TEST_CASE("real walks with the phone in the hand, on the body, in a bag and on t
   CHECK(percentile(sizes(errors, &Error::position_m), 0.5) < 1.1);
 }
 
-TEST_CASE("real steps that a switch in each shoe has counted" * doctest::test_suite("steps_data")) {
+TEST_CASE("real steps match those counted by a switch in each shoe" * doctest::test_suite("steps_data")) {
   const auto folder = data_or_skip("oxford_steps");
   if (folder.empty()) return;
   const auto errors = errors_in(folder, "_accelerometer.csv");

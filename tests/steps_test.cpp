@@ -21,8 +21,8 @@ namespace {
 
 constexpr double kPi = 3.14159265358979323846;
 
-/// Feeds a walk of steady steps, standing before and after, and collects what is found. `longer`: how much of a step's
-/// time every other step takes more, and the one after it less.
+/// Feeds a walk of regular steps, standing before and after, and collects the found steps. `longer`: fraction by which
+/// every other step is longer, and the next one shorter.
 std::vector<FoundStep> found_at(double rate_hz, double step_hz, double rise_m, double walk_s, double jitter,
                                 uint64_t seed, double longer = 0) {
   Resampler resampler;
@@ -33,7 +33,7 @@ std::vector<FoundStep> found_at(double rate_hz, double step_hz, double rise_m, d
   for (double t = 0; t < walk_s + 8; t += (1 + jitter * random.uniform(-1, 1)) / rate_hz) {
     const bool walks = t > 4 && t < 4 + walk_s;
     const double pair = std::fmod(std::max(0.0, t - 4) * step_hz, 2), first = 1 + longer;  // of two steps
-    const double w = 2 * kPi * step_hz;  // the body is thrown up as hard by each leg
+    const double w = 2 * kPi * step_hz;  // each leg pushes the body equally
     const double phase = 2 * kPi * (pair < first ? pair / first : (pair - first) / (2 - first));
     const double up = (walks ? 0.5 * rise_m * w * w * std::cos(phase) : 0.0) + 0.1 * random.normal();
     resampler.push(
@@ -53,7 +53,7 @@ std::vector<FoundStep> found_at(double rate_hz, double step_hz, double rise_m, d
 
 }  // namespace
 
-TEST_CASE("legs that are unlike take steps all the same, as long as one lasts no more than two fifths longer") {
+TEST_CASE("steps of unequal legs are found if one lasts at most two fifths longer") {
   for (const double longer : {0.1, 0.17}) {  // 1.22 and 1.41 times the other
     CAPTURE(longer);
     CHECK(found_at(100, 1.7, 0.04, 20, 0, 3, longer).size() == 34);
@@ -75,17 +75,17 @@ TEST_CASE("steps are counted, timed and their rise is measured at any rate, regu
           rise += s.rise_m / static_cast<double>(steps.size());
         }
         CHECK(interval == doctest::Approx(1 / hz).epsilon(0.03));
-        // The smoothing takes a part of quick steps, the same for everybody.
+        // The smoothing attenuates quick steps, equally for everybody.
         const double smoothed_m = 0.04 * std::exp(-0.5 * std::pow(2 * kPi * hz * 0.06, 2));
-        CHECK(std::abs(rise - smoothed_m) < 0.15 * smoothed_m);  // measured: 0.121 at most
+        CHECK(std::abs(rise - smoothed_m) < 0.15 * smoothed_m);  // measured: at most 0.121
       }
 }
 
 namespace {
 
-/// Steps that are found while the phone oscillates for a time, standing before and after: of the vertical acceleration
-/// the amplitude of the step and, relative to it, of twice its frequency; the hand tilts by a rate of that root mean
-/// square at 1.3 Hz meanwhile.
+/// Steps found while the phone oscillates for a time, standing before and after: amplitude of the vertical acceleration
+/// at the step frequency and, relative to it, at twice that; meanwhile the hand tilts at an rms rate of `tilting`
+/// at 1.3 Hz.
 std::vector<FoundStep> found_in_gentle(double step_hz, double amplitude_mps2, double second_harmonic,
                                        double tilting_radps, double walk_s) {
   Resampler resampler;
@@ -117,7 +117,7 @@ std::vector<FoundStep> found_in_gentle(double step_hz, double amplitude_mps2, do
 
 }  // namespace
 
-TEST_CASE("gentle steps are counted from 0.8 Hz and 0.2 m/s^2 on, those with a strong second harmonic too") {
+TEST_CASE("gentle steps are counted from 0.8 Hz and 0.2 m/s^2 on, also with a strong second harmonic") {
   for (const double hz : {0.8, 1.0, 1.25, 1.5, 1.7})
     for (const double second : {0.0, 0.6}) {
       CAPTURE(hz);
@@ -132,12 +132,12 @@ TEST_CASE("gentle steps are counted from 0.8 Hz and 0.2 m/s^2 on, those with a s
   }
 }
 
-TEST_CASE("a hand that tilts the phone as gestures do hides gentle steps, so that gestures are none") {
+TEST_CASE("a hand that tilts the phone as in gestures hides gentle steps, so that gestures give none") {
   CHECK(found_in_gentle(1.3, 0.4, 0, 0.1, 30).size() > 30);
   CHECK(found_in_gentle(1.3, 0.4, 0, 0.5, 30).empty());
 }
 
-TEST_CASE("nothing is found after a vivid walk ended, while it leaves the mean") {
+TEST_CASE("nothing is found after a vivid walk has ended, while it leaves the mean") {
   Resampler resampler;
   GaitFinder finder;
   Random random(9, 1);
@@ -156,20 +156,20 @@ TEST_CASE("nothing is found after a vivid walk ended, while it leaves the mean")
   CHECK(static_cast<double>(last_ns) * 1e-9 == doctest::Approx(20.0).epsilon(0.02));
 }
 
-TEST_CASE("a gentle step's length follows cadence and rise, and is doubted more") {
+TEST_CASE("a gentle step's length follows cadence and rise, with a larger sigma") {
   const LengthModel model;
   const FoundStep slow{.whole_rise_m = 0.015, .frequency_hz = 1.1, .gentle = true};
   FoundStep quick = slow, high = slow;
   quick.frequency_hz = 1.6, high.whole_rise_m = 0.03;
   CHECK(model.length_m(quick) > 1.1 * model.length_m(slow));
   CHECK(model.length_m(high) > 1.1 * model.length_m(slow));
-  // Orendurff et al. 2004: 0.7 m/s, rise 2.7 cm, of which the phone's holder leaves half; 0.58 m at 1.2 Hz.
+  // Orendurff et al. 2004: 0.7 m/s, rise 2.7 cm, of which the person holding the phone leaves half; 0.58 m at 1.2 Hz.
   const FoundStep of_paper{.whole_rise_m = 0.0137, .frequency_hz = 1.2, .gentle = true};
   CHECK(std::abs(model.length_m(of_paper) - 0.55) < 0.0825);
   CHECK(model.own_sigma(slow) > 2 * model.own_sigma({.repetition = 0.8, .gentle = false}));
 }
 
-TEST_CASE("simulated users who look through the phone: counts and distances") {
+TEST_CASE("simulated users who look through the phone have correct counts and distances") {
   const TemporaryFolder folder;
   Scenario s;
   s.walker.gait = "viewing", s.walker.speed_mps = 0.8, s.walker.stand_s = 4;
@@ -217,7 +217,7 @@ TEST_CASE("the slow walk through a house has its 50 to 66 steps and 29 to 38 m" 
   CHECK(path_m < 38);
 }
 
-TEST_CASE("next to no step in ten minutes of vivid gestures, none in turning on the spot") {
+TEST_CASE("ten minutes of vivid gestures give almost no step, and turning on the spot none") {
   const TemporaryFolder folder;
   for (const char* what : {"handle", "turn"}) {
     Scenario s;
@@ -230,13 +230,13 @@ TEST_CASE("next to no step in ten minutes of vivid gestures, none in turning on 
     options.plugin_path = plugin_folder().string();
     const auto result = replay(*recording, options);
     REQUIRE_MESSAGE(result.ok(), (result.ok() ? "" : result.failure().text));
-    // The metre to the place and away is walked. The others count some 950 steps in those gestures.
+    // The metre there and back is walked. Other estimators count about 950 steps in those gestures.
     const size_t most = std::string_view(what) == "turn" ? 0 : 12;
     CHECK(result->steps.size() <= recording->true_steps.size() + most);
   }
 }
 
-TEST_CASE("a gap and broken samples end a walk and do not break the next") {
+TEST_CASE("a gap and broken samples end a walk and do not affect the next one") {
   Resampler resampler;
   WalkSignal signal;
   StepFinder finder;
@@ -265,7 +265,7 @@ TEST_CASE("a gap and broken samples end a walk and do not break the next") {
   CHECK(std::abs(static_cast<double>(steps - before) - 18) <= 2);
 }
 
-TEST_CASE("a simulated walker: counts, times, modes and no step while standing, typing or turning") {
+TEST_CASE("a simulated walker has correct counts, times and modes, and no step while standing, typing or turning") {
   const TemporaryFolder folder;
   Scenario s;
   s.route = {{0, 0, 0}, {40, 0, 0}, {40, 20, 0}};
@@ -293,7 +293,7 @@ TEST_CASE("a simulated walker: counts, times, modes and no step while standing, 
   }
 }
 
-TEST_CASE("a step's heading is the phone's in the middle of the step, where the walker turns too") {
+TEST_CASE("a step's heading is the phone's in the middle of the step, also while the walker turns") {
   const TemporaryFolder folder;
   Scenario s;  // zigzag: turns of 90 degrees to both sides
   s.walker.stand_s = 3;
@@ -317,7 +317,7 @@ TEST_CASE("a step's heading is the phone's in the middle of the step, where the 
           Eigen::Vector3d(0, 1, -1);
       return std::atan2(forward.y(), forward.x());
     };
-    // How late it is: the lag by which the phone's heading, a stride long averaged about the step's middle, fits it.
+    // Delay: the lag with the best fit of the phone's heading, averaged over a stride about the step's middle.
     double late = 0, squares = 0;
     for (const odo_step& step : result->steps) {
       const int64_t length = step.t_end_ns - step.t_start_ns;
@@ -336,14 +336,14 @@ TEST_CASE("a step's heading is the phone's in the middle of the step, where the 
   }
 }
 
-TEST_CASE("the real walks with the best of the step estimators" * doctest::test_suite("steps_data")) {
+TEST_CASE("the real walks with the best of the step estimators are within limits" * doctest::test_suite("steps_data")) {
   const auto folder = data_or_skip("phone_walks");
   if (folder.empty()) return;
   std::vector<double> distance;
   double reference = 0, estimate = 0;
   int k = 0;
   for (const auto& entry : std::filesystem::directory_iterator(folder)) {
-    if (entry.path().extension() != ".txt" || k++ % 4 != 0) continue;  // a quarter: this is a regression test
+    if (entry.path().extension() != ".txt" || k++ % 4 != 0) continue;  // a quarter: a regression test
     const auto recording = read_recording(entry.path());
     REQUIRE(recording.ok());
     RunOptions options;

@@ -25,13 +25,13 @@ inline std::string read_text(const std::filesystem::path& path) {
 inline std::filesystem::path source(const std::string& name) { return std::filesystem::path(ODOGRAPH_SOURCE) / name; }
 inline std::filesystem::path plugin_folder() { return std::filesystem::path(ODOGRAPH_BUILD) / "lib/odograph/plugins"; }
 
-/// Whether the plugins are built that look at pictures or terrain (ODOGRAPH_OPENCV); cases that need one are left out.
+/// Whether the camera and terrain plugins are built (ODOGRAPH_OPENCV); cases that need one are skipped otherwise.
 inline constexpr bool kCameraPlugins = ODOGRAPH_CAMERA_PLUGINS;
 
-/// Says what is missing here; where no check fails the program then ends with 77, which ctest shows as "Skipped".
+/// Reports what is missing; if no check fails, the program then ends with 77, which ctest shows as "Skipped".
 void skip(const std::string& why);
 
-/// Real data of that name, from the folder in the environment variable ODOGRAPH_DATA or, without it, the build's. Where
-/// it is missing: empty, and the case is skipped; with ODOGRAPH_REQUIRE_DATA (likewise) the case fails at once. Cases
-/// that call it belong to a suite of their own, named ..._data, so that ctest shows what did not run.
+/// Real data of that name, from the folder in the environment variable ODOGRAPH_DATA or, without it, the build's. If
+/// missing, the result is empty and the case is skipped; with ODOGRAPH_REQUIRE_DATA (likewise) the case fails at once.
+/// Cases that call it belong to separate suites, named ..._data, so that ctest shows what did not run.
 std::filesystem::path data_or_skip(const std::string& name);

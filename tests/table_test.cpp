@@ -28,7 +28,7 @@ TEST_CASE("a table has a line for each row, and a dash where a row has no number
   CHECK(table_text(by_config, {{{"W1configs/walk.yaml", "0.17 m"}}}).find("0.17 m") != std::string::npos);
 }
 
-TEST_CASE("a summary puts numbers and lists of all rows together") {
+TEST_CASE("a summary combines numbers and lists of all rows") {
   const Rows rows = {{{"config", "a"}, {"x", {1, -2, nullptr}}, {"y", 1.0}, {"pair", {1, 4}}},
                      {{"config", "b"}, {"x", {9}}, {"y", 5.0}},
                      {{"config", "a"}, {"x", {3}}, {"y", 3.0}, {"pair", {2, 2}}}};
@@ -54,7 +54,7 @@ TEST_CASE("a summary puts numbers and lists of all rows together") {
   CHECK(printed({{{"x", 1}, {"_y", 2}}}).dump() == R"([{"x":1}])");
 }
 
-TEST_CASE("a figure is described once, for its row, for tables and for summaries") {
+TEST_CASE("a figure is described once, for rows, tables and summaries") {
   const auto row = [](double x, const Json& samples) {
     return row_of({{"head", "m", "x", 2, x, kSigned},
                    {"", "", "hidden/deep", -1, 3},
@@ -77,7 +77,7 @@ TEST_CASE("a figure is described once, for its row, for tables and for summaries
   CHECK(summary["error"]["worst"] == 3);
 }
 
-TEST_CASE("rows are told apart by what they have under a key, null included, in the order in which it comes") {
+TEST_CASE("rows are grouped by their value under a key, null included, in order of appearance") {
   const Rows rows = {{{"name", "b"}, {"x", 1}}, {{"x", 2}}, {{"name", "a"}, {"x", 3}}, {{"name", "b"}, {"x", 4}}};
   const auto groups = groups_of(rows, "name");
   REQUIRE(groups.size() == 3);
@@ -90,7 +90,7 @@ TEST_CASE("rows are told apart by what they have under a key, null included, in 
   CHECK(std::isnan(percentile_at(rows, "y", 0.5)));
 }
 
-TEST_CASE("a formatted text is as long as it becomes, and may be empty") {
+TEST_CASE("a formatted text has its full length and may be empty") {
   CHECK(text("%s", "").empty());
   CHECK(text("%d %.2f %s", 7, 1.25, "x") == "7 1.25 x");
   CHECK(text("%s.", std::string(5000, 'a').c_str()) == std::string(5000, 'a') + '.');

@@ -99,7 +99,8 @@ void write_geotiff(const std::filesystem::path& file, double east, double north,
 
 }  // namespace
 
-TEST_CASE("an ESRI ASCII grid: bilinear, its corner and centre keys, unknown heights, what is damaged") {
+TEST_CASE(
+    "an ESRI ASCII grid is bilinear, with corner and centre keys and unknown heights, and damaged ones are rejected") {
   const TemporaryFolder folder;
   const auto file = folder / "g.asc";
   write(file, "ncols 3\nnrows 2\nxllcenter 100\nyllcenter 200\ncellsize 10\nNODATA_value -9\n1 2 -9\n5 6 7\n");
@@ -119,7 +120,8 @@ TEST_CASE("an ESRI ASCII grid: bilinear, its corner and centre keys, unknown hei
   CHECK(why(folder / "none.asc").find("is not a file") != std::string::npos);
 }
 
-TEST_CASE("an OBJ mesh: slopes, walls that are no ground, the nearest of two floors, faces that name no vertex") {
+TEST_CASE(
+    "an OBJ mesh has slopes, walls that are not ground and the nearest of two floors, and invalid faces are rejected") {
   const TemporaryFolder folder;
   const auto file = folder / "m.obj";
   write(file,
@@ -139,14 +141,14 @@ TEST_CASE("an OBJ mesh: slopes, walls that are no ground, the nearest of two flo
   CHECK(why(file).find("no ground: all triangles are upright") != std::string::npos);
 }
 
-TEST_CASE("GeoTIFF in stripes and tiles lies where its UTM zone and its degrees say") {
+TEST_CASE("GeoTIFF in strips and tiles is placed by its UTM zone and its degrees") {
   const TemporaryFolder folder;
   const double latitude = 48.7758, longitude = 9.1829;
   int zone = 0;
   bool north = true;
   double east_m = 0, north_m = 0;
   GeographicLib::UTMUPS::Forward(latitude, longitude, zone, north, east_m, north_m);
-  // The tie point is the outer corner of the pixel in the north-west; the origin lies on node (19, 20 from the south).
+  // The tie point is the outer corner of the north-west pixel; the origin is node (19, 20 from the south).
   write_geotiff(folder / "utm.tif", east_m - 195, north_m + 195, 10, 32632, false, false);
   write_geotiff(folder / "tiles.tif", east_m - 195, north_m + 195, 10, 25832, false, true);
   for (const char* name : {"utm.tif", "tiles.tif"}) {
@@ -160,7 +162,7 @@ TEST_CASE("GeoTIFF in stripes and tiles lies where its UTM zone and its degrees 
     double down = 0;
     REQUIRE(placement.ground_at(terrain, 0, 0, 0, down));
     CHECK(down == doctest::Approx(300 - (79 + 48)).epsilon(1e-6));
-    // 50 m true east: the grid's convergence there is 0.14 degrees.
+    // 50 m true east: grid convergence there is 0.14 degrees.
     REQUIRE(placement.ground_at(terrain, 0, 50, 0, down));
     CHECK(down == doctest::Approx(300 - (79 + 5 + 48)).epsilon(1e-3));
   }
@@ -179,7 +181,7 @@ TEST_CASE("GeoTIFF in stripes and tiles lies where its UTM zone and its degrees 
   CHECK(why(folder / "broken.tif").find("is not a TIFF file") != std::string::npos);
 }
 
-TEST_CASE("a model's own coordinates: its origin, its north and its zero height") {
+TEST_CASE("a model's own coordinates have its origin, its north and its zero height") {
   const TemporaryFolder folder;
   write(folder / "g.asc", "ncols 2\nnrows 2\nxllcenter 1000\nyllcenter 2000\ncellsize 100\n10 20\n10 20\n");
   const Terrain terrain = read_terrain((folder / "g.asc").string());
@@ -194,7 +196,7 @@ TEST_CASE("a model's own coordinates: its origin, its north and its zero height"
 }
 
 TEST_CASE("heights on slopes, a kerb and stairs are within 0.3 m of the truth, with terrain and horizontal fixes") {
-  // n's origin is the model's. Without `origin` it would be the first fix, and the model as far off as that.
+  // n's origin is the model's. Without `origin` it would be the first fix, and the model would have that error.
   const TemporaryFolder folder;
   const std::vector<std::pair<double, double>> profile = {{-40, 0}, {0, 0},   {40, 3}, {80, 1},
                                                           {110, 6}, {116, 9}, {200, 9}};

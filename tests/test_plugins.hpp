@@ -12,7 +12,7 @@
 
 namespace odograph {
 
-// Address and thread sanitizers reserve terabytes: the sandbox sets no limit of memory then.
+// Address and thread sanitizers reserve terabytes: the sandbox then sets no memory limit.
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 inline constexpr bool kMemoryLimited = false;
 #elif defined(__has_feature)
@@ -21,7 +21,7 @@ inline constexpr bool kMemoryLimited = !__has_feature(address_sanitizer) && !__h
 inline constexpr bool kMemoryLimited = true;
 #endif
 
-/// The tests' own plugins with manifests, in a folder of their own.
+/// The tests' own plugins with manifests, in a separate folder.
 class TestPlugins {
  public:
   explicit TestPlugins(std::initializer_list<const char*> names) {
@@ -39,8 +39,8 @@ class TestPlugins {
   TemporaryFolder folder_;
 };
 
-/// Copies a library into the folder as NAME.so with a manifest that does not ask it: hostile ones would not survive it.
-/// The folder's path.
+/// Copies a library into the folder as NAME.so, with a manifest that is not queried from it, which hostile ones would
+/// not survive. Returns the folder's path.
 inline std::string install_unasked(const TemporaryFolder& folder, const std::filesystem::path& library,
                                    const std::string& name, const std::string& id, const std::string& kind) {
   const auto copy = folder / (name + ODOGRAPH_LIBRARY);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Small parts that others lean on: texts, times that saturate, the Earth, a value read while it is written.
+// Basic utilities: texts, saturating times, the Earth, a value read while it is written.
 #include <doctest/doctest.h>
 
 #include <array>
@@ -22,7 +22,7 @@ using namespace odograph;
 
 TEST_SUITE_BEGIN("texts");
 
-TEST_CASE("the edit distance counts insertions, deletions and substitutions, without regard to case") {
+TEST_CASE("the edit distance counts insertions, deletions and substitutions, case-insensitively") {
   struct Case {
     const char *a, *b;
     int distance;
@@ -51,7 +51,7 @@ TEST_CASE("the edit distance counts insertions, deletions and substitutions, wit
   CHECK(did_you_mean("x", {}).empty());
 }
 
-TEST_CASE("texts are joined with what separates them, and split without empty parts") {
+TEST_CASE("texts are joined with a separator, and split without empty parts") {
   CHECK(join({"a", "b", "c"}) == "a, b, c");
   CHECK(join({"a", "b"}, "|") == "a|b");
   CHECK(join({}).empty());
@@ -60,7 +60,7 @@ TEST_CASE("texts are joined with what separates them, and split without empty pa
   CHECK(split("", ':').empty());
 }
 
-TEST_CASE("JSON comes out with its commas, indentation, escapes and the shortest digits") {
+TEST_CASE("JSON has commas, indentation, escapes and the shortest digits") {
   JsonText json;
   json.open('{').key("a").number(0.1).key("b").open('[').number(1).number(-2.5e-300).boolean(true).boolean(false);
   json.close(']').key("c").open('{').close('}').key("d\"\\").string("x\n\x1f\"\\/\xc3\xa4");
@@ -71,7 +71,7 @@ TEST_CASE("JSON comes out with its commas, indentation, escapes and the shortest
         "  \"d\\\"\\\\\": \"x\\u000a\\u001f\\\"\\\\/\xc3\xa4\",\n  \"e\": null,\n  \"f\": null,\n  \"g\": []\n}");
 }
 
-TEST_CASE("every control character is shown, and nothing else is changed") {
+TEST_CASE("every control character is escaped, and nothing else is changed") {
   for (int c = 0; c < 256; ++c) {
     const std::string one(1, static_cast<char>(c));
     const bool shown = (c < 0x20 && c != '\n') || c == 0x7f;
@@ -89,8 +89,7 @@ TEST_CASE("every control character is shown, and nothing else is changed") {
         "b");
 }
 
-TEST_CASE(
-    "a line of a stranger's is whole characters of UTF-8, and nothing that moves a cursor or begins another line") {
+TEST_CASE("a line from outside is whole characters of UTF-8, without cursor movements or line breaks") {
   CHECK(one_line("a\nb\x1b[1m\xc2\x85\xe2\x82\xac", 100) == "a b\\x1B[1m\\x85\xe2\x82\xac");
   CHECK(one_line("\xc0\xaf \xe0\x80\xaf \xed\xa0\x80 \xf4\x90\x80\x80 \xc3", 100) ==
         "\\xC0\\xAF \\xE0\\x80\\xAF \\xED\\xA0\\x80 \\xF4\\x90\\x80\\x80 \\xC3");
@@ -106,7 +105,7 @@ TEST_CASE(
   CHECK(std::string(field) == "ab");
 }
 
-TEST_CASE("differences and sums of times stay at the ends of the range") {
+TEST_CASE("differences and sums of times saturate at the ends of the range") {
   constexpr int64_t least = INT64_MIN, most = INT64_MAX;
   CHECK(saturating_difference(5, 3) == 2);
   CHECK(saturating_difference(3, 5) == -2);
@@ -124,7 +123,7 @@ TEST_CASE("differences and sums of times stay at the ends of the range") {
   CHECK(saturating_sum(most, least) == -1);
 }
 
-TEST_CASE("the frame n is North-East-Down at its origin on WGS 84, and comes back") {
+TEST_CASE("the frame n is North-East-Down at its origin on WGS 84, and the conversion is invertible") {
   Geodesy earth;
   CHECK_FALSE(earth.has_origin());
   const double latitude = 0.9, longitude = -0.2, height = 100;
@@ -151,7 +150,7 @@ TEST_CASE("the frame n is North-East-Down at its origin on WGS 84, and comes bac
   CHECK(origin[1] == doctest::Approx(0.2).epsilon(1e-12));
 }
 
-TEST_CASE("a snapshot reads what was written last, and zero before") {
+TEST_CASE("a snapshot reads the last written value, and zero before") {
   struct Value {
     uint64_t a, b, c;
   };
@@ -164,7 +163,7 @@ TEST_CASE("a snapshot reads what was written last, and zero before") {
   }
 }
 
-TEST_CASE("a sensor is silent beyond the longest gap, not at it; each of its gaps counts once") {
+TEST_CASE("a sensor is silent beyond the longest gap, not at it, and each gap counts once") {
   constexpr int64_t gap = 500'000'000;
   const auto see = [](SensorWatch& watch, uint32_t type, int64_t t_ns) {
     odo_header h{};
@@ -178,14 +177,14 @@ TEST_CASE("a sensor is silent beyond the longest gap, not at it; each of its gap
     see(watch, ODO_TYPE_BAROMETER, 0);
     CHECK_FALSE(watch.recent(INT64_MIN));
     see(watch, ODO_TYPE_BAROMETER, 9 * gap);
-    CHECK((!watch.imu_silent() && !watch.camera_silent()));  // never heard
+    CHECK((!watch.imu_silent() && !watch.camera_silent()));  // never received
     see(watch, type, 10 * gap);
     see(watch, other, 11 * gap);
     CHECK((!silent(type) && watch.recent(10 * gap)));
     see(watch, ODO_TYPE_BAROMETER, 11 * gap + 1);
     CHECK((silent(type) && !silent(other) && !watch.recent(10 * gap)));
     CHECK(watch.gaps() == 0);
-    see(watch, type, 11 * gap);  // at the gap: none; an older sample sets the time not back
+    see(watch, type, 11 * gap);  // at the gap: none; an older sample does not set the time back
     CHECK(watch.gaps() == 0);
     CHECK(watch.now_ns() == 11 * gap + 1);
     see(watch, type, 12 * gap + 1);

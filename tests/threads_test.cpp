@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// An app that calls from everywhere at once. Worth most under ThreadSanitizer (preset `tsan`).
+// An app that calls from several threads at once. Most useful under ThreadSanitizer (preset `tsan`).
 #include <doctest/doctest.h>
 
 #include <atomic>
@@ -20,7 +20,7 @@ namespace {
 
 constexpr int kThreads = 8, kRounds = 400;
 
-/// What one of the app's threads does in a round: each pushes a sensor of its own number, and all poll.
+/// One thread's calls in a round: each pushes a sensor of its own number, and all poll.
 void push_and_poll(odo_session* session, int thread, int round, std::atomic<uint64_t>& pushed) {
   const int64_t t_ns = 1'000'000'000 + round * 10'000'000LL;
   if (thread == 0) {
@@ -65,7 +65,7 @@ void push_and_poll(odo_session* session, int thread, int round, std::atomic<uint
 
 }  // namespace
 
-TEST_CASE("eight threads push and poll, live and in replay: every sample is processed or counted" *
+TEST_CASE("with eight threads that push and poll, live and in replay, every sample is processed or counted" *
           doctest::skip(!kCameraPlugins)) {
   for (const uint32_t run : {ODO_RUN_LIVE, ODO_RUN_REPLAY}) {
     CAPTURE(run);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The merging by time at its limits: counts that begin anew, times that are just within and just beyond.
+// Merging by time at its limits: restarted counts, times just within and just beyond.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -42,39 +42,43 @@ struct Order : TimeOrder {
 
 }  // namespace
 
-TEST_CASE("lone wild times are never believed, however many there are, while good samples lie between them") {
+TEST_CASE("isolated implausible times are never accepted, however many, while good samples are between them") {
   Order order(1024, 50 * kMs);
   for (int i = 0; i < 20; ++i) {
     CHECK(order.imu(i * 10 * kMs) == Verdict::accepted);
     CHECK(order.imu(1000 * kSecond + i) == Verdict::implausible);
-    CHECK(order.imu(2000 * kSecond + i) == Verdict::implausible);  // two in a row are not believed either
+    CHECK(order.imu(2000 * kSecond + i) == Verdict::implausible);  // two in a row are not accepted either
   }
   CHECK(order.size() == 20);
   CHECK(order.imu(200 * kMs) == Verdict::accepted);
-  // Each stream counts its own.
+  // Each stream has its own count.
   CHECK(order.imu(1000 * kSecond) == Verdict::implausible);
   CHECK(order.add(ODO_TYPE_MAGNETOMETER, 1000 * kSecond) == Verdict::implausible);
   CHECK(order.add(ODO_TYPE_FRAME, 1000 * kSecond) == Verdict::implausible);
   CHECK(order.imu(1000 * kSecond + 1) == Verdict::implausible);
-  CHECK(order.imu(1000 * kSecond + 2) == Verdict::accepted);  // the third of one stream: it has had a pause
+  CHECK(order.imu(1000 * kSecond + 2) == Verdict::accepted);  // the third of one stream, which has had a pause
 }
 
-TEST_CASE("ten seconds ahead are plausible, a nanosecond more is not; a lone sample of a duplicate's time is none") {
+TEST_CASE(
+    "ten seconds ahead are plausible and a nanosecond more is not, and an isolated sample at a duplicate's time is "
+    "not") {
   Order order(16, 50 * kMs);
   CHECK(order.imu(0) == Verdict::accepted);
   CHECK(order.imu(10 * kSecond + 1) == Verdict::implausible);
   CHECK(order.imu(10 * kSecond) == Verdict::accepted);
   CHECK(order.imu(10 * kSecond) == Verdict::duplicate);
-  CHECK(order.add(ODO_TYPE_IMU, 10 * kSecond, 1) == Verdict::accepted);  // another sensor's
+  CHECK(order.add(ODO_TYPE_IMU, 10 * kSecond, 1) == Verdict::accepted);  // of another sensor
   CHECK(order.add(ODO_TYPE_IMU, 10 * kSecond, 0, ODO_IMU_GYRO) == Verdict::accepted);
   CHECK(order.add(ODO_TYPE_IMU, 10 * kSecond, 0, ODO_IMU_ACCEL) == Verdict::accepted);
   CHECK(order.add(ODO_TYPE_IMU, 10 * kSecond, 0, ODO_IMU_ACCEL) == Verdict::duplicate);
-  // A magnetometer's flags part no streams.
+  // A magnetometer's flags do not separate streams.
   CHECK(order.add(ODO_TYPE_MAGNETOMETER, 10 * kSecond, 0, 0) == Verdict::accepted);
   CHECK(order.add(ODO_TYPE_MAGNETOMETER, 10 * kSecond, 0, 1) == Verdict::duplicate);
 }
 
-TEST_CASE("the fiftieth sample in a row behind its own sensor's time restarts, one in time between them begins anew") {
+TEST_CASE(
+    "the fiftieth consecutive sample behind its sensor's time causes a restart, one in time between them restarts the "
+    "count") {
   for (const uint32_t type : {ODO_TYPE_IMU, ODO_TYPE_MAGNETOMETER, ODO_TYPE_FRAME, ODO_TYPE_BAROMETER}) {
     CAPTURE(type);
     for (const uint32_t in_time : {0u, type, uint32_t(ODO_TYPE_IMU)}) {
@@ -93,7 +97,7 @@ TEST_CASE("the fiftieth sample in a row behind its own sensor's time restarts, o
   }
 }
 
-TEST_CASE("late samples that go forwards are no clock that was set back, and begin the count anew") {
+TEST_CASE("late samples with increasing times are no clock that was set back, and restart the count") {
   Order order(4096, 10 * kMs);
   REQUIRE(order.add(ODO_TYPE_MAGNETOMETER, 0) == Verdict::accepted);
   REQUIRE(order.imu(5 * kSecond) == Verdict::accepted);
@@ -105,7 +109,7 @@ TEST_CASE("late samples that go forwards are no clock that was set back, and beg
   CHECK(order.add(ODO_TYPE_MAGNETOMETER, 50) == Verdict::restarted);
 }
 
-TEST_CASE("a sensor that begins may be as late as the longest wait, not a nanosecond later, and joins once") {
+TEST_CASE("a starting sensor may be late by the longest wait and not a nanosecond more, and joins once") {
   for (const int64_t late_ns : {100 * kMs - 1, 100 * kMs, 100 * kMs + 1}) {
     CAPTURE(late_ns);
     Order order(64, 100 * kMs);
@@ -122,11 +126,11 @@ TEST_CASE("a sensor that begins may be as late as the longest wait, not a nanose
     CHECK(order.add(ODO_TYPE_FRAME, 6 * kSecond - 10 * kMs) == Verdict::late);
     REQUIRE(order.imu(8 * kSecond) == Verdict::accepted);
     REQUIRE(order.all(INT64_MAX).size() == 1);
-    CHECK(order.add(ODO_TYPE_FRAME, 8 * kSecond - 10 * kMs) == Verdict::accepted);  // after its silence it begins anew
+    CHECK(order.add(ODO_TYPE_FRAME, 8 * kSecond - 10 * kMs) == Verdict::accepted);  // it starts again after its silence
   }
 }
 
-TEST_CASE("a sensor is waited for up to a second of silence, or the longest wait where that is longer") {
+TEST_CASE("a sensor is waited for up to a second of silence, or the longest wait if that is longer") {
   for (const int64_t wait : {200 * kMs, 1500 * kMs}) {
     const int64_t silent = std::max(wait, kSecond);
     for (const int64_t since : {silent - 1, silent, silent + 1}) {
@@ -138,13 +142,14 @@ TEST_CASE("a sensor is waited for up to a second of silence, or the longest wait
       REQUIRE(order.imu(10 * kSecond) == Verdict::accepted);
       order.all();
       REQUIRE(order.imu(10 * kSecond + since) == Verdict::accepted);
-      CHECK(order.all().size() == (since > silent ? 1 : 0));  // else it waits for the camera
+      CHECK(order.all().size() == (since > silent ? 1 : 0));  // otherwise it waits for the camera
       CHECK(order.ready() == false);
     }
   }
 }
 
-TEST_CASE("nothing is released before the longest wait has passed since the first sample, then the slowest rules") {
+TEST_CASE(
+    "nothing is released before the longest wait since the first sample, then the slowest sensor determines the wait") {
   for (const int64_t newest : {99 * kMs, 100 * kMs, 101 * kMs}) {
     CAPTURE(newest);
     Order order(64, 100 * kMs);
@@ -161,7 +166,7 @@ TEST_CASE("nothing is released before the longest wait has passed since the firs
   CHECK(order.all(155 * kMs) == std::vector<int64_t>{150 * kMs});
 }
 
-TEST_CASE("a camera that is expected is waited for within the first second, and no longer once it has come") {
+TEST_CASE("an expected camera is waited for within the first second, and no longer once it has started") {
   for (const bool came : {false, true})
     for (const int64_t newest : {kSecond, kSecond + 1}) {
       Order order(64, 100 * kMs);
@@ -173,7 +178,7 @@ TEST_CASE("a camera that is expected is waited for within the first second, and 
     }
 }
 
-TEST_CASE("slow sensors and unknown messages are taken however late, describe no time, and keep their places") {
+TEST_CASE("slow sensors and unknown messages are accepted however late, define no time, and keep their places") {
   Order order(64, 0);
   REQUIRE(order.imu(5 * kSecond) == Verdict::accepted);
   REQUIRE(order.all().size() == 1);
@@ -190,16 +195,16 @@ TEST_CASE("slow sensors and unknown messages are taken however late, describe no
   REQUIRE(types.size() == 11);
   CHECK(types.back() == ODO_TYPE_IMU);
   CHECK(std::set<uint32_t>{types[0], types[1], types[2], types[3]} ==
-        std::set<uint32_t>{ODO_TYPE_IMU_NOISE, ODO_TYPE_CALIBRATION});  // what describes comes first
+        std::set<uint32_t>{ODO_TYPE_IMU_NOISE, ODO_TYPE_CALIBRATION});  // descriptions come first
   CHECK(order.add(ODO_TYPE_BAROMETER, 5 * kSecond) == Verdict::late);   // a late one sets nothing back
 }
 
-TEST_CASE("a restart forgets every time and count, and a full queue takes again what was taken out") {
+TEST_CASE("a restart discards all times and counts, and a full queue accepts again after a release") {
   Order order(2, 100 * kMs);
   REQUIRE(order.imu(50 * kSecond) == Verdict::accepted);
   REQUIRE(order.add(ODO_TYPE_FRAME, 50 * kSecond) == Verdict::accepted);
   CHECK(order.imu(50 * kSecond + 1) == Verdict::full);
-  CHECK(order.imu(50 * kSecond + 1) == Verdict::full);  // it was not noted: no duplicate
+  CHECK(order.imu(50 * kSecond + 1) == Verdict::full);  // it was not recorded: no duplicate
   CHECK(order.imu(100 * kSecond) == Verdict::implausible);
   CHECK(order.imu(101 * kSecond) == Verdict::implausible);
   for (OwnedMessage m; order.drain(m);) {

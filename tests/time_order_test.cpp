@@ -39,7 +39,7 @@ std::vector<std::pair<int64_t, uint32_t>> drain(TimeOrder& order) {
 
 }  // namespace
 
-TEST_CASE("whatever the arrival within the wait, the order of release is the same") {
+TEST_CASE("the order of release is independent of the arrival within the wait") {
   rc::check("shuffled arrivals", [] {
     std::vector<std::pair<int64_t, AnyMessage>> arrivals;  // arrival time, message
     for (int i = 0; i < 200; ++i) {
@@ -50,7 +50,7 @@ TEST_CASE("whatever the arrival within the wait, the order of release is the sam
       if (i % 10 == 0)
         arrivals.emplace_back(t + *rc::gen::inRange<int64_t>(0, 90 * kMs), whole(ODO_TYPE_FRAME, t + 2 * kMs));
     }
-    // Each sensor delivers in its own order; only between sensors it is mixed.
+    // Each sensor delivers in its own order; only the order between sensors is shuffled.
     std::stable_sort(arrivals.begin(), arrivals.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
     for (const uint32_t type : {ODO_TYPE_IMU, ODO_TYPE_MAGNETOMETER, ODO_TYPE_FRAME}) {
       std::vector<AnyMessage> of_type;
@@ -75,7 +75,7 @@ TEST_CASE("whatever the arrival within the wait, the order of release is the sam
   });
 }
 
-TEST_CASE("a camera that is described is waited for before its first frame too, for a second") {
+TEST_CASE("a described camera is waited for before its first frame too, for a second") {
   for (const int first_ms : {200, 900, 1500}) {
     CAPTURE(first_ms);
     TimeOrder order(1024, 200 * kMs);
@@ -84,7 +84,7 @@ TEST_CASE("a camera that is described is waited for before its first frame too, 
     CHECK(order.push(OwnedMessage(whole(ODO_TYPE_CALIBRATION, 0).header())) == TimeOrder::Verdict::accepted);
     for (int t_ms = 0; t_ms < 2000; t_ms += 5) {
       order.push(OwnedMessage(whole(ODO_TYPE_IMU, t_ms * kMs).header()));
-      const int frame_ms = t_ms - 45;  // a picture takes its time
+      const int frame_ms = t_ms - 45;  // a picture is delivered late
       if (frame_ms >= first_ms && frame_ms % 50 == 0)
         order.push(OwnedMessage(whole(ODO_TYPE_FRAME, frame_ms * kMs).header()));
       while (order.pop(m)) released.emplace_back(m.header().t_ns, m.header().type);
@@ -96,7 +96,7 @@ TEST_CASE("a camera that is described is waited for before its first frame too, 
   }
 }
 
-TEST_CASE("late, duplicate and wild samples are told apart") {
+TEST_CASE("late, duplicate and implausible samples are distinguished") {
   TimeOrder order(64, 50 * kMs);
   OwnedMessage m;
   for (int i = 0; i < 20; ++i) order.push(OwnedMessage(whole(ODO_TYPE_IMU, i * 10 * kMs).header()));
@@ -127,7 +127,7 @@ TEST_CASE("a sensor clock that is set back restarts the order instead of droppin
   CHECK(order.push(OwnedMessage(whole(ODO_TYPE_IMU, ++pushes * 10 * kMs).header())) == TimeOrder::Verdict::accepted);
 }
 
-TEST_CASE("a full queue says so and loses nothing that it holds") {
+TEST_CASE("a full queue reports it and loses nothing that it holds") {
   TimeOrder order(64, 10'000 * kMs);
   int accepted = 0;
   for (int i = 0; i < 100; ++i)
@@ -156,7 +156,7 @@ TEST_CASE("a sensor that starts while others run is waited for from its first sa
   CHECK(std::is_sorted(imu.begin(), imu.end()));
 }
 
-TEST_CASE("a stream that stalled and comes late all at once does not restart the clock") {
+TEST_CASE("a stalled stream that arrives late all at once does not restart the clock") {
   TimeOrder order(256, 50 * kMs);
   OwnedMessage m;
   const auto gyro = [](int i) {
@@ -182,7 +182,7 @@ TEST_CASE("a stream that stalled and comes late all at once does not restart the
   }
 }
 
-TEST_CASE("a sensor that is silent no longer holds the others back") {
+TEST_CASE("a silent sensor no longer delays the others") {
   TimeOrder order(256, 200 * kMs);
   OwnedMessage m;
   int64_t released = 0;
@@ -195,7 +195,7 @@ TEST_CASE("a sensor that is silent no longer holds the others back") {
   }
 }
 
-TEST_CASE("times at the ends of the range overflow nothing") {
+TEST_CASE("times at the ends of the range cause no overflow") {
   TimeOrder order(16, 200 * kMs);
   for (const int64_t t : {INT64_MAX, INT64_MAX - 1, INT64_MIN + 1, int64_t(0), INT64_MAX})
     order.push(OwnedMessage(whole(ODO_TYPE_IMU, t).header()));
@@ -213,7 +213,7 @@ TEST_CASE("calibrations come before the frames of the same time") {
   CHECK(out.front().second == ODO_TYPE_CALIBRATION);
 }
 
-TEST_CASE("accelerometer and gyroscope that come apart are joined by interpolation") {
+TEST_CASE("separate accelerometer and gyroscope samples are joined by interpolation") {
   ImuJoiner joiner;
   std::vector<odo_imu> whole_samples;
   const auto push = [&](uint32_t flag, int64_t t, double x) {
@@ -222,7 +222,7 @@ TEST_CASE("accelerometer and gyroscope that come apart are joined by interpolati
     (flag == ODO_IMU_GYRO ? imu.gyro_b : imu.accel_b)[0] = x;
     joiner.push(imu, [&](const odo_imu& w) { whole_samples.push_back(w); });
   };
-  push(ODO_IMU_GYRO, 50, 1.0);  // before the first accelerometer sample: nothing to interpolate from
+  push(ODO_IMU_GYRO, 50, 1.0);  // before the first accelerometer sample: no interpolation possible
   push(ODO_IMU_ACCEL, 100, 10.0);
   push(ODO_IMU_GYRO, 125, 2.0);
   push(ODO_IMU_GYRO, 175, 3.0);
@@ -233,7 +233,7 @@ TEST_CASE("accelerometer and gyroscope that come apart are joined by interpolati
   CHECK(whole_samples[1].gyro_b[0] == 3.0);
 }
 
-TEST_CASE("samples of both sensors at one time are joined, whichever of them comes first") {
+TEST_CASE("samples of both sensors at one time are joined in either order of arrival") {
   for (const bool gyro_first : {false, true}) {
     CAPTURE(gyro_first);
     ImuJoiner joiner;
@@ -248,7 +248,7 @@ TEST_CASE("samples of both sensors at one time are joined, whichever of them com
       push(gyro_first ? ODO_IMU_GYRO : ODO_IMU_ACCEL, t);
       push(gyro_first ? ODO_IMU_ACCEL : ODO_IMU_GYRO, t);
     }
-    REQUIRE(whole_samples.size() == 4);  // the first has no accelerometer before it, or the last none behind it
+    REQUIRE(whole_samples.size() == 4);  // the first has no accelerometer sample before it, or the last none after it
     for (const odo_imu& w : whole_samples) CHECK(w.accel_b[0] == w.gyro_b[0]);
   }
 }
@@ -273,7 +273,7 @@ TEST_CASE("a gyroscope without an accelerometer is passed on alone, in order, an
   CHECK(taken.back().header.flags == (ODO_IMU_GYRO | ODO_IMU_ACCEL));
 }
 
-TEST_CASE("a sample of another sensor that is as old as the last one released is in time, an older one is late") {
+TEST_CASE("another sensor's sample as old as the last released one is in time, and an older one is late") {
   TimeOrder order(64, 0);
   for (const uint32_t type : {ODO_TYPE_IMU, ODO_TYPE_MAGNETOMETER})
     REQUIRE(order.push(OwnedMessage(whole(type, kMs).header())) == TimeOrder::Verdict::accepted);

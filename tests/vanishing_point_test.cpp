@@ -29,7 +29,8 @@ constexpr double kDegree = std::numbers::pi / 180;
 
 double apart_deg(const Vector3d& a, const Vector3d& b) { return std::atan2(a.cross(b).norm(), a.dot(b)) / kDegree; }
 
-/// Upright edges around a camera that looks up, each off by half a pixel of a lens with f = 200, and lines any way.
+/// Upright edges around a camera that looks up, each with an error of half a pixel at f = 200, and lines in any
+/// direction.
 std::vector<SeenLine> lines_around(Random& random, const Vector3d& up_c, int upright, int other) {
   std::vector<SeenLine> lines;
   const auto direction = [&] { return Vector3d(random.normal(), random.normal(), random.normal()).normalized(); };
@@ -51,7 +52,7 @@ std::vector<SeenLine> lines_around(Random& random, const Vector3d& up_c, int upr
 
 }  // namespace
 
-TEST_CASE("upright lines tell the zenith among others that are as many, as well as they say") {
+TEST_CASE("upright lines give the zenith among as many others, consistently with its sigma") {
   Random random(5, 1);
   double normalised = 0;
   int found = 0;
@@ -68,7 +69,7 @@ TEST_CASE("upright lines tell the zenith among others that are as many, as well 
   CHECK(normalised / found < 1.5);
 }
 
-TEST_CASE("a picture without upright lines tells no zenith") {
+TEST_CASE("a picture without upright lines gives no zenith") {
   Random random(6, 1);
   int told = 0;
   for (int i = 0; i < 100; ++i)
@@ -77,7 +78,7 @@ TEST_CASE("a picture without upright lines tells no zenith") {
   CHECK_FALSE(vanishing_zenith({}, Vector3d::UnitZ(), {}));
 }
 
-TEST_CASE("pitch and roll by vanishing points in pictures of real cities" *
+TEST_CASE("pitch and roll by vanishing points in pictures of real cities are within limits" *
           doctest::test_suite("vanishing_point_data")) {
   const auto folder = data_or_skip("city");
   if (folder.empty()) return;
@@ -121,7 +122,7 @@ TEST_CASE("pitch and roll by vanishing points in pictures of real cities" *
           const Vector3d prior_c = (up_c + 0.02 * Vector3d(random.normal(), random.normal(), 0)).normalized();
           if (const auto zenith = vanishing_zenith(lines_of(grey, camera.lens_of(*frame), {}), prior_c, {})) {
             errors.push_back(apart_deg(zenith->up_c, up_c));
-            beyond += errors.back() * kDegree > 3.44 * zenith->sigma_rad;  // 99.73 % of a plane
+            beyond += errors.back() * kDegree > 3.44 * zenith->sigma_rad;  // 99.73 % in two dimensions
           }
         }
         frame->loan.release(frame->loan.owner);

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The visual-inertial filter on a walk past points whose places are known: what an IMU's axes and bad corners do to the
-// metre.
+// The visual-inertial filter on a walk past known points: effect of IMU axis errors and bad corners on the scale.
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -26,7 +25,7 @@ using odograph::log_rotation;
 constexpr double kGravity = 9.81, kPi = 3.141592653589793, kFrame_s = 0.1, kSample_s = 0.005;
 constexpr int kWidth = 640, kHeight = 480;
 
-/// A phone in the hand of a walker: 1.5 m/s towards x, two steps a second; from then on small steps of 0.2 m/s.
+/// A phone in a walker's hand: 1.5 m/s towards x, two steps per second; later small steps of 0.2 m/s.
 struct Walk {
   double slow_from_s = 1e3;
 
@@ -55,11 +54,11 @@ struct Walk {
 
 struct Trial {
   Matrix3d gyro_axes = Matrix3d::Identity(), accel_axes = Matrix3d::Identity();
-  double bad_corners = 0;                               ///< part of the points that slide
-  double walk_px = 0;                                   ///< of each corner on its point, px/sqrt(s)
-  double scale_sigma = 0.35;                            ///< of the filter's start
-  double breathing = 0;                                 ///< of the focal length, to and fro in five seconds
-  double follow = 0;                                    ///< part of the rotation that a stabilised lens takes out
+  double bad_corners = 0;                               ///< share of the points that slide
+  double walk_px = 0;                                   ///< random walk of each corner on its point, px/sqrt(s)
+  double scale_sigma = 0.35;                            ///< at the filter's start
+  double breathing = 0;                                 ///< of the focal length, with a period of five seconds
+  double follow = 0;                                    ///< share of the rotation that a stabilised lens compensates
   double leak_hz = 0, end_leak_hz = 13, travel_px = 8;  ///< of that lens
   Walk walk;
   FilterParameters p;
@@ -72,7 +71,7 @@ struct Trial {
   Result run() const;
 };
 
-/// What the phone of a trial measures: one generator for all, so that a trial is always the same.
+/// Measurements of a trial's phone: a single generator, so that a trial is reproducible.
 class Phone {
  public:
   explicit Phone(const Trial& trial) : trial_(trial), points_(900) {
@@ -91,7 +90,7 @@ class Phone {
     return camera;
   }
 
-  /// Samples up to a little after the frame at t; until then the lens follows the hand.
+  /// Samples until slightly after the frame at t; meanwhile the lens follows the hand.
   void measure_motion(double t, ImuBuffer& imu) {
     for (; next_sample_s_ < t + 0.03; next_sample_s_ += kSample_s) {
       ImuSample s = trial_.walk.imu(next_sample_s_);
@@ -119,7 +118,7 @@ class Phone {
       if (y.z() < 0.5 || y.z() > 30) continue;
       const Vector2d pixel = lens.project(y.head<2>() / y.z()) + shift_;
       if (!(pixel.x() > 0 && pixel.y() > 0 && pixel.x() < kWidth && pixel.y() < kHeight)) continue;
-      // A bad corner is held back by what lies behind it, unevenly.
+      // A bad corner is held back, unevenly, by its background.
       const Vector2d outward = (pixel - Vector2d(320, 240)).normalized();
       if (trial_.walk_px > 0) x.slide += trial_.walk_px * std::sqrt(kFrame_s) * Vector2d(normal(), normal());
       if (x.bad) x.slide += (-0.35 + 0.5 * normal()) * outward;
@@ -174,7 +173,7 @@ Trial::Result Trial::run() const {
 
 TEST_SUITE_BEGIN("vio_filter");
 
-TEST_CASE("axes that are askew are found, and leave the metre alone") {
+TEST_CASE("misaligned axes are estimated and do not affect the scale") {
   Trial trial;
   trial.accel_axes << 1, 0.004, -0.006, 0.004, 1, 0.003, 0.007, -0.005, 1;
   trial.gyro_axes << 1.006, 0.003, 0, -0.003, 0.996, 0.004, 0.002, 0, 1;
@@ -187,11 +186,11 @@ TEST_CASE("axes that are askew are found, and leave the metre alone") {
   CHECK(std::abs(taken_as_right.scale - 1) > 2 * std::abs(found.scale - 1));
 }
 
-TEST_CASE("corners that slide weigh less than those that stay, and leave the metre alone") {
+TEST_CASE("sliding corners have less weight than static ones and do not affect the scale") {
   Trial trial;
   trial.bad_corners = 0.3;
   const auto weighed = trial.run();
-  trial.p.plain_residual_px = trial.p.min_residual_px = 1e3;  // all alike
+  trial.p.plain_residual_px = trial.p.min_residual_px = 1e3;  // all equal
   const auto alike = trial.run();
   MESSAGE("scale " << weighed.scale << ", all corners alike " << alike.scale);
   // Over twelve seeds 0.4 % too long with a standard deviation of 0.5 %; this one is among the worst.
@@ -199,7 +198,8 @@ TEST_CASE("corners that slide weigh less than those that stay, and leave the met
   CHECK(std::abs(alike.scale - 1) > 1.5 * std::abs(weighed.scale - 1));
 }
 
-TEST_CASE("corners that walk leave the metre alone where the scale of all lengths is an error of its own") {
+TEST_CASE(
+    "a random walk of corners does not affect the scale if the scale of all lengths is an error state of its own") {
   Trial trial;
   trial.walk_px = 0.3;
   const auto own = trial.run();
@@ -210,7 +210,7 @@ TEST_CASE("corners that walk leave the metre alone where the scale of all length
   CHECK(std::abs(none.scale - 1) > 2 * std::abs(own.scale - 1));
 }
 
-TEST_CASE("a focal length that moves and is not told leaves the metre alone") {
+TEST_CASE("an unreported change of focal length does not affect the scale") {
   Trial trial;
   trial.breathing = 0.006;
   const auto followed = trial.run();
@@ -221,25 +221,25 @@ TEST_CASE("a focal length that moves and is not told leaves the metre alone") {
   CHECK(std::abs(taken_as_still.scale - 1) > 2 * std::abs(followed.scale - 1));
 }
 
-TEST_CASE("small steps of 0.2 m/s are no standing") {
+TEST_CASE("small steps of 0.2 m/s are not standing") {
   Trial trial;
   trial.walk.slow_from_s = 12, trial.judged_from_s = 13.5, trial.duration_s = 24;
   const auto walks = trial.run();
-  trial.p.stand.sway_m = 10;  // whatever moves may be a hand
+  trial.p.stand.sway_m = 10;  // any motion may be a hand's
   const auto stands = trial.run();
   MESSAGE("scale " << walks.scale << ", taken for standing " << stands.scale);
   CHECK(std::abs(walks.scale - 1) < 0.015);
   CHECK(std::abs(stands.scale - 1) > 2 * std::abs(walks.scale - 1));
 }
 
-TEST_CASE("a lens that does not follow the hand is known to be fixed, and one that does is not, whatever its leak") {
+TEST_CASE("a fixed lens is recognised, and a stabilised one is not taken for fixed, whatever its leak") {
   Trial trial;
   const auto fixed = trial.run();
   CHECK(std::abs(fixed.state.camera.follow) < 1e-3);
   CHECK(fixed.state.camera.shift_px.norm() < 0.01);
   CHECK(std::abs(fixed.scale - 1) < 0.0075);
   trial.follow = 0.8;
-  for (const double more : {0.4, 1.0, 2.5}) {  // than the model's
+  for (const double more : {0.4, 1.0, 2.5}) {  // factor on the model's leak
     CAPTURE(more);
     trial.leak_hz = 0.9 * more, trial.end_leak_hz = 13 * more;
     const auto found = trial.run();
@@ -250,7 +250,7 @@ TEST_CASE("a lens that does not follow the hand is known to be fixed, and one th
   }
 }
 
-TEST_CASE("landmarks seen together are what they are one after the other, where the equations are linear") {
+TEST_CASE("a joint update of landmarks equals consecutive ones if the equations are linear") {
   Trial trial;
   trial.duration_s = 3;
   const State state = trial.run().state;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// vo/odograph with inertia over whole recordings: the metre from the middle of a flight, a walk that starts from
-// standing, a lens that is told again.
+// vo/odograph with inertia over whole recordings: the scale from the middle of a flight, a walk that starts from
+// standing, a lens with repeated calibrations.
 #include <cmath>
 #include <cstring>
 #include <fstream>
@@ -22,7 +22,7 @@ using namespace odograph;
 namespace {
 
 struct Composed {
-  Trajectory track;  ///< metric motions, one after the other
+  Trajectory track;  ///< composed metric motions
   double first_metric_s = -1;
   size_t motions = 0, groups = 0, refined = 0;
 };
@@ -73,7 +73,7 @@ Errors errors_of(const Recording& recording, const Composed& composed) {
 
 TEST_SUITE_BEGIN("vio_recordings");
 
-TEST_CASE("the metre is found in mid-flight and kept (EuRoC MH_05)" * doctest::test_suite("vio_recordings_data")) {
+TEST_CASE("the scale is found in mid-flight and kept (EuRoC MH_05)" * doctest::test_suite("vio_recordings_data")) {
   const auto path = data_or_skip("euroc_mh05");
   if (path.empty()) return;
   const auto recording = read_recording(path);
@@ -94,7 +94,7 @@ TEST_CASE("a start in mid-flight is not wrong and certain, and keeps its shape (
   if (path.empty()) return;
   const auto recording = read_recording(path);
   REQUIRE(recording);
-  for (const double from_s : {8.0, 10.0}) {  // 18 % too short and 16 % too long at a stated 5 and 3 % before
+  for (const double from_s : {8.0, 10.0}) {  // without the check 18 % too short and 16 % too long at a stated 5 and 3 %
     Degradation window;
     window.cut_s = from_s, window.length_s = 8;
     const Recording part = degraded(*recording, window, 1);
@@ -104,11 +104,11 @@ TEST_CASE("a start in mid-flight is not wrong and certain, and keeps its shape (
     CHECK(w.start_s < 2.2);
     CHECK(w.worst_sigmas < 3);
     MESSAGE("from " << from_s << " s: " << w.sim3_rmse_m << " m after Sim(3)");
-    CHECK(w.sim3_rmse_m < 0.035);  // 0.05 where corrections of the whole window are told as motions
+    CHECK(w.sim3_rmse_m < 0.035);  // 0.05 if corrections of the whole window are reported as motions
   }
 }
 
-TEST_CASE("in a real house the steps learn from the camera, and neither contradicts the other" *
+TEST_CASE("in a real house the steps are calibrated by the camera, and neither contradicts the other" *
           doctest::test_suite("vio_recordings_data")) {
   const auto path = data_or_skip("phone_house");
   if (path.empty()) return;
@@ -124,7 +124,7 @@ TEST_CASE("in a real house the steps learn from the camera, and neither contradi
   CHECK(by_steps_m == doctest::Approx(result->statistics.distance_m).epsilon(0.12));  // measured: 26.0 and 23.8 m
 }
 
-TEST_CASE("a walk from standing is metric from its first step, through a lens that is told again with every frame") {
+TEST_CASE("a walk from standing is metric from its first step, with a calibration before every frame") {
   const TemporaryFolder folder;
   const auto scenario = read_scenario(source("samples/scenarios/walk_short.yaml").string());
   REQUIRE(scenario);
@@ -153,7 +153,7 @@ TEST_CASE("a walk from standing is metric from its first step, through a lens th
   CHECK(std::abs(e.scale - 1) < 0.05);
 }
 
-TEST_CASE("a bias that a data sheet holds for steadier than a phone in a hand has it is not believed") {
+TEST_CASE("a bias random walk smaller than in a hand-held phone, as in a data sheet, is not accepted") {
   const TemporaryFolder folder;
   const auto scenario = read_scenario(source("samples/scenarios/walk_short.yaml").string());
   REQUIRE(scenario);
@@ -182,7 +182,7 @@ TEST_CASE("a bias that a data sheet holds for steadier than a phone in a hand ha
   CHECK(composed[0].track.back().p != composed[2].track.back().p);
 }
 
-TEST_CASE("a run says what its metre rests on, and a front-end can be believed less than it says") {
+TEST_CASE("a run reports the source of its scale, and a front-end can be given less weight than it states") {
   const TemporaryFolder folder;
   const auto scenario = read_scenario(source("samples/scenarios/walk_short.yaml").string());
   REQUIRE(scenario);
@@ -210,7 +210,7 @@ TEST_CASE("a run says what its metre rests on, and a front-end can be believed l
   CHECK(said[1].scale_by_steps > said[0].scale_by_steps);
 }
 
-TEST_CASE("a lens that breathes by 3 % keeps track and metre, and is the same told by calibrations or by the frames") {
+TEST_CASE("a lens that breathes by 3 % keeps track and scale, identically by calibrations or by the frames") {
   const TemporaryFolder folder;
   const auto scenario = read_scenario(source("samples/scenarios/walk_short.yaml").string());
   REQUIRE(scenario);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// When the visual-inertial filter begins, when it takes itself for standing, and what it does not look at.
+// Start of the visual-inertial filter, detection of standing, and inputs that are ignored.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -29,8 +29,8 @@ Camera global_shutter() {
   return camera;
 }
 
-/// A phone that is held upright (y down) and turns about gravity, or is carried along x as well: 1.2 s, 20 frames and
-/// 200 samples a second, 60 points at 3 to 8 m.
+/// An upright phone (y down) that rotates about gravity, or also moves along x: 1.2 s, 20 frames and 200 samples per
+/// second, 60 points at 3 to 8 m.
 struct Scene {
   std::deque<StartFrame> frames;
   ImuBuffer imu;
@@ -73,7 +73,7 @@ struct Scene {
 
 TEST_SUITE_BEGIN("vio_start");
 
-TEST_CASE("a phone that is held still starts, and its gyroscope's bias is known") {
+TEST_CASE("a phone that is held still starts with a known gyro bias") {
   const auto filter = Scene(0, 0, 0.01).start();
   REQUIRE(filter);
   CHECK(std::abs(filter->state().nav.gyro_bias.y() - 0.01) < 0.0005);
@@ -82,8 +82,8 @@ TEST_CASE("a phone that is held still starts, and its gyroscope's bias is known"
   CHECK(up_b.dot(-Vector3d::UnitY()) > 0.9999);
 }
 
-TEST_CASE("half a second of a swing about its turning point looks like stillness, a second of it does not") {
-  // 0.9 m/s^2 at the end of a swing of 2.4 s and 13 cm: 1.5 px of picture at 3 to 8 m in the last half second.
+TEST_CASE("half a second of a swing about its turning point looks like standing, a second of it does not") {
+  // 0.9 m/s^2 at the end of a swing of 2.4 s and 13 cm: 1.5 px in the picture at 3 to 8 m in the last half second.
   Scene scene(0, 0);
   const auto x = [](double t) { return 0.13 * std::cos(2.6 * (t - 0.95)); };
   std::mt19937 generator(3);
@@ -102,14 +102,13 @@ TEST_CASE("half a second of a swing about its turning point looks like stillness
   }
   StartParameters half;
   half.still_s = 0.5;
-  CHECK(start_still(scene.frames, scene.imu, global_shutter(), {}, half));  // what was taken for stillness
+  CHECK(start_still(scene.frames, scene.imu, global_shutter(), {}, half));  // taken for standing
   StartParameters second;
   second.still_s = 1.0;
   CHECK_FALSE(start_still(scene.frames, scene.imu, global_shutter(), {}, second));
 }
 
-TEST_CASE(
-    "at rest an accelerometer's bias along gravity is learnt, and what lies across is known to go with the tilt") {
+TEST_CASE("at rest the accelerometer bias along gravity is observable, and across gravity only with the tilt") {
   Scene scene(0, 0);
   const Vector3d bias(0.39, -0.43, -0.11);  // of a recorded phone
   ImuBuffer biased;
@@ -123,13 +122,13 @@ TEST_CASE(
   const auto sigma = [&](int at) { return std::sqrt(s.P(at, at)); };
   CHECK(sigma(block::accel_bias + 1) < 0.13);  // along gravity
   CHECK(sigma(block::accel_bias) > 0.15);      // across
-  // The tilt is off by the bias across gravity, and is stated to be.
+  // The tilt error is that of the bias across gravity, and so is its sigma.
   const double tilt = std::acos(std::clamp(up_b.dot(-Vector3d::UnitY()), -1.0, 1.0));
   CHECK(tilt < 3 * std::hypot(sigma(block::theta), sigma(block::theta + 1)));
   CHECK(tilt > 0.03);
 }
 
-TEST_CASE("the samples' second differences tell a vibrating body, not a moving one") {
+TEST_CASE("the samples' second differences measure vibration, not motion") {
   std::mt19937 generator(5);
   std::normal_distribution<double> unit(0, 1);
   ImuBuffer smooth, shaken;
@@ -149,9 +148,9 @@ TEST_CASE("the samples' second differences tell a vibrating body, not a moving o
   CHECK(rough.rate_hz == doctest::Approx(200));
 }
 
-TEST_CASE("a vibration that a slow sensor folds to where the body moves is noise of the velocity") {
-  // 97 Hz and a little, as a rotor is never steady, sampled at 100 Hz: the sums of the force over half a second are off
-  // from those of a body that does not move.
+TEST_CASE("a vibration aliased into the band of the motion is noise of the velocity") {
+  // 97 Hz plus jitter, as a rotor is never steady, sampled at 100 Hz: integrals of the force over half a second differ
+  // from those of a body at rest.
   ImuBuffer folded;
   std::mt19937 generator(5);
   std::normal_distribution<double> unit(0, 1);
@@ -176,7 +175,7 @@ TEST_CASE("a vibration that a slow sensor folds to where the body moves is noise
   CHECK(noise.part_of_vibration(100, noise.gyro_vibration_part) == noise.part_of_vibration(100, fast));
 }
 
-TEST_CASE("two starts are compared by the depths of what both see") {
+TEST_CASE("two starts are compared by the depths of their common landmarks") {
   State first, second;
   for (State* s : {&first, &second}) {
     const double scale = s == &first ? 1 : 1.25;
@@ -206,28 +205,28 @@ TEST_CASE("a phone that rotates slowly starts, and its rotation is not taken for
   CHECK(std::abs(filter->state().nav.gyro_bias.y()) < 0.01);
 }
 
-TEST_CASE("who turns on the spot carries the phone around: that is no stillness") {
-  CHECK_FALSE(Scene(0.6, 0).start());
+TEST_CASE("turning on the spot carries the phone around and is not standing") { CHECK_FALSE(Scene(0.6, 0).start()); }
+
+TEST_CASE("a uniform motion has the force of standing, and the pictures distinguish it") {
+  CHECK_FALSE(Scene(0, 0.3).start());
 }
 
-TEST_CASE("an even motion has the force of stillness, and the pictures tell it") { CHECK_FALSE(Scene(0, 0.3).start()); }
-
-TEST_CASE("a hand that trembles stands, and so does one whose accelerometer is known to be noisy") {
-  CHECK(Scene(0, 0, 0, 0.27).start());  // m/s^2 an axis
+TEST_CASE("a trembling hand stands, also with a noisy accelerometer") {
+  CHECK(Scene(0, 0, 0, 0.27).start());  // m/s^2 per axis
   CHECK_FALSE(Scene(0, 0, 0, 0.7).start());
   FilterParameters noisy;
   noisy.noise.accel = 0.05;  // 0.7 m/s^2 at 200 Hz
   CHECK(Scene(0, 0, 0, 0.7).start(noisy));
 }
 
-TEST_CASE("a camera that stands fits any metre, and no start in motion is made of it") {
-  for (unsigned seed = 0; seed < 40; ++seed) {  // without looking at the parallax six of them start
+TEST_CASE("a standing camera fits any scale, and no start in motion results from it") {
+  for (unsigned seed = 0; seed < 40; ++seed) {  // without the parallax check six of them start
     Scene scene(0, 0, 0, 0.3);
     std::mt19937 generator(seed);
     std::normal_distribution<double> unit(0, 1), noise(0, 1e-4);
     const Vector3d speed(unit(generator), unit(generator), unit(generator));
     const Vector3d acceleration(unit(generator), unit(generator), unit(generator));
-    for (StartFrame& frame : scene.frames) {  // a visual odometry that flies away
+    for (StartFrame& frame : scene.frames) {  // a diverging visual odometry
       frame.posed = true;
       const double t = 1e-9 * static_cast<double>(frame.corners.t_ns);
       frame.T_w_c.translation() =
@@ -238,8 +237,8 @@ TEST_CASE("a camera that stands fits any metre, and no start in motion is made o
   }
 }
 
-TEST_CASE("a start in motion knows that it did not stand so long ago: the metre of one second is better for it") {
-  // Standing for 2 s, then 1 s of a walk that begins; a visual odometry good to 0.3 % of the depth.
+TEST_CASE("a start in motion uses that the phone stood shortly before, which improves the scale of one second") {
+  // Standing for 2 s, then 1 s of a starting walk; a visual odometry accurate to 0.3 % of the depth.
   const auto velocity = [](double t) { return t < 2 ? 0.0 : 1.2 * (1 - std::exp(-(t - 2) / 0.4)); };
   std::vector<double> with, without;
   for (unsigned seed = 0; seed < 21; ++seed) {
@@ -277,7 +276,7 @@ TEST_CASE("a start in motion knows that it did not stand so long ago: the metre 
   CHECK(without[10] > 1.5 * with[10]);
 }
 
-TEST_CASE("what a rotation leaves over of the picture's flow is the parallax") {
+TEST_CASE("the flow beyond a rotation is the parallax") {
   const Scene turning(0.3, 0), moving(0.3, 0.5);
   const auto flow = [](const Scene& s) {
     return flow_beside_rotation(s.frames[4].corners, s.frames[12].corners, global_shutter(), 15);
@@ -289,7 +288,7 @@ TEST_CASE("what a rotation leaves over of the picture's flow is the parallax") {
   CHECK_FALSE(flow_beside_rotation(turning.frames[4].corners, turning.frames[12].corners, global_shutter(), 500));
 }
 
-TEST_CASE("the hot pixels of a dark picture are no corners") {
+TEST_CASE("the hot pixels of a dark picture are not corners") {
   cv::Mat bright(480, 640, CV_8U), dark(480, 640, CV_8U, cv::Scalar(2));
   for (int y = 0; y < bright.rows; ++y)
     for (int x = 0; x < bright.cols; ++x) bright.at<uchar>(y, x) = (x / 40 + y / 40) % 2 ? 180 : 60;
@@ -310,7 +309,7 @@ TEST_CASE("the hot pixels of a dark picture are no corners") {
   CHECK(follow(dark, 3).empty());
   const auto after = follow(bright, 4);
   REQUIRE(after.size() > 50);
-  CHECK(after.front().track > before.back().track);  // nothing is followed through the dark
+  CHECK(after.front().track > before.back().track);  // nothing is tracked through the dark
 }
 
 TEST_SUITE_END();

@@ -58,7 +58,7 @@ ImuBuffer some_imu() {
   return imu;
 }
 
-/// The right-invariant difference of two poses: theta, rho.
+/// Right-invariant difference of two poses: theta, rho.
 Eigen::Matrix<double, 6, 1> difference(const Quaterniond& q, const Vector3d& p, const Quaterniond& q0,
                                        const Vector3d& p0) {
   Eigen::Matrix<double, 6, 1> out;
@@ -71,7 +71,7 @@ Eigen::Matrix<double, 6, 1> difference(const Quaterniond& q, const Vector3d& p, 
 
 TEST_SUITE_BEGIN("vio");
 
-TEST_CASE("an observation's derivatives are those of finite differences") {
+TEST_CASE("an observation's derivatives equal finite differences") {
   generator.seed(11);
   for (int trial = 0; trial < 20; ++trial) {
     State state = some_state();
@@ -111,7 +111,7 @@ TEST_CASE("an observation's derivatives are those of finite differences") {
   }
 }
 
-TEST_CASE("the covariance is carried by the derivative of the motion") {
+TEST_CASE("the covariance is propagated by the derivative of the motion") {
   generator.seed(12);
   const ImuBuffer imu = some_imu();
   const State state = some_state();
@@ -144,7 +144,7 @@ TEST_CASE("the covariance is carried by the derivative of the motion") {
   CHECK((carried - expected).norm() < 5e-3 * expected.norm());
   const Eigen::MatrixXd with_axes = numeric.rightCols<block::axes>() * 1e-4;
   CHECK((reference.P.block<15, block::axes>(0, block::gyro_axes) - with_axes).norm() < 5e-3 * with_axes.norm());
-  // The position alone, which is small beside the velocity: 1e-4 of it by the integration's second order.
+  // The position alone, which is small compared with the velocity: 1e-4 of it by the integration's second order.
   const Eigen::MatrixXd position = with_axes.middleRows<3>(block::rho);
   const double off =
       (reference.P.block<3, block::axes>(block::rho, block::gyro_axes) - position).norm() / position.norm();
@@ -177,16 +177,16 @@ TEST_CASE("a stabilised lens's shift and its covariance follow the gyroscope") {
         (shift(0.6, state.camera.shift_px + h * Eigen::Vector2d::Unit(k)).camera.shift_px - moved.camera.shift_px) / h;
   J.col(2) = (shift(0.6 + h, state.camera.shift_px).camera.shift_px - moved.camera.shift_px) / h;
   J.col(3) = (shift(0.6, state.camera.shift_px, 0.3 + h).camera.shift_px - moved.camera.shift_px) / h;
-  REQUIRE(J.col(2).norm() > 1);    // there was a rotation to follow
-  REQUIRE(J.col(3).norm() > 0.1);  // and a shift to give way
+  REQUIRE(J.col(2).norm() > 1);    // there was a rotation to compensate
+  REQUIRE(J.col(3).norm() > 0.1);  // and a shift to leak
   const Eigen::Matrix2d expected = J * state.P.block<4, 4>(block::shift, block::shift) * J.transpose();
   const Eigen::Matrix2d carried = moved.P.block<2, 2>(block::shift, block::shift);
   CHECK((carried - expected).norm() < 1e-3 * expected.norm());
-  // What is not followed does not move.
+  // Without a gain there is no shift.
   CHECK(shift(0, Eigen::Vector2d::Zero()).camera.shift_px.norm() == 0);
 }
 
-TEST_CASE("a patch is found again grown, sheared, shifted and in another light") {
+TEST_CASE("a patch is matched after growth, shear, shift and a change of light") {
   cv::Mat texture(240, 240, CV_8U);
   for (int y = 0; y < 240; ++y)
     for (int x = 0; x < 240; ++x)
@@ -215,7 +215,7 @@ TEST_CASE("a patch is found again grown, sheared, shifted and in another light")
   CHECK((match->map.at - now_at).norm() < 0.05);
   CHECK((match->map.A - A).norm() < 0.03);
   CHECK(match->difference < 1.5);
-  // Nothing to be seen, and the border.
+  // Without texture, and at the border.
   CHECK_FALSE(patch.remember(cv::Mat(100, 100, CV_8U, cv::Scalar(80)), {50, 50}, p));
   CHECK_FALSE(patch.remember(texture, {4, 100}, p));
   REQUIRE(patch.remember(texture, at, p));
@@ -238,7 +238,7 @@ TEST_CASE("a clone's covariance is that of the camera's pose") {
       Eigen::VectorXd delta = Eigen::VectorXd::Zero(s.size());
       delta[k] = step;
       s.correct(delta);
-      if (k == block::time_offset) {  // the camera looks that much later
+      if (k == block::time_offset) {  // the camera's pose is later by that
         integrate(s.nav, s.t_ns, s.t_ns + static_cast<int64_t>(step * 1e9), imu, p.gravity_mps2);
       }
       augment(s, 0, 1, imu, p);
@@ -254,7 +254,7 @@ TEST_CASE("a clone's covariance is that of the camera's pose") {
     CHECK((cloned.col(k) - expected.col(k)).norm() < 2e-2 * (expected.col(k).norm() + 1e-6));
 }
 
-TEST_CASE("a landmark hung on another clone keeps its place and its covariance in the world") {
+TEST_CASE("a landmark moved to another clone keeps its position and its covariance in the world") {
   generator.seed(14);
   State state = some_state();
   const ImuBuffer imu = some_imu();
@@ -280,10 +280,10 @@ TEST_CASE("a landmark hung on another clone keeps its place and its covariance i
   CHECK((covariance_in_w(state) - covariance).norm() < 1e-9 * covariance.norm());
 }
 
-TEST_CASE("the scale of all lengths together changes no picture, and accelerations alone contradict it") {
+TEST_CASE("the common scale of all lengths changes no picture, and only accelerations constrain it") {
   generator.seed(15);
   State state = some_state();
-  state.camera.line_time_s = 0;  // between the rows lies an acceleration, which is in metres
+  state.camera.line_time_s = 0;  // with a rolling shutter the acceleration, in metres, enters
   const ImuBuffer imu = some_imu();
   FilterParameters p;
   p.noise = {0, 0, 0, 0, 0, 0};
@@ -316,7 +316,7 @@ TEST_CASE("the scale of all lengths together changes no picture, and acceleratio
   CHECK((numeric - carried).norm() < 1e-3 * numeric.norm());
   CHECK((numeric - (state.nav.v_w - reference.nav.v_w)).norm() < 1e-6);
 
-  // What corrects the velocity beside the scale is multiplied by the scale's error from then on.
+  // From then on the scale error multiplies the correction of the velocity.
   Eigen::VectorXd delta = Eigen::VectorXd::Zero(reference.size());
   delta.segment<3>(block::nu) = Vector3d(0.1, -0.2, 0.3);
   reference.correct(delta);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// A VIT system made for the test of vo/vit: it integrates the gyroscope, moves along the body's x by a tenth of a metre
-// for each picture that is not all of one grey, and answers from a thread of its own, as real systems do. A config file
-// that holds "silent" makes it answer nothing.
+// A VIT system for the test of vo/vit: it integrates the gyroscope, moves along the body's x by a tenth of a metre per
+// picture that is not uniform, and answers from its own thread, as real systems do. With a config file containing
+// "silent" it answers nothing.
 #include <condition_variable>
 #include <deque>
 #include <fstream>

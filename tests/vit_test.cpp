@@ -36,7 +36,7 @@ Recording a_walk(const TemporaryFolder& folder) {
 
 }  // namespace
 
-TEST_CASE("a VIT system is a front-end: its metric poses arrive, turned from the IMU to the camera") {
+TEST_CASE("a VIT system is a front-end: its metric poses arrive, converted from the IMU to the camera") {
   const TemporaryFolder folder;
   const Recording recording = a_walk(folder);
   RunOptions options;
@@ -48,11 +48,11 @@ TEST_CASE("a VIT system is a front-end: its metric poses arrive, turned from the
   REQUIRE(result->motions.size() == frames - 1);
   for (const odo_vo_motion& m : result->motions) {
     CHECK((m.header.flags & ODO_VO_METRIC) != 0);
-    // A tenth of a metre along the body's x, which is the camera's x, and what the lever arm adds in a rotation.
+    // A tenth of a metre along the body's x, which is the camera's x, plus the effect of the lever arm in a rotation.
     CHECK(std::abs(Eigen::Vector3d(m.p_c0_c1).norm() - 0.1) < 0.02);
   }
   CHECK(result->final_state == ODO_TRACKING);
-  // The composed rotations are the gyroscope's, so nearly the true ones.
+  // The composed rotations are the gyroscope's, hence nearly the true ones.
   Eigen::Quaterniond q = Eigen::Quaterniond::Identity();
   for (const odo_vo_motion& m : result->motions)
     q = q * Eigen::Quaterniond(m.q_c0_c1[0], m.q_c0_c1[1], m.q_c0_c1[2], m.q_c0_c1[3]);
@@ -60,7 +60,7 @@ TEST_CASE("a VIT system is a front-end: its metric poses arrive, turned from the
   CHECK(q.angularDistance(truth.front().q.conjugate() * truth.back().q) < 0.1);
 }
 
-TEST_CASE("a VIT system that says nothing is lost, one that cannot be loaded is a config error by name") {
+TEST_CASE("a silent VIT system is lost, and one that cannot be loaded is a config error with its name") {
   const TemporaryFolder folder;
   const Recording recording = a_walk(folder);
   std::ofstream(folder / "quiet.txt") << "silent\n";

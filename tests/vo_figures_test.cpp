@@ -14,7 +14,7 @@ namespace {
 
 constexpr int64_t kFrame_ns = 100'000'000;  // 10 Hz
 
-/// What an odometry says of one frame, beside the true motion.
+/// Report of an odometry for one frame, beside the true motion.
 struct Says {
   double scale = 1;
   uint32_t flags = ODO_VO_ROTATION | ODO_VO_TRANSLATION | ODO_VO_METRIC | ODO_VO_INERTIAL;
@@ -33,7 +33,7 @@ struct Run {
   }
 };
 
-/// An odometry that sees every motion of the true path, but for what `says` makes of it. `down`: in the truth's frame.
+/// An odometry that reports every true motion as changed by `says`. `down`: in the truth's frame.
 template <class Speaker>
 Run run(const Trajectory& truth, Speaker says, const Vector3d& down = Vector3d::UnitZ()) {
   Run r{truth, {}, {}, {truth.front().t_ns}};
@@ -54,7 +54,7 @@ Run run(const Trajectory& truth, Speaker says, const Vector3d& down = Vector3d::
 
 Says right(size_t) { return {}; }
 
-/// So many frames of a camera that looks about while it goes where `at` says (m, by s).
+/// A number of frames of a camera that looks about while it moves along `at` (m, by s).
 template <class Path>
 Trajectory path(size_t frames, Path at) {
   Trajectory t;
@@ -71,7 +71,7 @@ Trajectory line(size_t frames) {
   return path(frames, [](double s) { return Vector3d(1.2 * s, 0, 0); });
 }
 
-/// 20 s straight ahead at 1 m/s, so long standing, and 20 s on.
+/// 20 s straight ahead at 1 m/s, standing, and another 20 s.
 Trajectory with_stop(double standing_s) {
   return path(static_cast<size_t>(10 * (40 + standing_s)), [=](double s) {
     return Vector3d(s < 20 ? s : std::max(20.0, s - standing_s), 0.1 * std::sin(0.2 * s), 0);
@@ -86,7 +86,7 @@ double spread(const Trajectory& t) {
 
 }  // namespace
 
-TEST_CASE("right motions chain to the true path") {
+TEST_CASE("correct motions compose to the true path") {
   const auto truth = path(400, [](double s) { return Vector3d(10 * std::sin(0.2 * s), s, 0.3 * std::cos(s)); });
   const VoFigures f = run(truth, right).figures();
   CHECK(f.se3_rmse_m < 1e-9);
@@ -102,39 +102,38 @@ TEST_CASE("right motions chain to the true path") {
   CHECK(f.scale_nees < 1e-9);
 }
 
-TEST_CASE("a scale that is wrong everywhere: its factor, and an error of so much of the path's spread") {
+TEST_CASE("a scale that is wrong everywhere gives its factor, and an error in proportion to the path's spread") {
   Run r = run(line(300), [](size_t) { return Says{.scale = 1.25}; });
   const VoFigures f = r.figures();
   CHECK(f.scale == doctest::Approx(0.8));
-  r.truth.erase(r.truth.begin());  // the first pose has no motion that ends in it
+  r.truth.erase(r.truth.begin());  // no motion ends at the first pose
   CHECK(f.se3_rmse_m == doctest::Approx(0.25 * spread(r.truth)));
   CHECK(f.sim3_rmse_m < 1e-9);
 }
 
-TEST_CASE("yaw alignment takes the vertical from the gravity of the motions, whichever way the reference's z looks") {
+TEST_CASE("yaw alignment takes the vertical from the gravity of the motions, for either sign of the reference's z") {
   const double tilt = 0.02;
   for (const double sign : {1.0, -1.0}) {
-    const Vector3d down = sign * Vector3d::UnitZ(),
-                   tilted = Eigen::AngleAxisd(tilt, Vector3d::UnitY()) * down;  // seen wrongly, about the path's side
+    const Vector3d down = sign * Vector3d::UnitZ(), tilted = Eigen::AngleAxisd(tilt, Vector3d::UnitY()) *
+                                                             down;  // with an error about the path's lateral axis
     CHECK(run(line(300), right, down).figures().yaw_rmse_m < 1e-9);
     const auto stairs = path(300, [](double s) { return Vector3d(8 * std::sin(0.3 * s), s, 0.4 * s); });
-    CHECK(run(stairs, right, down).figures().yaw_rmse_m < 1e-9);  // a line may lie upside down, stairs may not
+    CHECK(run(stairs, right, down).figures().yaw_rmse_m < 1e-9);  // a line may be upside down, stairs may not
     const Run wrong = run(line(300), right, tilted);
     Trajectory ends = wrong.truth;
     ends.erase(ends.begin());
     CHECK(wrong.figures().yaw_rmse_m == doctest::Approx(2 * std::sin(tilt / 2) * spread(ends)).epsilon(1e-6));
     CHECK(wrong.figures().se3_rmse_m < 1e-9);
   }
-  CHECK(
-      std::isnan(run(line(300), right, Vector3d::UnitX()).figures().yaw_rmse_m));  // a reference that lies on its side
+  CHECK(std::isnan(run(line(300), right, Vector3d::UnitX()).figures().yaw_rmse_m));  // a reference on its side
 }
 
-TEST_CASE("what comes before the first metric motion of a group is no metric pose, and is counted apart") {
+TEST_CASE("poses before the first metric motion of a group are not metric and are counted separately") {
   const auto truth = path(200, [](double s) { return Vector3d(std::max(0.0, s - 1), 0, 0); });
   Run r = run(truth, [](size_t i) {
     Says s;
     if (i <= 40) s.flags &= ~uint32_t{ODO_VO_METRIC | ODO_VO_INERTIAL}, s.scale = 7;
-    if (i > 100) s.flags &= ~uint32_t{ODO_VO_METRIC};  // the group's unit is the metre, said once
+    if (i > 100) s.flags &= ~uint32_t{ODO_VO_METRIC};  // the group is metric, flagged once
     return s;
   });
   for (int64_t& t : r.known_ns) t += 30'000'000;
@@ -147,7 +146,7 @@ TEST_CASE("what comes before the first metric motion of a group is no metric pos
   CHECK(f.start_from_motion_s == doctest::Approx(3.03));  // 0.1 m at 1.1 s is the first beyond 5 cm
 }
 
-TEST_CASE("an odometry that never knows the metre has no metric figures") {
+TEST_CASE("an odometry that is never metric has no metric figures") {
   const VoFigures f =
       run(line(100), [](size_t) { return Says{.flags = ODO_VO_ROTATION | ODO_VO_TRANSLATION}; }).figures();
   CHECK(f.metric_share == 0);
@@ -158,7 +157,7 @@ TEST_CASE("an odometry that never knows the metre has no metric figures") {
   CHECK(f.before_metric_share == 0);
 }
 
-TEST_CASE("a new group that does not know the metre leaves the position where it was") {
+TEST_CASE("a new group without metric scale keeps the position") {
   const Run r = run(line(300), [](size_t i) {
     Says s;
     if (i > 100) s.group = 1;
@@ -173,10 +172,10 @@ TEST_CASE("a new group that does not know the metre leaves the position where it
   CHECK(f.groups == 2);
   CHECK(f.longest_group_share == doctest::Approx(199.0 / 300));
   CHECK(f.before_metric_share == doctest::Approx(50.0 / 300));
-  CHECK(f.own_path_m == doctest::Approx(0.12 * (99 + 149)));  // the frames themselves; the hole adds nothing
+  CHECK(f.own_path_m == doctest::Approx(0.12 * (99 + 149)));  // the frames themselves; the gap adds nothing
 }
 
-TEST_CASE("motions without a displacement, lost ones and holes") {
+TEST_CASE("motions without a displacement, lost ones and gaps are counted") {
   Run r = run(line(100), [](size_t i) { return Says{.flags = i % 10 == 0 ? ODO_VO_ROTATION : Says{}.flags}; });
   for (size_t i = 50; i < 60; ++i) r.motions[i].state = ODO_LOST;
   r.motions.erase(r.motions.begin() + 70);
@@ -188,8 +187,8 @@ TEST_CASE("motions without a displacement, lost ones and holes") {
   CHECK(composed.poses[56].own != composed.poses[55].own);
 }
 
-TEST_CASE("who turns about and errs by a hand's breadth there is not wrong of his scale") {
-  // Out and back at 1 m/s, ten times; at each far end the odometry errs by 15 cm.
+TEST_CASE("an error of a hand's breadth at a reversal is not counted as a scale error") {
+  // Out and back at 1 m/s, ten times; at each far end the odometry has an error of 15 cm.
   const auto there_and_back = [](double s) {
     const double phase = std::fmod(s, 14.2);
     return Vector3d(phase < 7.1 ? phase : 14.2 - phase, 0, 0);
@@ -203,8 +202,8 @@ TEST_CASE("who turns about and errs by a hand's breadth there is not wrong of hi
   CHECK(r.figures().windows.size() > 10);
 }
 
-TEST_CASE("what is said to be tracked is measured stretch by stretch, without what lies between") {
-  // 48 m: 24 m right, 12 m told as degraded and twice too long, 12 m that are a tenth too long.
+TEST_CASE("tracked segments are measured separately, without those in between") {
+  // 48 m: 24 m correct, 12 m degraded and twice too long, 12 m a tenth too long.
   const Run r = run(line(401), [](size_t i) {
     if (i <= 200) return Says{};
     return i <= 300 ? Says{.scale = 2, .state = ODO_DEGRADED} : Says{.scale = 1.1};
@@ -214,13 +213,13 @@ TEST_CASE("what is said to be tracked is measured stretch by stretch, without wh
   CHECK(f.tracked[0].path_m == doctest::Approx(24).epsilon(0.02));
   CHECK(f.tracked[0].rmse_m < 1e-9);
   CHECK(f.tracked[1].path_m == doctest::Approx(12).epsilon(0.02));
-  // A line that is too long by a tenth, laid centre on centre: a tenth of L / sqrt(12).
+  // A line too long by a tenth, with centres aligned: a tenth of L / sqrt(12).
   CHECK(std::abs(f.worst_tracked - 0.1 / std::sqrt(12)) < 0.02 * 0.1 / std::sqrt(12));
   CHECK(f.se3_rmse_m > 1);
   CHECK(std::isnan(run(line(401), [](size_t) { return Says{.state = ODO_DEGRADED}; }).figures().worst_tracked));
 }
 
-TEST_CASE("stops are where the camera goes nowhere, not where the trunk sways") {
+TEST_CASE("stops are detected from the camera's displacement, not from the sway of the trunk") {
   const auto stops = stops_of(with_stop(5), {});
   REQUIRE(stops.size() == 1);
   CHECK(static_cast<double>(stops[0].from_ns) * 1e-9 == doctest::Approx(25).epsilon(0.03));
@@ -233,7 +232,7 @@ TEST_CASE("stops are where the camera goes nowhere, not where the trunk sways") 
   CHECK(stops_of({}, {}).empty());
 }
 
-TEST_CASE("a unit that changes while the camera stands, with and without a new group") {
+TEST_CASE("a scale that changes while the camera stands is found with and without a new group") {
   const auto jumping = [](bool said) {
     return run(with_stop(5), [said](size_t i) {
       Says s{.flags = ODO_VO_ROTATION | ODO_VO_TRANSLATION};
@@ -252,7 +251,7 @@ TEST_CASE("a unit that changes while the camera stands, with and without a new g
   CHECK(std::isnan(said.worst_jump));
 }
 
-TEST_CASE("a stop too near to the beginning has no stretch before it") {
+TEST_CASE("a stop too close to the start has no segment before it") {
   const auto truth = path(300, [](double s) { return Vector3d(s < 3 ? s : std::max(3.0, s - 5), 0, 0); });
   const VoFigures f = run(truth, right).figures();
   REQUIRE(f.stops.size() == 1);
@@ -260,9 +259,9 @@ TEST_CASE("a stop too near to the beginning has no stretch before it") {
   CHECK(f.stops[0].scale_after == doctest::Approx(1));
 }
 
-TEST_CASE("drift while standing is counted by the minute") {
+TEST_CASE("drift while standing is given per minute") {
   Run r = run(with_stop(30), right);
-  for (size_t i = 230; i < 430; ++i) {  // 1 mm a frame, straight on in the camera's own axes of the stop's beginning
+  for (size_t i = 230; i < 430; ++i) {  // 1 mm per frame, straight in the camera's axes at the start of the stop
     const Vector3d d = r.truth[i].q.conjugate() * Vector3d(0.001, 0, 0);
     Vector3d::Map(r.motions[i].p_c0_c1) += d;
   }
@@ -272,7 +271,7 @@ TEST_CASE("drift while standing is counted by the minute") {
   CHECK(std::abs(f.standing_drift_m_min - 0.4) < 0.02);
 }
 
-TEST_CASE("wrongly certain of the scale is who is further off than three of his own sigmas") {
+TEST_CASE("a scale is wrong and certain if it is off by more than three of its own sigmas") {
   const auto figures = [](double sigma) {
     return run(line(600), [sigma](size_t i) { return Says{.scale = i > 300 ? std::exp(0.06) : 1.0, .sigma = sigma}; })
         .figures();
@@ -287,7 +286,7 @@ TEST_CASE("wrongly certain of the scale is who is further off than three of his 
     if (w.path_m > 40) CHECK(w.log_scale == doctest::Approx(0.06));
 }
 
-TEST_CASE("a pose between two others, none where they are too far apart") {
+TEST_CASE("a pose is interpolated between two others, unless they are too far apart") {
   const auto truth = line(10);
   const int64_t t = truth[3].t_ns + kFrame_ns / 4;
   const auto pose = pose_at(truth, t, 0.25);

@@ -44,12 +44,12 @@ Vector2d see(const Isometry3d& T_w_c, const Vector3d& X, Random& random, double 
   return x.head<2>() / x.z() + sigma * Vector2d(random.normal(), random.normal());
 }
 
-/// A camera that walks to the right and turns; every point seen by every keyframe.
+/// A camera that moves to the right and rotates; every keyframe sees every point.
 Isometry3d along_path(int k) { return pose({0.25 * k, 0.02 * k, 0.05 * k}, {0.01 * k, 0.03 * k, -0.01 * k}); }
 
 }  // namespace
 
-TEST_CASE("a gyroscope's rotation, its derivative by the bias, and gaps") {
+TEST_CASE("a gyroscope's rotation, its derivative by the bias, and gaps are correct") {
   Gyroscope gyroscope;
   const Vector3d bias(0.01, -0.02, 0.005);
   const auto rate = [](double t) { return Vector3d(std::sin(3 * t), 0.5 * std::cos(2 * t), 0.3); };
@@ -71,7 +71,7 @@ TEST_CASE("a gyroscope's rotation, its derivative by the bias, and gaps") {
   CHECK_FALSE(gyroscope.between(2000 * kMilli, 2100 * kMilli, bias));
 }
 
-TEST_CASE("a pose is found among wrong points, and its covariance is what its error is") {
+TEST_CASE("a pose is found among outliers, and its error matches its covariance") {
   double nees = 0;
   constexpr int kRuns = 60;
   for (int run = 0; run < kRuns; ++run) {
@@ -99,8 +99,8 @@ TEST_CASE("a pose is found among wrong points, and its covariance is what its er
   CHECK(nees < 1.6);
 }
 
-TEST_CASE("an unknown depth counts along its epipolar line alone") {
-  // One point far off its true depth, seen from the side: without its variance it pulls the pose.
+TEST_CASE("an unknown depth acts along its epipolar line only") {
+  // One point far off its true depth, seen from the side: without its variance it biases the pose.
   Random random(3, 3);
   const Isometry3d T = pose({0.3, 0, 0}, Vector3d::Zero());
   std::vector<PointSeen> points;
@@ -123,7 +123,7 @@ TEST_CASE("an unknown depth counts along its epipolar line alone") {
   CHECK(error < 0.3 * (fooled->T_w_c.translation() - T.translation()).norm());
 }
 
-TEST_CASE("the window's adjustment mends poses, depths and the gyroscope's bias, and keeps the unit") {
+TEST_CASE("the window's adjustment corrects poses, depths and the gyro bias, and preserves the scale") {
   Random random(8, 8);
   const double sigma = 8e-4;
   const Vector3d bias(0.008, -0.005, 0.003);
@@ -132,11 +132,11 @@ TEST_CASE("the window's adjustment mends poses, depths and the gyroscope's bias,
   for (int k = 0; k < 6; ++k) {
     const Isometry3d T = along_path(k);
     Keyframe keyframe{0, 0, T, std::nullopt, Vector3d::Zero()};
-    if (k > 0) {  // a gyroscope that is off by its bias for 0.4 s
+    if (k > 0) {  // a gyroscope with its bias for 0.4 s
       const Quaterniond rotation = Quaterniond(along_path(k - 1).linear()).conjugate() * Quaterniond(T.linear());
       keyframe.rotation = GyroRotation{rotation * exp_rotation(0.4 * bias), -0.4 * Eigen::Matrix3d::Identity(), 2e-4};
     }
-    if (k > 1) {  // the first two hold the unit
+    if (k > 1) {  // the first two fix the scale
       keyframe.T_w_c.translation() += 0.02 * Vector3d(random.normal(), random.normal(), random.normal());
       keyframe.T_w_c.linear() *=
           exp_rotation(0.005 * Vector3d(random.normal(), random.normal(), random.normal())).toRotationMatrix();
@@ -155,7 +155,7 @@ TEST_CASE("the window's adjustment mends poses, depths and the gyroscope's bias,
     CHECK(Eigen::AngleAxisd(error.linear()).angle() < 0.0025);
   }
   CHECK((found - bias).norm() < 0.002);
-  // The same window gives the same numbers, bit for bit.
+  // The same window gives bit-identical numbers.
   Vector3d again = found;
   Window copy = window;
   adjust(window, found, sigma), adjust(copy, again, sigma);
@@ -165,7 +165,7 @@ TEST_CASE("the window's adjustment mends poses, depths and the gyroscope's bias,
 
 namespace {
 
-/// What the process writes to standard error while `work` runs.
+/// Output of the process to standard error while `work` runs.
 template <class Work>
 std::string standard_error_of(Work work) {
   const TemporaryFolder folder;
@@ -194,7 +194,7 @@ Window window_along_path(int keyframes, double sigma) {
 
 }  // namespace
 
-TEST_CASE("points behind a camera where the adjustment starts do not stop it, and Ceres says nothing to the terminal") {
+TEST_CASE("points behind a camera at the start do not stop the adjustment, and Ceres prints nothing to the terminal") {
   const double sigma = 8e-4;
   Window window = window_along_path(6, sigma);
   window.keyframes()[3].T_w_c.translation().z() += 4;  // past the nearest points
@@ -207,7 +207,7 @@ TEST_CASE("points behind a camera where the adjustment starts do not stop it, an
   CHECK((along_path(5).inverse() * window.keyframes()[5].T_w_c).translation().norm() < 0.02);
 }
 
-TEST_CASE("an adjustment that fails says so in its report alone, and leaves the window as it was") {
+TEST_CASE("a failed adjustment shows in its report only, and leaves the window unchanged") {
   const double sigma = 8e-4;
   Window window = window_along_path(6, sigma);
   window.keyframes()[3].T_w_c.translation().x() = std::nan("");
@@ -244,7 +244,7 @@ TEST_CASE("a point outlives the keyframe that saw it first") {
 
 namespace {
 
-/// A street, rendered along a walk, with a gyroscope's samples between the frames.
+/// A street rendered along a walk, with gyroscope samples between the frames.
 class Film {
  public:
   explicit Film(double row_time_s = 0) {
@@ -264,7 +264,7 @@ class Film {
     return camera_->develop(view_->render(still, 0.1 * static_cast<double>(index)), index);
   }
   static CameraModel model() { return {CameraModel::Distortion::radial_tangential, 250, 250, 159.5, 119.5, {}}; }
-  /// The camera's rotation about its own axes for a yaw rate: the phone's mounting turns y down.
+  /// Rotation of the camera about its own axes for a yaw rate: its y axis points down.
   static void rotate(Odometry& vo, int from_ms, int to_ms, double yaw_rate) {
     for (int t = from_ms + 5; t <= to_ms; t += 5) vo.add_gyroscope(t * kMilli, {0, yaw_rate, 0});
   }
@@ -278,7 +278,7 @@ class Film {
 
 }  // namespace
 
-TEST_CASE("a walk along a street: one unit, straight, the same twice; darkness is lost and said") {
+TEST_CASE("a walk along a street has one scale, is straight and repeatable, and darkness is reported as lost") {
   Film film;
   std::vector<cv::Mat> frames;
   for (size_t i = 0; i < 40; ++i) frames.push_back(film.frame({0.13 * static_cast<double>(i), 0, -1.5}, 0, i));
@@ -311,7 +311,7 @@ TEST_CASE("a walk along a street: one unit, straight, the same twice; darkness i
         CHECK_FALSE(motion.translation_valid);
       }
     };
-    // After a moment it is found again where it was, in the same unit.
+    // After a moment it relocalises at the same position, in the same scale.
     darken(4);
     const auto back = next(frames[39]);
     CHECK(back.state == Tracking::tracking);
@@ -326,7 +326,7 @@ TEST_CASE("a walk along a street: one unit, straight, the same twice; darkness i
   }
 }
 
-TEST_CASE("nothing grows over 10,000 frames") {
+TEST_CASE("memory does not grow over 10,000 frames") {
   Film film;
   std::vector<cv::Mat> frames;
   for (size_t i = 0; i < 40; ++i) frames.push_back(film.frame({0.13 * static_cast<double>(i), 0, -1.5}, 0, i));
@@ -349,7 +349,7 @@ TEST_CASE("nothing grows over 10,000 frames") {
   CHECK(resident_kb() - settled_kb < 2048);
 }
 
-TEST_CASE("turning on the spot: a rotation, no translation, and the gyroscope's bias is learnt") {
+TEST_CASE("turning on the spot gives a rotation without translation, and the gyro bias is estimated") {
   Film film;
   Odometry vo({}, Film::model());
   const double rate = 0.2, bias = 0.01;

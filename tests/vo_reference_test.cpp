@@ -58,7 +58,7 @@ std::filesystem::path written(const TemporaryFolder& folder, Pose pose) {
 
 }  // namespace
 
-TEST_CASE("body poses become the camera's, lever arm and all; the camera's stay") {
+TEST_CASE("body poses are converted to the camera's with the lever arm, and the camera's are kept") {
   const TemporaryFolder folder;
   for (const bool body : {true, false}) {
     const auto file = body ? written(folder, body_at) : written(folder, camera_at);
@@ -71,7 +71,7 @@ TEST_CASE("body poses become the camera's, lever arm and all; the camera's stay"
   }
 }
 
-TEST_CASE("poses that turn as the other frame does are refused, with what to say instead") {
+TEST_CASE("poses that rotate like the other frame are rejected, with the correct option") {
   const TemporaryFolder folder;
   const auto camera = read_reference(written(folder, camera_at), "body", recording(true));
   REQUIRE_FALSE(camera);
@@ -82,7 +82,7 @@ TEST_CASE("poses that turn as the other frame does are refused, with what to say
   CHECK(body.failure().text.find("--reference-frame body") != std::string::npos);
 }
 
-TEST_CASE("body poses need to know where the camera sits on the body") {
+TEST_CASE("body poses need the camera's mount") {
   const TemporaryFolder folder;
   CHECK_FALSE(read_reference(written(folder, body_at), "body", recording(false)));
   CHECK(read_reference(written(folder, camera_at), "camera", recording(false)));

@@ -47,7 +47,7 @@ Eigen::Isometry3d pose(const Vector3d& p, double yaw) {
 
 }  // namespace
 
-TEST_CASE("two views: rotation and direction of the translation, with a third of the matches wrong") {
+TEST_CASE("two views give rotation and direction of the translation with a third of the matches wrong") {
   Random random(4, 4);
   const Scene scene = random_scene(1);
   const Eigen::Isometry3d T = pose({0.5, 0.1, 0.2}, 0.1);
@@ -63,8 +63,7 @@ TEST_CASE("two views: rotation and direction of the translation, with a third of
 }
 
 TEST_CASE(
-    "two views with little parallax: the right translation and rotation, or nothing while two of them explain what is "
-    "seen") {
+    "two views with little parallax give the correct motion, or nothing while two solutions explain the matches") {
   int told = 0;
   for (uint64_t seed = 1; seed <= 12; ++seed) {
     Random random(seed, 6);
@@ -82,7 +81,7 @@ TEST_CASE(
     CHECK(view->t_1_0.dot(T_1_0.translation().normalized()) > 0.9);
   }
   CHECK(told >= 8);
-  // Far points and noise alone: any direction is as good as another.
+  // Distant points and noise only: any direction is equally good.
   Random random(77, 6);
   Scene far = random_scene(3);
   for (auto& X : far.points) X *= 100;
@@ -91,7 +90,7 @@ TEST_CASE(
   CHECK_FALSE(two_view_near(first, second, pure_rotation(first, second)->R_1_0, 2e-3, 200));
 }
 
-TEST_CASE("pure rotation is told from motion") {
+TEST_CASE("pure rotation is distinguished from motion") {
   Random random(5, 4);
   const Scene scene = random_scene(2);
   const auto first = scene.project(Eigen::Isometry3d::Identity(), 5e-4, random);
@@ -103,7 +102,7 @@ TEST_CASE("pure rotation is told from motion") {
   CHECK(moved->median_residual_rad > 5e-3);
 }
 
-TEST_CASE("triangulation needs parallax and refuses points behind a camera") {
+TEST_CASE("triangulation needs parallax and rejects points behind a camera") {
   const Vector3d X(0.3, -0.2, 6);
   const auto see = [&](const Eigen::Isometry3d& T) {
     const Vector3d x = T.inverse() * X;
@@ -139,7 +138,7 @@ TEST_CASE("both camera models undistort what they distort") {
   CHECK(out[0].y == doctest::Approx(y).epsilon(1e-4));
 }
 
-TEST_CASE("darkness is lost and said, not invented; afterwards it starts anew in another scale group") {
+TEST_CASE("darkness is reported as lost without an invented motion, and is followed by a new scale group") {
   Scenario scenario;
   scenario.camera.width = 320, scenario.camera.height = 240, scenario.camera.focal_px = 250;
   const World world(scenario, 3);
@@ -168,7 +167,7 @@ TEST_CASE("darkness is lost and said, not invented; afterwards it starts anew in
   CHECK(motion.scale_group > 0);
 }
 
-TEST_CASE("sparse selection keeps the strongest of each cell; matches are mutual and unlike the second best") {
+TEST_CASE("sparse selection keeps the strongest of each cell, and matches are mutual and unlike the second best") {
   antigny2019::Features all;
   for (int i = 0; i < 50; ++i) {
     all.pixels.emplace_back(10.0f + 0.1f * static_cast<float>(i), 10.0f);
@@ -191,12 +190,12 @@ TEST_CASE("sparse selection keeps the strongest of each cell; matches are mutual
   REQUIRE(pairs.size() == 3);
   CHECK(pairs[0] == std::pair(0, 1));
   CHECK(pairs[1] == std::pair(1, 0));
-  CHECK(pairs[2] == std::pair(2, 2));  // the fourth has the same nearest, which prefers the third
+  CHECK(pairs[2] == std::pair(2, 2));  // the fourth has the same nearest one, which prefers the third
 }
 
 TEST_CASE(
-    "Antigny et al.'s odometry: a standing camera has no displacement, a moving one keeps its scale, darkness ends "
-    "it") {
+    "Antigny et al.'s odometry: no displacement while standing, a constant scale in motion, a new group after "
+    "darkness") {
   Scenario scenario;
   scenario.camera.width = 480, scenario.camera.height = 360, scenario.camera.focal_px = 375;
   const World world(scenario, 5);
@@ -222,20 +221,20 @@ TEST_CASE(
     int moved = 0;
     for (int i = 4; i < 12; ++i) {
       motion = vo.process(frame(i, 0.4 * (i - 3)), {});
-      if (!motion.translation_valid || moved++ == 0) continue;  // the first covers the time before it
+      if (!motion.translation_valid || moved++ == 0) continue;  // the first includes the time before it
       CHECK(motion.T_c0_c1.translation().normalized().z() > 0.97);
       displacements.push_back(motion.T_c0_c1.translation().norm());
     }
     REQUIRE(moved >= 5);
     std::sort(displacements.begin(), displacements.end());
-    CHECK(displacements.back() < 3 * displacements.front());  // each displacement is equally long; the scale drifts
+    CHECK(displacements.back() < 3 * displacements.front());  // true displacements are equal; the scale drifts
     motion = vo.process(cv::Mat(360, 480, CV_8U, cv::Scalar(2)), {});
     CHECK(motion.outcome == antigny2019::Outcome::lost);
     CHECK_FALSE(motion.rotation_valid);
   }
 }
 
-TEST_CASE("the real clips: error after Sim(3) stays below the plain baseline of 4.3 % and 4.1 % of the path" *
+TEST_CASE("the error of the real clips after Sim(3) stays below the plain baseline of 4.3 % and 4.1 % of the path" *
           doctest::test_suite("vo_data")) {
   for (const auto& [name, limit] : {std::pair("kitti_clip_b", 2.0), std::pair("tsukuba_90", 1.0)}) {
     const auto folder = data_or_skip(name);
@@ -256,10 +255,9 @@ TEST_CASE("the real clips: error after Sim(3) stays below the plain baseline of 
   }
 }
 
-TEST_CASE(
-    "Antigny et al.'s odometry says how far its pose may be off: by its inliers, and by the depth of what it saw") {
+TEST_CASE("Antigny et al.'s odometry states its sigma from its inliers and the depth of its points") {
   constexpr double kFocal_px = 375;
-  constexpr int kNear_px = 20, kFar_px = 12;  // that the lower and the upper half move by from frame to frame
+  constexpr int kNear_px = 20, kFar_px = 12;  // motion of the lower and the upper half per frame
   Random random(3, 1);
   cv::Mat texture(360, 900, CV_8U);
   for (uint8_t& p : cv::Mat_<uint8_t>(texture)) p = static_cast<uint8_t>(random.uniform(0, 255));
@@ -278,7 +276,7 @@ TEST_CASE(
     REQUIRE(motion.scale_group == 0);
     const double inliers = motion.inliers, moved = motion.T_c0_c1.translation().norm();
     CHECK(motion.rotation_sigma_rad * std::sqrt(inliers) * kFocal_px == doctest::Approx(1.5));
-    const double depth = motion.position_sigma / motion.rotation_sigma_rad / moved;  // in displacements of a frame
+    const double depth = motion.position_sigma / motion.rotation_sigma_rad / moved;  // in displacements per frame
     CHECK(depth > 0.95 * kFocal_px / kNear_px);
     CHECK(depth < 1.05 * kFocal_px / kFar_px);
     ++told;

@@ -28,7 +28,7 @@ double heading_of(const Eigen::Quaterniond& q_n_b) {
 
 }  // namespace
 
-TEST_CASE("a still device: inclination at once, bias within seconds") {
+TEST_CASE("a still device gives its inclination at once and its bias within seconds") {
   vqf::Filter filter{vqf::Parameters{}};
   Random random(1, 1);
   const Vector3d bias(0.004, -0.006, 0.008);
@@ -43,14 +43,15 @@ TEST_CASE("a still device: inclination at once, bias within seconds") {
 }
 
 TEST_CASE(
-    "a walking phone: inclination within a degree, heading drift within a degree a minute once the bias is known") {
+    "a walking phone has its inclination within a degree, and its heading within a degree per minute once the bias is "
+    "known") {
   for (const uint64_t seed : {1u, 2u, 3u, 4u, 5u}) {
     const PlainWalk walk(1.35, 0.72, seed, 4, 60);
     vqf::Filter filter{vqf::Parameters{}};
     Random random(seed, 4);
     const Vector3d gyro_bias = 0.004 * Vector3d(random.normal(), random.normal(), random.normal());
     std::vector<double> inclination;
-    for (int i = 0; i < 1000; ++i) {  // ten seconds on a table: the bias becomes known
+    for (int i = 0; i < 1000; ++i) {  // ten seconds on a table for the bias
       const Vector3d n(random.normal(), random.normal(), random.normal());
       filter.update(gyro_bias + 0.002 * n, walk.phone.at(0.5).specific_force_b() + 0.03 * n, 0.01);
     }
@@ -92,7 +93,7 @@ TEST_CASE("irregular sampling gives the same orientation as regular sampling") {
   CHECK(inclination_error(regular, walk.phone.pose(t)) < 0.01);
 }
 
-TEST_CASE("the magnetometer finds north, and a disturbance does not bend the heading") {
+TEST_CASE("the magnetometer gives north, and a disturbance does not deflect the heading") {
   vqf::Filter filter{vqf::Parameters{}};
   const PlainWalk walk(1.35, 0.72, 5);
   const Vector3d field_n(21e-6, 0, 43e-6);
@@ -118,11 +119,11 @@ TEST_CASE("the magnetometer finds north, and a disturbance does not bend the hea
   CHECK(worst_during < 0.09);
 }
 
-TEST_CASE("a hand that trembles by less than two degrees a second rests, one that trembles by more does not") {
+TEST_CASE("a hand that trembles by less than two degrees per second rests, one that trembles by more does not") {
   const vqf::Parameters p;
   const auto rests = [&](double amplitude_radps) {
     vqf::Filter filter{p};
-    for (int i = 0; i < 6000; ++i)  // a minute: the sway of the first moment is over
+    for (int i = 0; i < 6000; ++i)  // a minute: the initial sway has decayed
 
       filter.update(Vector3d(amplitude_radps * std::sin(2 * EIGEN_PI * 5 * 0.01 * i), 0, 0), Vector3d(0, 0, 9.81),
                     0.01);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Published data sets of walks without a camera, and what is told of an estimate by their truth.
+// Published data sets of walks without a camera, and figures of an estimate against their truth.
 #include <cmath>
 
 #include <doctest/doctest.h>
@@ -13,7 +13,7 @@ using namespace odograph;
 
 TEST_SUITE_BEGIN("recording");
 
-TEST_CASE("a RIDI walk: axes of the phone, a truth with north, east and down") {
+TEST_CASE("a RIDI walk has the phone's axes and a truth with north, east and down") {
   const TemporaryFolder folder;
   const std::string head =
       "time_s,gyro_x,gyro_y,gyro_z,acce_x,acce_y,acce_z,magnet_x,magnet_y,magnet_z,pos_x,pos_y,pos_z,ori_w,ori_x,ori_y,"
@@ -26,7 +26,7 @@ TEST_CASE("a RIDI walk: axes of the phone, a truth with north, east and down") {
   REQUIRE(recording->truth.size() == 2);
   CHECK(recording->truth[0].t_ns == 1'000'000'000);
   CHECK((recording->truth[0].p - Eigen::Vector3d(2, 1, -3)).norm() < 1e-12);
-  const Eigen::Vector3d up_n = recording->truth[0].q * Eigen::Vector3d::UnitZ();  // the phone lies on its back
+  const Eigen::Vector3d up_n = recording->truth[0].q * Eigen::Vector3d::UnitZ();  // the phone is on its back
   CHECK((up_n - Eigen::Vector3d(0, 0, -1)).norm() < 1e-9);
   const WalkerName name = walker_name(*recording);
   CHECK(name.person == "ann");
@@ -36,7 +36,7 @@ TEST_CASE("a RIDI walk: axes of the phone, a truth with north, east and down") {
   CHECK(broken.failure().text.find("b.csv:2") != std::string::npos);
 }
 
-TEST_CASE("an IPIN walk: a clock of the sensors, places in metres, floors") {
+TEST_CASE("an IPIN walk has the sensors' clock, positions in metres, and floors") {
   const TemporaryFolder folder;
   const auto recording = read_recording(write_text(folder / "T01_R02.txt",
                                                    "% head\nACCE;10.02;100.0;0;0;9.8;3\nGYRO;10.03;100.0;0;0;0.1;3\n"
@@ -54,7 +54,7 @@ TEST_CASE("an IPIN walk: a clock of the sensors, places in metres, floors") {
   CHECK(last_ns == 10'120'000'000);  // by the sensor's clock; the app's was late
 }
 
-TEST_CASE("Oxford's step counter: each rise of a switch is a step") {
+TEST_CASE("in Oxford's step counter each rise of a switch is a step") {
   const TemporaryFolder folder;
   write_text(folder / "P_Ann_Hard_InHand_1_stepcounter.csv", "0,0,1\n90000000,1,1\n180000000,1,0\n270000000,0,1\n");
   const auto recording =
@@ -64,7 +64,7 @@ TEST_CASE("Oxford's step counter: each rise of a switch is a step") {
   CHECK(walker_name(*recording).person == "Ann");
 }
 
-TEST_CASE("a trundle wheel's distances, fields that are empty") {
+TEST_CASE("a trundle wheel's distances and empty fields are read") {
   const TemporaryFolder folder;
   const auto recording = read_recording(
       write_text(folder / "walk.csv",
@@ -77,12 +77,12 @@ TEST_CASE("a trundle wheel's distances, fields that are empty") {
   CHECK(as<odo_imu>(recording->messages[0].message.header()).gyro_b[0] == doctest::Approx(1.5708).epsilon(1e-4));
 }
 
-TEST_CASE("figures of a walk by its truth: distance, position after alignment, direction, consistency") {
+TEST_CASE("a walk's figures are distance, position after alignment, direction and consistency") {
   Recording recording;
   recording.format = "RIDI";
   Trajectory track;
   std::vector<odo_step> steps;
-  for (int i = 0; i <= 600; ++i) {  // 1 m/s, a corner after 30 s; the track is turned, and 10 % too long
+  for (int i = 0; i <= 600; ++i) {  // 1 m/s, a corner after 30 s; the track is rotated, and 10 % too long
     const double s = 0.1 * i, north = std::min(s, 30.0), east = std::max(0.0, s - 30);
     const int64_t t_ns = int64_t{100'000'000} * i;
     recording.truth.push_back({t_ns, Eigen::Quaterniond::Identity(), {north, east, 0}});
@@ -95,7 +95,7 @@ TEST_CASE("figures of a walk by its truth: distance, position after alignment, d
   const WalkTruthFigures f = walk_truth_figures(recording, steps, track);
   CHECK(f.estimated_m / f.true_m == doctest::Approx(1.1).epsilon(0.02));
   CHECK(f.position_m > 0.5);
-  CHECK(f.position_m < 2);  // by the length alone: the rotation is taken out
+  CHECK(f.position_m < 2);  // from the length alone: the rotation is removed
   CHECK(percentile(f.heading_deg, 0.5) < 3);
   CHECK(percentile(f.normalised_error, 0.5) == doctest::Approx(1).epsilon(0.1));
   CHECK(std::isnan(f.count_percent));

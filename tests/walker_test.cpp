@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What step/odograph learns of its walker.
+// The walker's parameters estimated by step/odograph.
 #include <doctest/doctest.h>
 
 #include <Eigen/Geometry>
@@ -16,7 +16,7 @@ TEST_SUITE_BEGIN("steps");
 
 namespace {
 
-/// A walker whose steps are longer than the model says by `factor`, fixes every 50 m.
+/// A walker whose steps are longer than the model's by `factor`, fixes every 50 m.
 double learnt(double factor, double fix_sigma_m, int fixes, int wrong_fix, uint64_t seed) {
   Walker walker({});
   Random random(seed, 2);
@@ -44,7 +44,7 @@ double learnt(double factor, double fix_sigma_m, int fixes, int wrong_fix, uint6
 
 }  // namespace
 
-TEST_CASE("fixes every 50 m teach the walker's factor within 200 m") {
+TEST_CASE("fixes every 50 m calibrate the walker's factor within 200 m") {
   std::vector<double> errors;
   for (uint64_t seed = 1; seed <= 60; ++seed) {
     const double factor = 0.85 + 0.005 * static_cast<double>(seed);
@@ -54,7 +54,7 @@ TEST_CASE("fixes every 50 m teach the walker's factor within 200 m") {
   CHECK(percentile(errors, 0.8) < 0.015);
 }
 
-TEST_CASE("gentle steps have a factor of their own, and a camera's metre teaches it within 15 m of a crooked path") {
+TEST_CASE("gentle steps have a separate factor, which a metric camera calibrates within 15 m of a crooked path") {
   for (const double ratio : {0.75, 1.2}) {
     CAPTURE(ratio);
     std::vector<double> errors;
@@ -75,7 +75,7 @@ TEST_CASE("gentle steps have a factor of their own, and a camera's metre teaches
         if (since_m > 5) since_m = 0, walker.on_fix(p, 0.1);
       }
       errors.push_back(std::abs(walker.factor() * walker.gentle_ratio() / ratio - 1));
-      // His brisk steps are not so much shorter or longer.
+      // His brisk steps do not differ by as much.
       CHECK(std::abs(walker.factor() - brisk_before) < 0.35 * std::abs(ratio - 1));
     }
     CHECK(percentile(errors, 0.5) < 0.027);
@@ -83,7 +83,7 @@ TEST_CASE("gentle steps have a factor of their own, and a camera's metre teaches
   }
 }
 
-TEST_CASE("one wrong fix of 20 m does not spoil what was learnt") {
+TEST_CASE("one wrong fix of 20 m does not spoil the estimate") {
   size_t spoilt = 0;
   for (uint64_t seed = 1; seed <= 100; ++seed) {
     const double right = learnt(1.08, 1.0, 8, -1, seed), with_wrong = learnt(1.08, 1.0, 8, 5, seed);
@@ -92,7 +92,7 @@ TEST_CASE("one wrong fix of 20 m does not spoil what was learnt") {
   CHECK(spoilt <= 5);
 }
 
-TEST_CASE("what was learnt is kept, and nonsense is not loaded") {
+TEST_CASE("the estimate is saved, and invalid data is not loaded") {
   Walker walker({});
   walker.set_factor(1.07);
   Walker other({});

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What Windows does differently: lists of folders at ';', names beyond ASCII, its loader's words, access lists,
-// locks.
+// Differences on Windows: lists of folders at ';', names beyond ASCII, its loader's messages, access lists, locks.
 #include <doctest/doctest.h>
 
 #include <windows.h>
@@ -30,7 +29,7 @@ const std::u8string kName = u8"Größe und 測位";  // beyond ASCII and beyond 
 
 bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
-/// What becomes of a session whose plugins are looked for in these folders alone.
+/// Result of a session with plugins from these folders only.
 std::string refusal(const std::string& folders, const std::string& config) {
   odo_session_options options{};
   options.struct_size = sizeof options;
@@ -44,7 +43,7 @@ std::string refusal(const std::string& folders, const std::string& config) {
   return "";
 }
 
-/// Everybody gets these rights beside those that others have.
+/// Grants everybody these rights, in addition to others' rights.
 void grant_everybody(const fs::path& path, DWORD rights) {
   wchar_t everyone[] = L"Everyone";
   EXPLICIT_ACCESS_W entry{};
@@ -112,7 +111,7 @@ TEST_CASE("a recording's name is UTF-8") {
   odo_recording_close(in);
 }
 
-TEST_CASE("a process of its own is refused with its place in the config") {
+TEST_CASE("isolation is rejected with its location in the config") {
   const std::string text = refusal(plugin_folder().string(),
                                    "odograph: 1\nattitude:\n  plugin: attitude/vqf\n  isolation: process\n"
                                    "step_estimator: {plugin: step/renaudin2012}\n");
@@ -122,7 +121,7 @@ TEST_CASE("a process of its own is refused with its place in the config") {
   CHECK(contains(text, "expected 'isolation: none'"));
 }
 
-TEST_CASE("what is no library is refused with the loader's reason") {
+TEST_CASE("a file that is not a library is rejected with the loader's reason") {
   const TemporaryFolder folder;
   const HostServices host(0, {"."}, nullptr);
   const auto why = [&](const fs::path& path) { return PluginLibrary::load(path, &host).failure().text; };
@@ -137,7 +136,7 @@ TEST_CASE("what is no library is refused with the loader's reason") {
   CHECK(PluginLibrary::load(good, &host).ok());
 }
 
-TEST_CASE("a plugin that everybody may change, or a folder that everybody may put one into, is refused") {
+TEST_CASE("a plugin that everybody may change, or a folder that everybody may write to, is rejected") {
   for (const bool of_folder : {true, false}) {
     const TemporaryFolder folder;
     fs::copy_file(fs::path(ODOGRAPH_BUILD) / "tests/hostile/good.dll", folder / "one.dll");
@@ -156,7 +155,7 @@ TEST_CASE("a plugin that everybody may change, or a folder that everybody may pu
   }
 }
 
-TEST_CASE("two writers of one file exclude each other; what is complete takes the older one's place") {
+TEST_CASE("two writers of one file exclude each other, and the complete file replaces the existing one") {
   const TemporaryFolder folder;
   const fs::path file = write_text(folder / "out.txt", "old");
   write_text(folder / "out.txt.part", "left by a crash");

@@ -43,7 +43,7 @@ double area_of(const CityModel& city, CityModel::Kind kind) {
 
 }  // namespace
 
-TEST_CASE("a CityJSON model becomes faces with a meaning, holes left out, about its south-west corner") {
+TEST_CASE("a CityJSON model becomes faces with a meaning, without holes, about its south-west corner") {
   const auto city = parse_city_json(kHouse, "house.city.json");
   REQUIRE(city.ok());
   CHECK(city->origin == Vector3d(1000, 2000, 5));
@@ -59,7 +59,7 @@ TEST_CASE("a CityJSON model becomes faces with a meaning, holes left out, about 
     }
 }
 
-TEST_CASE("a broken city model is refused with its name, the object and what was expected") {
+TEST_CASE("a broken city model is rejected with its name, the object and the expected content") {
   const auto why = [](const std::string& text) {
     const auto city = parse_city_json(text, "house.city.json");
     REQUIRE_FALSE(city.ok());
@@ -78,7 +78,7 @@ TEST_CASE("a broken city model is refused with its name, the object and what was
   CHECK(why(replaced(kHouse, "[30000,20000,0]", "[3e11,20000,0]")).find("farther than") != std::string::npos);
 }
 
-TEST_CASE("an OBJ model is read as a city with its ground apart") {
+TEST_CASE("an OBJ model is read as a city with its ground separate") {
   const TemporaryFolder folder;
   const auto file = write_text(folder / "town.obj",
                                "v 0 0 0\nv 10 0 0\nv 10 10 0\nv 0 10 0\nv 0 0 7\nv 10 0 7\nv 10 10 7\nv 0 10 7\n"
@@ -91,7 +91,7 @@ TEST_CASE("an OBJ model is read as a city with its ground apart") {
   CHECK_FALSE(read_city_model(folder / "nothing.obj").ok());
 }
 
-TEST_CASE("what a generated town writes as its model is read back, without what is newer than the model") {
+TEST_CASE("a generated town's model is read back, without buildings newer than the model") {
   const TemporaryFolder folder;
   Scenario s;
   s.world.type = "downtown", s.world.street_width_m = 26, s.world.house_height_m = 50;
@@ -115,7 +115,7 @@ TEST_CASE("what a generated town writes as its model is read back, without what 
   CHECK(area_of(*city, CityModel::Kind::wall) == doctest::Approx(area).epsilon(1e-4));
 }
 
-TEST_CASE("the model of a real town loads, and a route lies on its terrain" * doctest::test_suite("world_data")) {
+TEST_CASE("the model of a real town loads, and a route follows its terrain" * doctest::test_suite("world_data")) {
   const auto folder = data_or_skip("city");
   if (folder.empty()) return;
   Scenario s;
@@ -137,14 +137,14 @@ TEST_CASE("the model of a real town loads, and a route lies on its terrain" * do
     low = std::min(low, world.route().at(d).up), high = std::max(high, world.route().at(d).up);
   }
   CHECK(low >
-        0.2);  // its streets lie 0.0 to 0.6 m above the zero of the heights, the model's lowest corner 0.45 m below
+        0.2);  // its streets are 0.0 to 0.6 m above the zero of the heights, the model's lowest corner 0.45 m below
   CHECK(high < 1.5);
   CHECK(high - low > 0.01);
   s.route = {{84, 366, 0}, {40, 440, 0}};
   CHECK(World(s, 1, &*city).route_blocked_at_m());
 }
 
-TEST_CASE("a tag in a frame is found by AprilTag's own detector where the truth has it") {
+TEST_CASE("AprilTag's own detector finds a tag in a frame at its true position") {
   const TemporaryFolder folder;
   Scenario s;
   s.route = {{0, 0, 0}, {5, 0, 0}};
@@ -175,7 +175,7 @@ TEST_CASE("a tag in a frame is found by AprilTag's own detector where the truth 
         zarray_get(found, i, &d);
         CHECK(d->id == 0);
         ++compared;
-        for (int k = 0; k < 4; ++k) {  // AprilTag counts a pixel's middle as half
+        for (int k = 0; k < 4; ++k) {  // AprilTag's pixel centres are at one half
           const size_t at = static_cast<size_t>(2 * k);
           CHECK(std::hypot(d->p[k][0] - 0.5 - sighting.corners_px[at], d->p[k][1] - 0.5 - sighting.corners_px[at + 1]) <
                 0.6);
@@ -190,7 +190,7 @@ TEST_CASE("a tag in a frame is found by AprilTag's own detector where the truth 
   CHECK(compared > 5);
 }
 
-TEST_CASE("the skyline is that of the houses along a street") {
+TEST_CASE("the skyline is that of the buildings along a street") {
   Scenario s;
   s.world.type = "downtown", s.world.street_width_m = 30, s.world.house_height_m = 60, s.world.trees = 0;
   s.route = {{0, 0, 0}, {200, 0, 0}};
@@ -200,7 +200,7 @@ TEST_CASE("the skyline is that of the houses along a street") {
   REQUIRE(line.size() == 360);
   size_t checked = 0, agrees = 0;
   for (size_t k = 0; k < line.size(); ++k) {
-    // Against the highest edge over all generated walls, found in the plane.
+    // Against the highest edge of all generated walls, computed in the plane.
     const double azimuth = 2 * EIGEN_PI * static_cast<double>(k) / 360;
     const Eigen::Vector2d ray(std::cos(azimuth), std::sin(azimuth));
     double highest = 0;
@@ -214,7 +214,7 @@ TEST_CASE("the skyline is that of the houses along a street") {
         const Eigen::Vector2d x = A.inverse() * p;
         if (x[0] > 0 && x[1] >= 0 && x[1] <= 1) highest = std::max(highest, std::atan2(b.height_m - 1.5, x[0]));
       }
-    if (highest < 0.2) continue;  // lamp posts stand there too
+    if (highest < 0.2) continue;  // lamp posts are there too
     ++checked;
     agrees += std::abs(static_cast<double>(line[k].elevation_rad) - highest) < 0.003;
   }
@@ -222,7 +222,7 @@ TEST_CASE("the skyline is that of the houses along a street") {
   CHECK(agrees >= checked - 2);  // a ray may pass a corner on either side
 }
 
-TEST_CASE("a car keeps its limits, stops, dives and shakes, and its camera looks up") {
+TEST_CASE("a car observes its limits, stops, dives and shakes, and its camera looks up") {
   auto s = read_scenario(source("samples/scenarios/drive_short.yaml").string());
   REQUIRE(s.ok());
   const Route route(s->route, s->corner_m);
@@ -252,10 +252,10 @@ TEST_CASE("a car keeps its limits, stops, dives and shakes, and its camera looks
   CHECK(sideways < 4.0);
   CHECK(sideways > 1.2);
   CHECK(worst_tilt < 0.12);
-  // Standing, the engine shakes it at twice its revolutions: 800 a minute.
+  // While standing the engine shakes it at twice its revolutions: 800 per minute.
   double power = 0, other = 0;
   for (const double hz :
-       {20.0, 26.0 + 2.0 / 3, 33.0 + 1.0 / 3}) {  // whole periods in 1.2 s, so that gravity sums to nothing
+       {20.0, 26.0 + 2.0 / 3, 33.0 + 1.0 / 3}) {  // whole periods in 1.2 s, so that gravity averages out
     std::complex<double> sum = 0;
     for (double t = 0.3; t < 1.5; t += 1.0 / 400)
       sum += drive.phone.at(t).specific_force_b().z() * std::polar(1.0, static_cast<double>(-2 * EIGEN_PI * hz * t));
@@ -305,7 +305,7 @@ TEST_CASE("between the kerbs the walker is lower by a kerb") {
   CHECK(std::abs(lower / static_cast<double>(n) - 0.12) < 0.012);
 }
 
-TEST_CASE("a drive's scenario refuses what only a walker does, and the other way round") {
+TEST_CASE("a drive's scenario rejects a walker's actions, and vice versa") {
   const TemporaryFolder folder;
   const auto why = [&](const std::string& text) {
     const auto s = read_scenario(write_text(folder / "s.yaml", "odograph_scenario: 1\n" + text).string());

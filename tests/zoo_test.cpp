@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The validator against bad plugins: each is found by the case that its file is named for.
+// The validator against faulty plugins: each is detected by the case that its file is named for.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -50,7 +50,7 @@ std::vector<PluginCheck> check(const fs::path& library, const std::string& only,
 
 }  // namespace
 
-TEST_CASE("there are at least 80 cases, their ids are unique, and most of them have their animal") {
+TEST_CASE("there are at least 80 cases with unique ids, and most of them have a faulty plugin") {
   std::set<std::string> ids, hunted;
   for (const auto& one : plugin_check_cases()) CHECK_MESSAGE(ids.insert(one.first).second, one.first);
   for (const fs::path& animal : animals(false)) {
@@ -62,14 +62,14 @@ TEST_CASE("there are at least 80 cases, their ids are unique, and most of them h
   CHECK(hunted.size() >= 80);
 }
 
-TEST_CASE("the documents count cases and bad plugins as they are") {
+TEST_CASE("the documents state the correct numbers of cases and faulty plugins") {
   std::ifstream file(std::string(ODOGRAPH_SOURCE) + "/docs/plugins.md");
   const std::string text{std::istreambuf_iterator<char>(file), {}};
   CHECK(text.find("runs " + std::to_string(plugin_check_cases().size()) + " cases") != std::string::npos);
   CHECK(text.find("a zoo of " + std::to_string(animals(false).size()) + " bad plugins") != std::string::npos);
 }
 
-TEST_CASE("each bad plugin is found by the case that it is named for") {
+TEST_CASE("each faulty plugin is detected by the case that it is named for") {
   for (const fs::path& animal : animals(false)) {
     const auto checks = check(animal, case_of(animal), 3);
     CAPTURE(animal.filename().string());
@@ -94,7 +94,7 @@ TEST_CASE("a good plugin of each kind passes every case") {
   }
 }
 
-TEST_CASE("what ended a plugin is told with the place: an exit with status 0 too") {
+TEST_CASE("the end of a plugin is reported with its place, also an exit with status 0") {
   const auto detail = [](const char* animal) {
     return check(kZoo / (std::string(animal) + ".so"), "process.works", 4).front().detail;
   };
@@ -104,7 +104,7 @@ TEST_CASE("what ended a plugin is told with the place: an exit with status 0 too
   CHECK(detail("process_works__throws").find("the fortieth sample is unlucky") != std::string::npos);
 }
 
-TEST_CASE("the file's cases: no library, no manifest, one of another library, one that lies") {
+TEST_CASE("the file's cases detect a missing library or manifest, another library's manifest and a false one") {
   const TemporaryFolder folder;
   const auto text = write_text(folder / "text.so", "no library");
   CHECK(check(text, "file.library").front().outcome == PluginCheck::Outcome::failed);
@@ -125,7 +125,7 @@ TEST_CASE("the file's cases: no library, no manifest, one of another library, on
   CHECK(check(library, "file.hash").front().outcome == PluginCheck::Outcome::failed);
 }
 
-TEST_CASE("a plugin that ends the process is no manifest, and says why") {
+TEST_CASE("a plugin that ends the process has no manifest, and the reason is reported") {
   for (const char* animal : {"entry_fills_table__exit", "entry_loads__exit_in_static"}) {
     const TemporaryFolder folder;
     const auto library = folder / "bad.so";

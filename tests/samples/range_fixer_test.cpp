@@ -65,7 +65,7 @@ TEST_CASE("ranges with outliers correct a track that drifts by metres to within 
   CHECK(with.statistics().plugin_faults == 0);
 }
 
-TEST_CASE("a fix errs by what its covariance states, in each of its axes") {
+TEST_CASE("a fix's error matches its covariance in each of its axes") {
   App app(platform_config(kRange), ODO_RUN_REPLAY, sample_plugins());
   const CorridorWalk::Ranging ranging;
   walk(app, 120, &ranging);
@@ -86,7 +86,7 @@ TEST_CASE("a fix errs by what its covariance states, in each of its axes") {
   CHECK(beyond < axes / 50);
 }
 
-TEST_CASE("one transmitter informs along its line of sight alone") {
+TEST_CASE("one transmitter gives information along its line of sight only") {
   App app(platform_config(kRange), ODO_RUN_REPLAY, sample_plugins());
   const CorridorWalk::Ranging one{0.1, 0, 100, 3};
   walk(app, 15, &one);
@@ -101,7 +101,7 @@ TEST_CASE("one transmitter informs along its line of sight alone") {
   }
 }
 
-TEST_CASE("against a track that begins at a wrong place the ranges are trusted in the end") {
+TEST_CASE("against a track with a wrong start the ranges finally prevail") {
   App app(platform_config(kRange, "20 m"), ODO_RUN_REPLAY, sample_plugins());
   const CorridorWalk::Ranging ranging;
   const auto errors = walk(app, 60, &ranging);

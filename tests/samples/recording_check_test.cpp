@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// `plugin check --recording`: a fixer that lives on messages of a recording alone is seen to give fixes, which are
-// checked.
+// `plugin check --recording`: detects and checks the fixes of a fixer whose input is only in a recording.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -38,7 +37,7 @@ bool any_failed(const std::vector<PluginCheck>& checks) {
                      [](const PluginCheck& c) { return c.outcome == PluginCheck::Outcome::failed; });
 }
 
-/// Poses of a walk and the ranges measured on it, as an app records them; returns the file.
+/// Poses of a walk and the ranges measured on it, recorded as by an app; returns the file.
 std::filesystem::path record_ranges(const TemporaryFolder& folder) {
   const std::string file = (folder / "ranges.odo").string();
   const odo_string name{file.data(), file.size()};
@@ -75,7 +74,7 @@ TEST_CASE("a fixer by range gives fixes on a recording with ranges and poses, an
   CHECK_FALSE(any_failed(checks));
 }
 
-TEST_CASE("a plugin that a vendor's own messages feed is seen to answer them, also where they make no sense") {
+TEST_CASE("a plugin whose input is a vendor's messages is found to answer them, also invalid ones") {
   const auto scans = [](const auto& give) {
     example_wifi_scan scan{};
     scan.header.struct_size = sizeof scan;
@@ -93,7 +92,7 @@ TEST_CASE("a plugin that a vendor's own messages feed is seen to answer them, al
   CHECK_FALSE(any_failed(checks));
 }
 
-TEST_CASE("a recording that the plugin wants nothing of is no fault, and is stated") {
+TEST_CASE("a recording without input for the plugin is not an error and is reported") {
   const auto checks = check("zone_by_wifi", [](const auto&) {}, {"recording"});
   CHECK(row(checks, "recording.given").outcome == PluginCheck::Outcome::not_applicable);
   CHECK(row(checks, "recording.emitted").outcome == PluginCheck::Outcome::not_applicable);

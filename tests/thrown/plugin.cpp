@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// An attitude that lets exceptions out, by hand and without the wrapper's guard: yaml-cpp's, one of the standard
-// library, and a number. Built with the system's C++ runtime and with one of its own; THROWN_ID tells them apart.
+// An attitude that throws exceptions without the wrapper's guard: yaml-cpp's, one of the standard library, and a
+// number. Built with the system's C++ runtime and with its own; THROWN_ID distinguishes them.
 #define HOSTILE_ID THROWN_ID
 #include <stdexcept>
 #include <string>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// A small good plugin of each kind, for the bad ones of this folder to spoil in one place. They know the walk of
-// `odograph plugin check` and say what is true in it. Each animal is built for itself, with ZOO_name defined; the name
-// of the library is the case of the check that must find it.
+// A small good plugin of each kind, in which the faulty plugins of this folder change one item. They are written for
+// the walk of `odograph plugin check` and report its truth. Each is built separately, with ZOO_name defined; the name
+// of the library is that of the case that must detect it.
 #pragma once
 
 #include <cmath>
@@ -46,7 +46,7 @@ struct State {
   void* more = nullptr;
 };
 
-// Each bad plugin has one of these that does something.
+// Each faulty plugin defines one of these.
 void on_table(odo_plugin& table);
 void on_event(State& state, Event& event);
 int32_t on_input(State& state, const odo_header& message);
@@ -220,7 +220,7 @@ inline int32_t good_entry(const odo_host* host, odo_plugin* out) {
 
 }  // namespace zoo
 
-// What an animal spoils: its table, the events it gives, or what it does with an input.
+// The items that a faulty plugin changes: its table, its events, or its handling of an input.
 #define TABLE(k)                                                 \
   Kind zoo::kind() { return k; }                                 \
   void zoo::on_event(State&, Event&) {}                          \

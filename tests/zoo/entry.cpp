@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Bad plugins: loading, the entry, the table and the parameters.
+// Faulty plugins: loading, the entry, the table and the parameters.
 #include <fcntl.h>
 #include <unistd.h>
 

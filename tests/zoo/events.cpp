@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Bad plugins: the events themselves, and what they mean.
+// Faulty plugins: the events and their meaning.
 #include <chrono>
 
 #include "tests/zoo/animal.hpp"
@@ -101,7 +101,7 @@ EVENT(steps) {
 }
 GOOD_ENTRY
 #elif defined(ZOO_step_late__three_at_once)
-INPUT(steps) {  // keeps two steps of a walk back until the third
+INPUT(steps) {  // delays two steps of a walk until the third
   static int64_t held_ns[2];
   static int held = 0;
   if (m.type != ODO_TYPE_IMU || s.last_step_ns == 0 || m.t_ns - s.last_step_ns < 500'000'000) return ODO_OK;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Bad plugins: camera frames.
+// Faulty plugins: camera frames.
 #include "tests/zoo/animal.hpp"
 
 using namespace zoo;
@@ -77,7 +77,7 @@ int32_t zoo::on_input(State& s, const odo_header& m) {
 }
 void zoo::on_event(State& s, Event& e) { e.motion.p_c0_c1[1] = 1e-9 * s.gain; }
 GOOD_ENTRY
-#elif defined(ZOO_frames_tiny__asserts)  // a division by zero would do on x86 alone: arm64 answers 0
+#elif defined(ZOO_frames_tiny__asserts)  // a division by zero would fail on x86 only: arm64 returns 0
 INPUT(odometry) {
   if (m.type == ODO_TYPE_FRAME && reinterpret_cast<const odo_frame&>(m).width / 2 == 0) std::abort();
   return ODO_OK;

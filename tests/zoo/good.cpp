@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// A good plugin of each kind, which must pass all.
+// A good plugin of each kind, which must pass every case.
 #include "tests/zoo/animal.hpp"
 
 using namespace zoo;

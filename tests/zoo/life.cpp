@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Bad plugins: create to destroy, instances side by side, what is saved.
+// Faulty plugins: create to destroy, parallel instances, saved state.
 #include <fcntl.h>
 #include <unistd.h>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Bad plugins: what ends the host, what differs when it is run again, faulty sensors, cost.
+// Faulty plugins: crashes of the host, differences when run again, faulty sensors, cost.
 #include <pthread.h>
 #include <unistd.h>
 
