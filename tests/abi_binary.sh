@@ -1,6 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# The ABI as libabigail reads it out of a compiled program (abi/generate.py --probe), compared with abi/golden/binary_v1.abi.
+# Compares the ABI as read by libabigail from a compiled program (abi/generate.py --probe) with
+# abi/golden/binary_v1.abi.
 #   abi_binary.sh PROJECT [--write]
 # The program compiles only where the compiler agrees with the description on every constant, field type and prototype.
 set -eu

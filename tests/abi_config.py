@@ -18,7 +18,7 @@ PROJECT, PROGRAM, PLUGINS = pathlib.Path(sys.argv[1]), sys.argv[2], pathlib.Path
 sys.path.insert(0, str(PROJECT / "abi"))
 from facts import differences, read, text_of  # noqa: E402
 SCHEMAS = ("pipeline", "camera", "scenario", "faults", "odoplugin")
-# In a schema's description behind the help text.
+# Follows the help text in a schema's description.
 STATED = re.compile(r"(?:(?:^|; )in (?P<unit>[^;]+))?(?:(?:^|; )default (?P<default>[^;]*))?$")
 
 

@@ -71,7 +71,7 @@ def relink(folder, file, target):
     commands = run(["ninja", "-C", BUILD, "-t", "commands", target])[1].splitlines()
     link = shlex.split(next(part for part in re.split(r" && ", commands[-1]) if " -o " in part))
     link[link.index("-o") + 1] = str(output)
-    link = [word for word in link if not word.startswith("-Wl,-Map=")]  # the map is the build's own
+    link = [word for word in link if not word.startswith("-Wl,-Map=")]  # the map belongs to the build
     if file:
         row = next(row for row in json.loads((BUILD / "compile_commands.json").read_text()) if row["file"] == str(PROJECT / file))
         compiler = shlex.split(row["command"])

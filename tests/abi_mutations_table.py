@@ -9,7 +9,7 @@ WEINBERG = "plugins/step/weinberg2002/plugin.cpp"
 CORRECTION = "  if (moved) publish_correction(correction, corrected);\n"
 NEW_POSES = "  for (; any && is_whole(pose); any = s_.composer.take_pose(pose)) publish_pose(pose, true);\n"
 
-# What may be added.
+# Permitted additions.
 GROWTH = [
     ("field at a message's end", [(SAMPLES, "  double intensity_t;     /* tesla */", "  double intensity_t;\n  double more;")]),
     ("flag", [(SAMPLES, "#define ODO_RANGE_LEVER 2u", "#define ODO_RANGE_MORE 4u\n#define ODO_RANGE_LEVER 2u")]),
@@ -19,7 +19,7 @@ GROWTH = [
 ]
 
 ROWS = [
-    # What a check of offsets alone did not notice.
+    # Not detected by a check of offsets alone.
     ("flag renumbered", [(SAMPLES, "ODO_GNSS_HEIGHT 2u", "ODO_GNSS_HEIGHT 32u")], "contract", "constant ODO_GNSS_HEIGHT: released as '2', now '32'"),
     ("double for int64_t", [(EVENTS, "int64_t valid_from_ns", "double valid_from_ns")], "contract", "field odo_scale.valid_from_ns"),
     ("signature of process", [(PLUGIN, "process, (odo_instance *instance, const odo_batch *batch)", "process, (odo_instance *instance, const odo_batch *batch, uint32_t count)")],

@@ -1,6 +1,6 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# One layout on every target, by compiling all public headers for it; big-endian ones are refused.
+# Checks one layout on every target by compiling all public headers for it; big-endian targets are rejected.
 #   abi_targets.sh PROJECT
 # C with clang and no C library. The C++ wrapper with clang and this machine's libstdc++, whose headers need a word size of
 # their own for each target; for Windows with MinGW's own, which also links it. What has no compiler here is skipped.

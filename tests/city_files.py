@@ -12,7 +12,7 @@ import sys
 import tempfile
 
 MOST_S, MOST_MB = 2.0, 500
-BAD_DATA = 3  # what odograph exits with
+BAD_DATA = 3  # exit status of odograph
 
 
 def check(program, file):

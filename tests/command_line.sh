@@ -1,6 +1,6 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# The command line as a person uses it: exit statuses and where output goes.
+# The command line from a user's view: exit statuses and destinations of output.
 set -u
 odograph=$1 source=$2
 work=$(mktemp -d)
@@ -92,7 +92,7 @@ expect 3 "--squares" "$odograph" calibrate tiny.odo
 expect 0 "worst: focal length" "$odograph" bench calibrate --seeds 1 --pictures 12 --keep boards
 expect 0 "'camera: FILE'" "$odograph" calibrate boards/pinhole_s1 -o c
 expect 0 "<svg" cat c/calibration.html
-# A video goes through ffmpeg; what is tested is how it is called, so a stand-in lays the pictures out.
+# ffmpeg reads videos. The test covers its invocation: a replacement writes the pictures.
 mkdir bin
 printf '#!/bin/sh\nfor last; do :; done\ncp "%s"/boards/pinhole_s1/*.png "$(dirname "$last")"\n' "$work" >bin/ffmpeg
 chmod +x bin/ffmpeg
@@ -104,7 +104,7 @@ expect 0 "good" "$odograph" config check own_camera.yaml
 head -c 100000 tiny.odo >cut.odo
 expect 3 "end mark is missing" "$odograph" run -c "$configs/phone_walk.yaml" -i cut.odo -o o4
 expect 0 '"cut_off": true' cat o4/summary.json
-# What is lost is said by every command, in words and by its status.
+# Every command reports losses, in words and by its status.
 python3 - <<'PY'
 data = bytearray(open("tiny.odo", "rb").read())
 data[len(data) // 3] ^= 4
@@ -117,7 +117,7 @@ expect 3 "records are lost" "$odograph" eval --ref flip.odo --est o --align yaw
 expect 3 "records are lost" "$odograph" convert flip.odo mended.odo
 expect 0 "messages" "$odograph" convert mended.odo again.odo
 expect 3 "records are lost" "$odograph" compare "$configs/phone_walk.yaml" -i flip.odo
-# Input and output may be the same file, also by a link; a full disk leaves what was there.
+# Input and output may be the same file, also through a link; a full disk keeps the existing file.
 cp tiny.odo same.odo
 ln -s same.odo link.odo
 expect 0 "messages" "$odograph" convert same.odo same.odo
@@ -129,11 +129,11 @@ cp o/summary.json before.json
 expect 3 "disk full" sh -c 'trap "" XFSZ; ulimit -f 1; "$@"' - "$odograph" run -c "$configs/phone_walk.yaml" -i tiny.odo -o o
 cmp -s o/summary.json before.json || { echo "FAILED: a full disk took the results that were there"; failed=1; }
 ls ./*.part o/*.part 2>/dev/null && { echo "FAILED: something unfinished was left"; failed=1; }
-# A folder with older results: what this run has not is gone.
+# In a folder with older results, those that this run does not write are removed.
 expect 0 "written to" "$odograph" run -c "$configs/antigny2019.yaml" -i tiny.odo -o o6 --report
 expect 0 "written to" "$odograph" run -c "$configs/phone_walk.yaml" -i tiny.odo -o o6
 ls o6/vo.csv o6/report.html 2>/dev/null && { echo "FAILED: results of an older run were left"; failed=1; }
-# EuRoC: what it has no place for is said, a folder is not overwritten, a damaged picture costs its frame alone.
+# EuRoC: items without a place in it are reported, a folder is not overwritten, a damaged picture costs only its frame.
 expect 0 "skipped, because EuRoC/ASL cannot represent it" "$odograph" convert tiny.odo euroc
 expect 2 "holds a recording" "$odograph" convert tiny.odo euroc
 picture=$(ls euroc/mav0/cam0/data/*.png | sed -n 20p)

@@ -1,6 +1,6 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# The command line on real recordings. ODOGRAPH_DATA and ODOGRAPH_REQUIRE_DATA of the environment, if set, win.
+# The command line on real recordings. ODOGRAPH_DATA and ODOGRAPH_REQUIRE_DATA in the environment take precedence.
 set -u
 odograph=$1 source=$2 data=${ODOGRAPH_DATA-$3} required=${ODOGRAPH_REQUIRE_DATA-$4}
 for name in phone_walks tsukuba_90; do

@@ -1,6 +1,6 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# Plugins in the app's own process that end it: each is named with the call, no status is 0, and results are written before
+# Plugins that end the app's process: each is named with the call, no exit status is 0, and results are written before
 # a plugin is destroyed.
 set -u
 odograph=$1 zoo=$2 source=$3
@@ -10,7 +10,7 @@ cd "$work" || exit 1
 failed=0
 "$odograph" sim "$source/tests/data/tiny_walk.yaml" -o tiny.odo >/dev/null || exit 1
 mkdir plugins
-# animal, words that must be said
+# faulty plugin, expected words
 run() {
   animal=$1
   rm -f plugins/*

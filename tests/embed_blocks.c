@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
- * Runs the C blocks of README.md and docs/embed.md, which the build puts into BLOCKS: twenty seconds of a phone that
- * somebody carries.
+ * Runs the C blocks of README.md and docs/embed.md, which the build puts into BLOCKS, on twenty seconds of a walk.
  */
 #include <math.h>
 #include <stdio.h>

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-# For scripts that try commands: sets failed where one does something else than it is to do.
+# For scripts that run commands: sets failed if one has another status or output than expected.
 failed=0
 expect() { # status, words that must be in the output, command...
   want=$1 words=$2

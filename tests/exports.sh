@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # The library exports the functions of the headers, each from its version node, and nothing else; each plugin its entry.
 #   exports.sh BUILD PROJECT [ON]
-# With ON the library is one file to ship: it needs the C library alone and has at most 4 MB.
+# With ON the library is a single file to ship: it depends on the C library only and has at most 4 MB.
 set -eu
 lib=$1/lib
 work=$(mktemp -d)

@@ -163,7 +163,7 @@ def steps_of(t, force, rate):
     return np.array(steps)
 
 
-# Whoever sets out takes half a step first (RIDI's walkers): as the plugin's LengthModel has it.
+# The first step after standing is half as long (RIDI's walkers), as in the plugin's LengthModel.
 SETTING_OUT = lambda since_stood: 1 - 0.5 * np.exp(-since_stood / 1.3)
 
 # x: frequency, rise, rotation rate, repetition, vertical part
@@ -254,7 +254,7 @@ def main():
         SETTING_OUT = None
     rows = []
     for data_set, name, steps, stretches in walks(sys.argv[1]):
-        for i in range(1, len(steps)):  # the repetition over the last steps, as the plugin's
+        for i in range(1, len(steps)):  # mean repetition over the last steps, as in the plugin
             if steps[i, 0] - steps[i - 1, 1] < 1:
                 steps[i, 5] = steps[i - 1, 5] + 0.25 * (steps[i, 5] - steps[i - 1, 5])
         steps = np.column_stack([steps, since_stood(steps)]) if len(steps) else steps

@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# fleet.sh ODOGRAPH SOURCE [PROFILE]: a small fleet, killed when some rows are there and resumed: the same table and report as of one that was left
-# alone. PROFILE slurm: on the cluster that sbatch reaches, with the folders of TMPDIR seen by all of its nodes.
+# fleet.sh ODOGRAPH SOURCE [PROFILE]: a small fleet, killed after some rows and resumed, gives the same table and
+# report as an uninterrupted one. PROFILE slurm: on the cluster of sbatch, with TMPDIR visible to all nodes.
 set -eu
 odograph=$1 source=$2 profile=${3:-local}
 command -v snakemake > /dev/null || { echo "SKIPPED: no snakemake"; exit 77; }

@@ -1,6 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# headset.sh SOURCE BUILD: libodograph_vit.so exports the 21 functions and nothing else, and a consumer gets the command line's poses.
+# headset.sh SOURCE BUILD: libodograph_vit.so exports exactly the 21 functions, and a consumer gets the command line's
+# poses.
 set -eu
 source=$1 build=$2
 work=$(mktemp -d)

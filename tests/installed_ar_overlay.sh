@@ -1,6 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# Augmented reality outside the tree, against the installed package, over a few metres of a street: a video and a picture.
+# Builds the augmented reality sample against the installed package and runs it over a few metres of a street: a video
+# and a picture.
 set -eu
 source=$1 build=$2
 work=$(mktemp -d)

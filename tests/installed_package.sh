@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# Outside the tree, against the installed package: the C99 sample through CMake and through pkg-config, and the plugin
-# sample, which carries its C++ runtime inside.
+# Outside the source tree, against the installed package: the C99 sample through CMake and through pkg-config, and the
+# plugin sample with its static C++ runtime.
 set -eu
 source=$1 build=$2
 work=$(mktemp -d)
@@ -10,7 +10,7 @@ cmake --install "$build" --prefix "$work/prefix" >/dev/null
 cp -r "$source/samples" "$work/samples"
 export CMAKE_GENERATOR=Ninja
 PKG_CONFIG_PATH=$(dirname "$(find "$work/prefix" -name odograph.pc)")
-# Called by its name alone, from another folder, the program finds the plugins that belong to it.
+# Called by its name from another folder, the program finds its plugins.
 (cd "$work" && env -u ODOGRAPH_PLUGIN_PATH PATH="$work/prefix/bin:$PATH" odograph plugins | grep -q "^vo/odograph")
 ODOGRAPH_PLUGIN_PATH=$(PKG_CONFIG_PATH=$PKG_CONFIG_PATH pkg-config --variable=plugindir odograph)
 export PKG_CONFIG_PATH ODOGRAPH_PLUGIN_PATH
@@ -42,8 +42,8 @@ cmake -S "$work/samples/vendor_message" -B "$work/vendor" -DCMAKE_PREFIX_PATH="$
 cmake --build "$work/vendor" >/dev/null
 "$work/vendor/vendor_message" "$work/samples/vendor_message/pipeline.yaml" "$work/vendor"
 
-# A new plugin of each kind, in both languages: it builds, passes the check and runs, and where it does not tell the way
-# itself the rest of its pipeline does.
+# A new plugin of each kind in both languages builds, passes the check and runs; the rest of its pipeline gives the
+# displacement if it does not.
 "$work/prefix/bin/odograph" sim "$work/samples/scenarios/walk_short.yaml" --first 8 -o "$work/short.odo" >/dev/null
 for kind in attitude step_estimator vo_frontend scale_source absolute_fixer; do
   for language in "" --c; do
@@ -53,12 +53,12 @@ for kind in attitude step_estimator vo_frontend scale_source absolute_fixer; do
     cmake --build "$work/$name/build" >/dev/null
     "$work/prefix/bin/odograph" plugin check "$work/$name/build/$name.so" > "$work/$name/said" || { grep FAIL "$work/$name/said"; exit 1; }
     "$work/prefix/bin/odograph" config check "$work/$name/pipeline.yaml" >/dev/null
-    [ "$kind" = scale_source ] && continue  # no steps beside it: as far as its one speed says
+    [ "$kind" = scale_source ] && continue  # no steps beside it: the displacement is that of its single speed
     "$work/prefix/bin/odograph" run -c "$work/$name/pipeline.yaml" -i "$work/short.odo" -o "$work/$name/out" --json >/dev/null || [ $? = 1 ]
     python3 -c "import json, sys; m = json.load(open(sys.argv[1]))['distance_m']; sys.exit(not 4 < m < 16 and f'{m} m of 8 m')" "$work/$name/out/summary.json"
   done
 done
-# As a repository: what its CI runs, and the statement; a plugin that fails says so in red.
+# As a repository: the commands of its CI, and the report; a failing plugin is reported in red.
 (cd "$work" && "$work/prefix/bin/odograph" plugin new absolute_fixer acme/fix_it --repository > /dev/null)
 (cd "$work/fix_it" && PATH="$work/prefix/bin:$PATH" sh ci/check -DCMAKE_PREFIX_PATH="$work/prefix" > said) || { cat "$work/fix_it/said"; exit 1; }
 grep -q '^# acme/fix_it 0.1.0 conforms to odo.absolute_fixer/' "$work/fix_it/build/conformance.md"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
- * All our plugins linked into one program: no symbol is defined twice, no two have one id, and each can be registered.
+ * All our plugins linked into one program: no symbol is defined twice, all ids are unique, and each can be registered.
  * linked_all.inc has PLUGIN(KIND_NAME) for each; the build writes it.
  */
 #include <stdio.h>

@@ -1,6 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# A recording of H hours of sensor time, replayed by `odograph run`: nothing lost, and summary.json adds up with the tables.
+# Replays a recording of H hours of sensor time by `odograph run`: nothing is lost, and summary.json agrees with the
+# tables.
 #   long_run.sh ODOGRAPH ODOGRAPH-ENDURANCE HOURS
 set -eu
 odograph=$1 endurance=$2 hours=$3

@@ -15,21 +15,21 @@ ROOT = sys.argv[1]
 MAX_LINES = 400
 MAX_FUNCTION_LINES = 60
 MAX_CLASS_LINES = 400
-# 99 in 100 classes have at most 32, tables of parameters up to 36; what has more holds several things at once.
+# 99 of 100 classes have at most 32, parameter tables up to 36; larger ones have several responsibilities.
 MAX_DATA_MEMBERS = 40
-# Larger ones, to be split; one that fits, or is gone, leaves the list.
+# Larger ones, to be split; remove an entry when it fits or is gone.
 LARGE_CLASSES = {
     "sdk/tools odograph::World",
     "plugins/vo/odograph odograph::vo::Odometry", "plugins/fix/skyline odograph::skyline::Matcher"}
-# Folders of the host, each may include those before it. The tools may include all of them.
+# Folders of the host; each may include the preceding ones. The tools may include all of them.
 HOST = ["platform", "base", "messages", "config", "plugin_host", "localizer", "core"]
-# The files of a plugin that may include the ABI; algorithms never do.
+# The files of a plugin that may include the ABI; algorithms may not.
 GLUE = {"plugin.cpp", "step_plugin.hpp", "attitude_plugin.hpp", "horizontal_scale.hpp", "database_extension.hpp", "fixer_config.hpp", "frame_view.hpp", "photograph_prior.hpp"}
-# A program of its own, and what reads ODOGRAPH_PLUGIN_PATH.
+# A separate program, and the reader of ODOGRAPH_PLUGIN_PATH.
 ENVIRONMENT = {"sdk/host/plugin_host/host_main.cpp", "sdk/host/platform/posix/process.cpp"}
 HEAVY = re.compile(r"#include <(opencv2|embree|CLI/|nlohmann|ceres)")
-# What an operating system has beyond C and C++. In the host, platform/ alone and what isolates plugins and loads their
-# files may use it; the build leaves all of that out where a platform has none (sdk/host/CMakeLists.txt).
+# Operating system features beyond C and C++. In the host only platform/ and the isolation and loading of plugins may
+# use them; the build excludes these on platforms without them (sdk/host/CMakeLists.txt).
 SYSTEM = re.compile(r"#\s*include\s*<((sys|linux|mach|netinet|arpa)/[^>]*|unistd\.h|dlfcn\.h|fcntl\.h|poll\.h|sched\.h|spawn\.h|semaphore\.h|ucontext\.h"
                     r"|execinfo\.h|elf\.h|link\.h|unwind\.h|c?signal(\.h)?|csetjmp|setjmp\.h|pthread\.h|[Ww]indows\.h|io\.h)>"
                     r"|\b(v?fork|mmap|munmap|dlopen|dlsym|sigaction|pthread_\w+|getpid|kill|waitpid|sysconf|mkdtemp|isatty)\s*\("

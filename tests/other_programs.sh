@@ -1,7 +1,8 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# What goes to and comes from other programs, by them where they are installed: COLMAP triangulates from exported poses, gpsbabel
-# reads tracks with their times, ROS 1's Python writes bags; with NODE_PATH @mcap/core reads MCAP, Chromium shows the page and axe-core judges it.
+# Exchange with other programs, if installed: COLMAP triangulates from exported poses, gpsbabel reads tracks with their
+# times, ROS 1's Python writes bags; with NODE_PATH @mcap/core reads MCAP, Chromium shows the page and axe-core checks
+# it.
 set -u
 odograph=$1 source=$2
 work=$(mktemp -d)
@@ -27,7 +28,7 @@ case $? in
   *) echo "FAILED: the page in a browser"; cat said; failed=1 ;;
 esac
 
-# MCAP out and in: the samples are the same, pictures byte for byte.
+# MCAP export and import: identical samples, and pictures byte for byte.
 expect 0 "poses" "$odograph" convert run run.mcap
 expect 0 "MCAP" "$odograph" convert run.mcap back.odo
 expect 0 "EuRoC" "$odograph" convert walk.odo direct
@@ -45,7 +46,7 @@ expect 3 "cut off" "$odograph" convert cut.mcap cut.odo
 sed 's/"sec"/"zzz"/; s/jsonschema/JSONSCHEMA/; s/json/jsox/' run.mcap >other.mcap
 expect 3 "encoded as 'jsox'" "$odograph" convert other.mcap other.odo
 
-# A bag by ROS's own Python, in each compression, with Kalibr's calibration beside it.
+# A bag by ROS's own Python in each compression, with Kalibr's calibration beside it.
 for compression in none bz2 lz4; do
   mkdir -p "bag_$compression"
   cp direct/camchain-imucam.yaml "bag_$compression"
@@ -60,7 +61,7 @@ expect 0 "fx: 375" cat camera.yaml
 sed 's/radtan/fov/' direct/camchain-imucam.yaml >fov.yaml
 expect 3 "distortion_model 'fov'; expected radtan" "$odograph" convert fov.yaml camera.yaml
 
-# Tracks on a map, with times where the clock is Unix time.
+# Tracks on a map, with times if the clock is Unix time.
 awk '{ $1 = sprintf("%.3f", $1 + 1781800000); print }' run/trajectory.tum >unix.tum
 for kind in gpx kml geojson; do expect 0 "poses" "$odograph" convert unix.tum unix.$kind --origin 48,11,500; done
 if command -v gpsbabel >/dev/null; then
@@ -79,7 +80,7 @@ expect 0 "pictures" "$odograph" convert walk.odo walk.colmap --every 0.6
 if command -v colmap >/dev/null; then
   export QT_QPA_PLATFORM=offscreen
   mkdir points
-  # One thread: COLMAP numbers pictures as they are finished, and the model's numbers must be the same.
+  # One thread: COLMAP numbers pictures in the order of completion, and the model's numbers must match.
   { colmap feature_extractor --database_path all.db --image_path walk.colmap/images --ImageReader.single_camera 1 --ImageReader.camera_model OPENCV \
       --ImageReader.camera_params "375,375,240,180,0,0,0,0" --SiftExtraction.use_gpu 0 --SiftExtraction.num_threads 1 --SiftExtraction.max_num_features 800 &&
     colmap sequential_matcher --database_path all.db --SiftMatching.use_gpu 0 --SiftMatching.num_threads 1 --SequentialMatching.overlap 3 &&

@@ -1,7 +1,8 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# The build folder as Debian packages: lintian finds no error, the tarball runs from another folder, its plugins are signed, and the SBOM has
-# every library that ldd and the linker's maps have. packaging/try_packages goes on from there, on a bare Debian.
+# The build as Debian packages: lintian finds no error, the tarball runs from another folder, its plugins are signed,
+# and the SBOM lists every library found by ldd and the linker's maps. packaging/try_packages continues on a bare
+# Debian.
 set -eu
 source=$1 build=$2
 for program in dh lintian git dpkg-buildpackage go-md2man openssl; do
@@ -11,7 +12,7 @@ git -C "$source" rev-parse HEAD > /dev/null 2>&1 || { echo "SKIPPED: no git repo
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
-# One version everywhere.
+# The same version everywhere.
 version=$(sed -n 's/^project(Odograph VERSION \([0-9.]*\).*/\1/p' "$source/CMakeLists.txt")
 for place in packaging/debian/changelog:"odograph ($version)" packaging/vcpkg/ports/odograph/vcpkg.json:"\"$version\"" packaging/conan/conanfile.py:"version = \"$version\"" \
   abi/bindings/csharp/package.json:"\"$version\"" abi/bindings/javascript/package.json:"\"$version\"" abi/bindings/python/pyproject.toml:"version = \"$version\"" abi/bindings/rust/Cargo.toml:"version = \"$version\""; do

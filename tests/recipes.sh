@@ -1,6 +1,6 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# Licences of all files by reuse; vcpkg's and Conan's recipes as far as they can be looked at without these tools.
+# Licences of all files by reuse; recipes of vcpkg and Conan as far as they can be checked without these tools.
 set -eu
 cd "$1"
 command -v reuse > /dev/null || { echo "SKIPPED: no reuse"; exit 77; }
@@ -10,7 +10,7 @@ reuse lint > "$work/said" 2>&1 || { cat "$work/said"; exit 1; }
 ! grep ERROR "$work/said"
 python3 -c 'import ast, sys; ast.parse(open(sys.argv[1]).read())' packaging/conan/conanfile.py
 python3 -m json.tool packaging/vcpkg/ports/odograph/vcpkg.json > /dev/null
-# Each command of the port is one of vcpkg's, and is called with what it takes.
+# Each command of the port exists in vcpkg and has valid arguments.
 cat > "$work/port.cmake" << END
 foreach(command vcpkg_cmake_configure vcpkg_cmake_install vcpkg_cmake_config_fixup vcpkg_fixup_pkgconfig vcpkg_install_copyright)
   cmake_language(EVAL CODE "function(\${command})\nendfunction()")

@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# Byte for byte the same from the same recording: run again, with 1, 2 and 8 threads for the libraries that use them, and
-# with several runs at once. What tells the time of day or how long it took is not compared.
+# Bit-identical results from the same recording: repeated, with 1, 2 and 8 threads for the libraries that use them, and
+# with several runs at once. Times of day and durations are not compared.
 #   repeat.sh ODOGRAPH CONFIG RUNS RECORDING...
 set -eu
 [ $# -ge 4 ] || { echo "usage: repeat.sh ODOGRAPH CONFIG RUNS RECORDING..."; exit 2; }
@@ -17,7 +17,7 @@ for recording in "$@"; do
     for threads in 1 2 8; do
       out=$work/out
       rm -rf "$out"
-      # OpenCV's own threads, and the OpenMP of what is linked to it.
+      # OpenCV's own threads, and the OpenMP of linked libraries.
       OPENCV_FOR_THREADS_NUM=$threads OMP_NUM_THREADS=$threads "$odograph" run -c "$config" -i "$recording" -o "$out" \
         >/dev/null 2>"$work/said" || [ $? -eq 1 ] || { cat "$work/said"; echo "FAILED: $recording does not run"; exit 1; }
       sum=$(cd "$out" && for file in trajectory.tum steps.csv scale.csv fixes.csv vo.csv; do

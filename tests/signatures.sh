@@ -1,6 +1,6 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# A plugin that is signed by one of plugins.signers is loaded; one that is not, or was changed since, is refused.
+# A plugin signed by one of plugins.signers is loaded; an unsigned or modified one is rejected.
 set -u
 odograph=$1 plugins=$2
 command -v openssl >/dev/null && openssl genpkey -algorithm ed25519 >/dev/null 2>&1 || { echo "SKIPPED: no openssl"; exit 77; }

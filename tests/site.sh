@@ -1,6 +1,6 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# The site is built without a warning and without a dead link; the gallery is what the manifests give.
+# The site is built without warnings and dead links; the gallery matches the manifests.
 set -eu
 source=$1 build=$2
 for program in doxygen linkchecker mkdocs; do

@@ -1,6 +1,6 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# An app with its plugins inside: alone in a folder it gives the same poses as with the shared libraries, byte for byte.
+# An app with linked plugins, alone in a folder, gives the same poses as with shared libraries, byte for byte.
 set -eu
 app=$1 whole=$2 library=$3 plugins=$4
 work=$(mktemp -d)

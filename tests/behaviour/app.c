@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
- * What the headers promise of the host's behaviour, by the headers alone; abi_mutations.py has a host in which each is
- * broken. behaviour_app PLUGINS_OF_THE_TEST PLUGINS RECORDING      prints each promise that is broken and returns 1 */
+ * The host's behaviour as promised by the headers, from the headers alone; abi_mutations.py breaks each promise in a
+ * host. behaviour_app PLUGINS_OF_THE_TEST PLUGINS RECORDING prints each broken promise and returns 1 if there are
+ * any. */
 #define _POSIX_C_SOURCE 200809L
 #include <math.h>
 #include <signal.h>

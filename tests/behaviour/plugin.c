@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
- * An attitude for behaviour/app.c. It forges the host's bits on all it emits; gyro_bias_b has what it saw: the host's
- * bits of the newest sample, what emit returned within activate, and the largest number of samples of a batch. */
+ * An attitude for behaviour/app.c. It forges the host's bits in all its events; gyro_bias_b reports: the host's bits of
+ * the newest sample, the result of emit within activate, and the largest batch size. */
 #include <stdlib.h>
 #include <string.h>
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
- * What cases have in common as apps: a session with all of its events, and samples to push. */
+ * Common app code of the cases: a session with all its events, and samples to push. */
 #ifndef CONFORMANCE_APP_H
 #define CONFORMANCE_APP_H
 
@@ -8,7 +8,7 @@
 
 #include "journal.h"
 
-/* Configs. The suite's plugins alone stand in them. */
+/* Configs. They contain only the suite's plugins. */
 #define CONFIG "odograph: 1\n"
 #define WITH_ATTITUDE "attitude:\n  plugin: conformance/probe\n"
 #define WITH_STEPS "step_estimator:\n  plugin: conformance/probe\n"
@@ -35,30 +35,30 @@ typedef struct app {
   void* user;
 } app;
 
-/* Registers the suite's plugins or finds their folder; skips the case where neither can be done. */
+/* Registers the suite's plugins or finds their folder; skips the case if neither is possible. */
 void need_plugins(void);
-/* Options with this config, and the plugins of the suite. */
+/* Options with this config and the plugins of the suite. */
 odo_session_options app_options(const char* config, uint32_t run);
-/* A session whose callback receives all events. The case ends where it cannot be created. */
+/* A session whose callback receives all events. Ends the case if it cannot be created. */
 app* app_open(const char* config, uint32_t run);
 app* app_open_options(const odo_session_options* chosen);
 /* Destroys the session; the events stay. */
 void app_close(app* self);
 size_t app_events(app* self, uint32_t type);
 const odo_header* app_event(app* self, uint32_t type, size_t index);
-/* Whether a report with this key, or with this text within, was given. */
+/* Whether there was a report with this key or text. */
 bool app_reported(app* self, const char* key_or_text);
 odo_statistics app_statistics(app* self);
-/* Flushes, which must succeed. */
+/* Flushes; a failure ends the case. */
 void app_flush(app* self);
-/* Waits until a live session has given `count` events of a type, 5 s at most. */
+/* Waits at most 5 s until a live session has emitted `count` events of a type. */
 bool app_wait_events(app* self, uint32_t type, size_t count);
 
-/* Fills *message of `size` bytes: zero, with size, type and time. */
+/* Initialises *message of `size` bytes: zero, with size, type and time. */
 void put_header(void* message, uint32_t size, uint32_t type, int64_t t_ns);
 int32_t push(app* self, const void* message);
 int32_t push_rest(app* self, int64_t t_ns); /* an inertial sample at rest */
-/* Inertial samples at rest, one each 10 ms, `from` to before `to`. All must be taken. */
+/* Inertial samples at rest, one per 10 ms, `from` to before `to`. All must be accepted. */
 void push_rest_between(app* self, int64_t from_ns, int64_t to_ns);
 /* The same on a clock that was set back, and flushes. */
 void push_set_back(app* self, int64_t from_ns, int64_t to_ns);
@@ -68,7 +68,7 @@ void put_calibration(odo_calibration* out, uint32_t camera, int64_t t_ns);
 void put_frame(odo_frame* out, uint32_t camera, int64_t t_ns);
 void put_fix(odo_fix* out, int64_t t_ns, double north_m);
 
-/* A valid message of each input that copies (not of odo_frame). */
+/* A valid message of each input that is copied (not odo_frame). */
 typedef struct sample_kind {
   uint32_t type, size, min_size;
   const char* name;
@@ -77,23 +77,24 @@ typedef struct sample_kind {
 } sample_kind;
 extern const sample_kind sample_kinds[];
 extern const size_t sample_kind_count;
-#define LARGEST_SAMPLE 1024 /* holds any of them, with a longer end */
+#define LARGEST_SAMPLE 1024 /* holds any of them with an extended end */
 
-/* Hooks: attitude and front-end answer as in a walk to the front, one metre a second. The fixer emits `walk_fix` with
- * the next barometer sample where its struct_size is set. */
+/* Hooks: attitude and front-end answer as in a forward walk at one metre per second. The fixer emits `walk_fix` with
+ * the
+ * next barometer sample if its struct_size is set. */
 int32_t walk_message(odo_instance* instance, const odo_header* message);
 extern odo_fix walk_fix;
-/* One second of the walk: inertial samples each 10 ms, frames each 100 ms. The first call pushes the calibration. */
+/* One second of the walk: inertial samples every 10 ms, frames every 100 ms. The first call pushes the calibration. */
 void walk_second(app* self, int second);
-/* Before another walk in the same case. */
+/* Call before another walk in the same case. */
 void walk_reset(void);
 
-/* A loan that counts. */
+/* A borrowed message that counts its calls. */
 typedef struct lent {
   pthread_mutex_t lock;
   int retains, releases;
-  int refuse;  /* retain answers ODO_E_EXHAUSTED */
-  int strange; /* calls with an owner that was not ours */
+  int refuse;  /* retain returns ODO_E_EXHAUSTED */
+  int strange; /* calls with an unknown owner */
   const void* native;
 } lent;
 void lent_init(lent* self);

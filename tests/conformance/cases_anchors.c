@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
- * Anchors: made, asked for, listed, removed. */
+ * Anchors: created, queried, listed, removed. */
 #include "app.h"
 
 #include <math.h>
@@ -147,7 +147,7 @@ static void where_it_is(int unused) {
         anchor.name);
 }
 
-/* A geodetic anchor that was made before the last second of a walk. */
+/* A geodetic anchor created before the last second of a walk. */
 static odo_anchor geodetic(const char* navigation, uint32_t height_above) {
   app* self = walk(navigation, 2);
   odo_anchor_place place = place_of(ODO_ANCHOR_GEODETIC);
@@ -155,7 +155,7 @@ static odo_anchor geodetic(const char* navigation, uint32_t height_above) {
   uint64_t id;
   place.height_above = height_above;
   EXPECT(odo.anchor_create(self->session, &place, &id), ODO_OK);
-  walk_second(self, 2); /* its place is found with a pose */
+  walk_second(self, 2); /* a pose determines its position */
   app_flush(self);
   EXPECT(get(self, id, &anchor), ODO_OK);
   return anchor;
@@ -169,7 +169,7 @@ static void on_the_earth(int unused) {
         anchor.p_n[1], anchor.p_n[2]);
 }
 
-/* `reason`: why it is not placed. */
+/* `reason`: the expected reason why it is not placed. */
 static void not_placed(int reason) {
   const char* navigation = reason == ODO_REASON_NO_ORIGIN   ? "navigation:\n" START
                            : reason == ODO_REASON_NO_GROUND ? ORIGIN START

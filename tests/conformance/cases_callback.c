@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
- * The callback: on which thread, what it may call, when it ends. */
+ * The callback: its thread, permitted calls, its end. */
 #include "app.h"
 
 #include <string.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
- * Recordings that were cut off or damaged, and files that are none. */
+ * Truncated and damaged recordings, and files that are not recordings. */
 #include "app.h"
 
 #include <stdio.h>
@@ -52,7 +52,7 @@ static void write_file(const char* path, const file* from, size_t size) {
   fclose(opened);
 }
 
-/* How many messages can be read; -1 where it cannot be opened. *loss is what odo_recording_loss gives. */
+/* Number of readable messages; -1 if the file cannot be opened. *loss is the result of odo_recording_loss. */
 static int read_all(const char* path, int32_t* loss) {
   const odo_string name = string_of(path);
   odo_error words = {sizeof words, 0, ""};
@@ -122,7 +122,7 @@ static void never_closed(int unused) {
   int32_t loss;
   int count;
   (void)unused;
-  write_ten(path, false); /* there was no file of the name: it is written in its place at once */
+  write_ten(path, false); /* there was no file of the name: it is written in place */
   count = read_all(path, &loss);
   CHECK(count == 10 || count == -1 || loss == ODO_E_DATA,
         "of a recording that is being written %d messages could be read", count);

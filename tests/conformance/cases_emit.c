@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
- * Events: where a plugin may emit, which, and how many. */
+ * Events: from which calls a plugin may emit, which ones, and how many. */
 #include "app.h"
 
 #include <string.h>
@@ -15,7 +15,7 @@ static void put_event(vendor_event* event, int64_t t_ns) {
   event->words[0] = 7;
 }
 
-/* What the hooks below answered; their plan. */
+/* The results of the hooks below; their plan. */
 static struct {
   uint32_t within; /* the call that emits */
   int32_t status;
@@ -46,7 +46,7 @@ static void emit_outside_process(int what) {
   plan.within = (uint32_t)what;
   hooks.on_call = emit_within;
   self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
-  if (what == PROBE_LOAD) { /* something to load */
+  if (what == PROBE_LOAD) { /* a blob to load */
     plan.within = PROBE_SAVE;
     size = odo.session_save(self->session, blob, sizeof blob);
     plan.within = PROBE_LOAD, plan.calls = 0;
@@ -184,7 +184,7 @@ static int32_t emit_offered(odo_instance* instance, const odo_header* message) {
   return ODO_OK;
 }
 
-/* Has the fixer emit what is offered. */
+/* Makes the fixer emit what is offered. */
 static app* offer(int32_t expected) {
   app* self;
   hooks.on_message = emit_offered;

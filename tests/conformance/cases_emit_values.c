@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
- * Events' fields, and what becomes of events that are taken. */
+ * Fields of events, and the effect of accepted events. */
 #include "app.h"
 
 #include <math.h>
@@ -81,7 +81,7 @@ static void no_unit_quaternion(int unused) {
   refuse("q_n_b");
 }
 
-/* Whatever lies where no bit is set has no meaning. */
+/* Fields without their flag have no meaning, whatever they contain. */
 static void invalid_fields_are_not_read(int unused) {
   app* self;
   (void)unused;
@@ -131,7 +131,7 @@ static void end_is_published(int unused) {
         "its end is another");
 }
 
-/* A correction comes before the pose that it corrected: behind it every pose is near the new track. */
+/* A correction comes before the corrected pose: after it every pose is near the new track. */
 static void correction_comes_first(int unused) {
   app* self;
   size_t i;

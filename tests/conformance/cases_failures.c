@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
- * What a plugin's status does to its instance. */
+ * Effect of a plugin's status on its instance. */
 #include "app.h"
 
 #include <string.h>
@@ -9,7 +9,7 @@ static struct {
   uint32_t within; /* the call that fails */
   int32_t status;
   int after; /* calls before it fails */
-  int times; /* how often; 0: always */
+  int times; /* number of failures; 0: always */
   int failed;
 } plan;
 
@@ -53,7 +53,7 @@ static void activate_fails(int unused) {
   cannot_be_made(PROBE_ACTIVATE, ODO_E_ERROR, 0);
 }
 
-/* `count` barometer samples, one a second; process answers `status`, once or always, from the third one on. */
+/* `count` barometer samples, one per second; process returns `status`, once or always, from the third one on. */
 static app* run_failing(int32_t status, int times, int count) {
   app* self;
   int i;

@@ -1,17 +1,17 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
- * Frames as plugins are given them: what they retain, pixels that are copied or not, native memory. */
+ * Frames as plugin inputs: retained frames, copied and borrowed pixels, native memory. */
 #include "app.h"
 
 #include <string.h>
 
 static uint8_t pixels[64 * 48];
 
-/* What the plugin does with frames. */
+/* The plugin's handling of frames. */
 static struct {
   odo_frame kept[16];
   int count, refused, max;
-  int at_destroy; /* released then, not before */
+  int at_destroy; /* released in destroy, not before */
   const uint8_t* data;
   uint8_t first_pixel;
   const void* native;

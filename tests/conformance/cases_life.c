@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
- * The life of an instance: which calls, in which order, never at once. */
+ * Life cycle of an instance: its calls, their order, never concurrent. */
 #include "app.h"
 
 #include <stdio.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
- * Borrowed messages: retain and release over every path that a message can take. */
+ * Borrowed messages: retain and release on every path of a message. */
 #include "app.h"
 
 #include <string.h>
@@ -18,7 +18,7 @@ static int32_t push_lent(app* self, lent* of, int64_t t_ns) {
   int32_t status;
   put_lent_frame(&frame, of, 0, t_ns);
   status = push(self, &frame);
-  memset(&frame, 0xFF, sizeof frame); /* `owner` alone is left */
+  memset(&frame, 0xFF, sizeof frame); /* `owner` alone remains */
   return status;
 }
 
@@ -79,7 +79,7 @@ static void queue_full(int unused) {
   (void)unused;
   lent_init(&memory);
   push_rest_between(self, T0, T0 + 10 * MS); /* frames wait for this sensor */
-  for (i = 1; i <= 40; ++i) {                /* two messages each: more than the queue holds */
+  for (i = 1; i <= 40; ++i) {                /* two messages each: more than the queue's capacity */
     odo_barometer sample;
     int32_t status;
     put_barometer(&sample, T0 + i * 50 * MS);
@@ -154,9 +154,9 @@ static void bad_frame(int which) {
   put_calibration(&calibration, 0, T0);
   EXPECT(push(self, &calibration), ODO_OK);
   put_lent_frame(&frame, &memory, 0, T0);
-  if (which == 0) frame.width = 32, frame.height = 24; /* the calibration has another size */
+  if (which == 0) frame.width = 32, frame.height = 24; /* differs from the calibration's size */
   if (which == 1) frame.width = 0;
-  if (which == 2) frame.planes[0].data = NULL; /* and no native */
+  if (which == 2) frame.planes[0].data = NULL; /* and no native memory */
   EXPECT(push(self, &frame), ODO_E_DISCARD);
   app_flush(self);
   CHECK(given_count(ODO_TYPE_FRAME, ANY_KIND) == 0, "the plugin was given it");

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
- * The order of time: over sensors, late, twice, set back. */
+ * Time order: between sensors, late and repeated samples, clocks set back. */
 #include "app.h"
 
 #include <string.h>
@@ -27,7 +27,7 @@ static void check_times_rise(void) {
   }
 }
 
-/* Of each inertial sample's time one of the kind comes 100 ms later; 200 ms are waited. */
+/* For each inertial sample one of the kind arrives 100 ms later; the session waits 200 ms. */
 static void lagging_is_taken(app* self, const sample_kind* kind) {
   union {
     odo_header header;

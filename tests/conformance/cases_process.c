@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
- * What a library must leave alone in the process that it is loaded into. */
+ * State of the process that a library must not change. */
 #define _POSIX_C_SOURCE 200809L
 #include "app.h"
 
@@ -75,8 +75,9 @@ static int signal_of(pid_t child) {
   return WIFSIGNALED(status) ? WTERMSIG(status) : 0;
 }
 
-/* SIGSEGV with a handler of the library's: it writes the note and raises the signal with its former effect, which ends
- * the process. A grandchild does it. */
+/* SIGSEGV with the library's handler: it writes the note and raises the signal again with its previous action, which
+ * ends
+ * the process. A grandchild does so. */
 static void crash_is_noted(int unused) {
   char note[512];
   int note_pipe[2], ended_by;

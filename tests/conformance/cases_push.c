@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
- * Numbers of messages, unknown and vendors' ones, and inertial samples. */
+ * Type numbers of messages, unknown and vendors' ones, and inertial samples. */
 #include "app.h"
 
 #include <stdlib.h>
 #include <string.h>
 
 static void refuse(app* self, uint32_t type) {
-  odo_pose message; /* as large as any that is tried */
+  odo_pose message; /* as large as any size tried */
   put_header(&message, sizeof message, type, T0);
   if (push(self, &message) != ODO_E_ARGUMENT)
     fail_at(__FILE__, __LINE__, "odo_session_push of type 0x%x = %s; expected ODO_E_ARGUMENT", type,
@@ -36,7 +36,7 @@ static void events_are_refused(int unused) {
   CHECK(app_statistics(self).processed == 0, "one was processed");
 }
 
-/* A message of `size` bytes with a pattern behind its head. */
+/* A message of `size` bytes with a pattern after its head. */
 static odo_header* pattern(uint32_t size, uint32_t type, int64_t t_ns) {
   unsigned char* bytes = (unsigned char*)malloc(size);
   uint32_t i;
@@ -129,7 +129,7 @@ static void push_half(app* self, int64_t t_ns, uint32_t flags, double value) {
   EXPECT(push(self, &imu), ODO_OK);
 }
 
-/* The accelerometer's samples lie 4 ms beside the gyroscope's, its values are -9 - time in s. */
+/* The accelerometer's samples are 4 ms after the gyroscope's; its values are -9 - time in s. */
 static void halves_are_joined(int unused) {
   app* self = app_open(CONFIG WITH_ATTITUDE, ODO_RUN_REPLAY);
   const odo_header* found;

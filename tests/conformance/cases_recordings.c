@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
- * Recordings: what is written is read again. */
+ * Recordings: written and read back. */
 #include "app.h"
 
 #include <stdio.h>
@@ -51,7 +51,7 @@ static const odo_header* next(odo_recording* recording) {
   return found;
 }
 
-/* A message of a type with its number in every byte behind the head, but for frames. */
+/* A message of a type with its number in every byte after the head, except for frames. */
 static void put_message(message* out, uint32_t type, uint32_t size, int64_t t_ns) {
   size_t i;
   for (i = 0; i < sample_kind_count; ++i)

@@ -135,7 +135,7 @@ static void before_the_folder(int unused) {
         (unsigned)journal_count(PROBE_CREATE, ANY_KIND));
 }
 
-/* Two sessions of one plugin, the second made while the first is used. */
+/* Two sessions of one plugin, the second created while the first is in use. */
 static void in_several_sessions(int unused) {
   app *first, *second;
   (void)unused;

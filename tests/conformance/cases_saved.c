@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
- * What plugins have estimated, as a blob of the app's. */
+ * Saved estimates of plugins, as a blob kept by the app. */
 #include "app.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* Each plugin saves its id and kind, and keeps what it was given to load. */
+/* Each plugin saves its id and kind, and stores what it loads. */
 static char loaded[256];
 static size_t loads;
 static int32_t load_status;

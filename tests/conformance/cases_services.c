@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
- * What the host offers to plugins: services by id. */
+ * The host's services for plugins, by id. */
 #include "app.h"
 
 #include <stdio.h>
@@ -231,7 +231,7 @@ static void wake_calls(int run) {
     push_rest(self, T0 + 50 * MS);
     app_flush(self);
   } else {
-    app_wait_events(self, PROBE_EVENT, 1); /* soon, without another sample */
+    app_wait_events(self, PROBE_EVENT, 1); /* without another sample */
   }
   CHECK(empty_batches >= 1 && empty_batches <= 10, "10 requests were answered by %d calls; expected 1 to 10",
         empty_batches);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
- * Creating a session, asking it for poses and counts. */
+ * Creating a session, and querying its poses and counts. */
 #include "app.h"
 
 #include <math.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
- * The size rule of every struct that is given in or out. */
+ * The size rule of every input and output struct. */
 #include "app.h"
 
 #include <string.h>
@@ -8,7 +8,7 @@
 #define FILL 0xA5
 #define SPARE 64u
 
-/* A struct that is output: how large, and the call that fills it. */
+/* An output struct: its size, and the call that fills it. */
 typedef struct output {
   const char* name;
   uint32_t size, min_size;
@@ -33,7 +33,7 @@ static int32_t fill_statistics(app* self, void* out) {
 static int32_t fill_anchor(app* self, void* out) {
   return odo.anchor_get(self->session, anchor_id, ODO_WORLD_CORRECTED, ODO_TIME_LATEST, (odo_anchor*)out);
 }
-/* Both have something to report, so that there is something to write. */
+/* Both have content to write. */
 static int32_t fill_last_error(app* self, void* out) {
   odo_barometer sample;
   put_barometer(&sample, T0 + SECOND);
@@ -79,7 +79,7 @@ static void open_a_recording(void) {
   EXPECT(odo.recording_open(&path, &damaged, NULL), ODO_OK);
 }
 
-/* Where the call itself needs more than a session. */
+/* If the call needs more than a session. */
 static app* prepare(const output* of) {
   app* self;
   NEED(session_get_pose);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
- * Functions that may be called from any thread, called from several at once. */
+ * Thread-safe functions, called from several threads at once. */
 #include "app.h"
 
 #include <string.h>
@@ -34,7 +34,7 @@ static void* push_sensor(void* user) {
     status = push(self->to, &sample);
     self->taken += status == ODO_OK;
     self->exhausted += status == ODO_E_EXHAUSTED;
-    self->discarded += status == ODO_E_DISCARD; /* a thread that runs ahead makes the others late */
+    self->discarded += status == ODO_E_DISCARD; /* a thread ahead of the others makes them late */
     self->others += status != ODO_OK && status != ODO_E_EXHAUSTED && status != ODO_E_DISCARD;
   }
   return NULL;
@@ -166,7 +166,7 @@ static void sessions_are_independent(int unused) {
         (unsigned)given_count(ODO_TYPE_BAROMETER, FIXER));
 }
 
-/* One thread processes; what the other pushes meanwhile is processed by it. */
+/* One thread processes, including what the other pushes meanwhile. */
 static int32_t take_long(odo_instance* instance, const odo_header* message) {
   (void)instance, (void)message;
   sleep_ms(20);
@@ -220,7 +220,7 @@ static void statistics_do_not_wait(int unused) {
     start_s = now_s();
     odo.session_get_pose(self->session, ODO_TIME_LATEST, &pose);
     app_statistics(self);
-    if (now_s() - start_s < 0.004) ++asked; /* a machine that is busy may be late now and then */
+    if (now_s() - start_s < 0.004) ++asked; /* tolerates occasional delays on a busy machine */
     if (now_s() - start_s > longest_s) longest_s = now_s() - start_s;
     sleep_ms(1);
   }

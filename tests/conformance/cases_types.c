@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
- * What holds for the push of each type of input that is copied. */
+ * Push of each type of copied input. */
 #include "app.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
 
-#define LATER 40u /* bytes of a later version's end */
+#define LATER 40u /* size of a later version's extension */
 
 static union {
   odo_header header;
@@ -22,7 +22,8 @@ static void put_sample(const sample_kind* kind, int64_t t_ns, uint32_t size) {
   sample.header.struct_size = size;
 }
 
-/* An inertial sample is joined with its neighbours, and a spike is found by them: it is one of a few. */
+/* An inertial sample is joined with its neighbours and checked for spikes against them, so it is pushed among others.
+ */
 static int32_t push_among_others(app* self, const sample_kind* kind) {
   int32_t status;
   if (kind->type != ODO_TYPE_IMU) return push(self, &sample);
@@ -32,7 +33,7 @@ static int32_t push_among_others(app* self, const sample_kind* kind) {
   return status;
 }
 
-/* What the fixer was given at T0; the case ends where there is nothing. */
+/* The fixer's input at T0; ends the case if there is none. */
 static const odo_header* given_at_t0(const sample_kind* kind) {
   const odo_header* found;
   size_t i;
@@ -91,7 +92,7 @@ static void later_end_is_passed_on(int index) {
   CHECK(memcmp((const unsigned char*)found + kind->size, sample.bytes + kind->size, LATER) == 0, "its end is another");
 }
 
-/* The struct of the host's own, as docs/abi.md has it; but it is taken. */
+/* The host's own struct, as docs/abi.md specifies; but it is accepted. */
 static void later_inertial_sample_is_taken(int unused) {
   const sample_kind* kind = &sample_kinds[0];
   app* self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);

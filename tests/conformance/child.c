@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
- * Runs a case in a process of its own (POSIX), and hears of it through a pipe: a line begins with F for a failure, S
- * for a skip, E at the case's end. */
+ * Runs a case in a separate process (POSIX) and reads its results from a pipe: a line starts with F for a failure, S
+ * for a
+ * skip, E at the case's end. */
 #define _POSIX_C_SOURCE 200809L
 #define _DARWIN_C_SOURCE
 #include "suite.h"
@@ -119,7 +120,7 @@ static void add_failure(result* out, const char* format, ...) {
   add_line(out, text, strlen(text));
 }
 
-/* Takes what whole lines there are out of `buffer`; returns how many bytes are left. */
+/* Extracts the complete lines from `buffer`; returns the number of remaining bytes. */
 static size_t take_lines(char* buffer, size_t size, result* out, bool* ended) {
   char *line = buffer, *end;
   while ((end = (char*)memchr(line, '\n', size - (size_t)(line - buffer))) != NULL) {

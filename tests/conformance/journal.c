@@ -7,7 +7,7 @@
 
 journal_hooks hooks;
 
-/* Allocated one by one: an entry that was found stays where it is. */
+/* Allocated one by one, so that entries do not move. */
 static struct {
   pthread_mutex_t lock;
   journal_entry** entries;
@@ -131,7 +131,7 @@ const char* journal_words(const char* kind) {
 
 void journal_clear(void) {
   pthread_mutex_lock(&journal.lock);
-  journal.count = 0; /* entries that were found stay valid: what a case forgets ends with its process */
+  journal.count = 0; /* entries stay valid; their memory is freed at the end of the process */
   journal.overlaps = 0;
   pthread_mutex_unlock(&journal.lock);
 }

@@ -9,7 +9,7 @@
 conformance_library odo;
 conformance_options options;
 
-/* The list in suite.h has the types of the headers: a difference is a warning of the compiler here. */
+/* The list in suite.h repeats the headers' types: a difference is a compiler warning here. */
 #define SAME_TYPE(result, name, arguments) \
   typedef char same_type_##name[sizeof(((conformance_library*)0)->name == odo_##name)];
 CONFORMANCE_FUNCTIONS(SAME_TYPE)

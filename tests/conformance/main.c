@@ -131,7 +131,7 @@ static void print_case(const conformance_case* of, const result* found) {
   fflush(stdout);
 }
 
-/* Runs or lists what the command chose. */
+/* Runs or lists the selected cases. */
 static void go_through(const command* chosen, unsigned counts[3]) {
   bool first = true;
   size_t i;
@@ -153,7 +153,7 @@ static void go_through(const command* chosen, unsigned counts[3]) {
   }
 }
 
-/* 0, or the exit status where the cases would make no sense. */
+/* 0, or the exit status if the library cannot be tested. */
 static int check_library(const char* path) {
   const char* why = library_open(path);
   uint32_t abi;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
- * Built into the suite, and once for each variant as a shared library (PROBE_MODULE is its number then). */
+ * Built into the suite, and once per variant as a shared library (PROBE_MODULE is then its number). */
 #include "probe.h"
 
 #include <odograph/absolute_fixer.h>

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
- * The suite's plugin: it forwards each call to the suite's own process, which keeps a journal of them and answers. It
- * is registered where the library can do that, or loaded from a folder; then it finds the suite by a service of the
+ * The suite's plugin: it forwards each call to the suite's own process, which records the calls and answers. It is
+ * registered if the library supports that, otherwise loaded from a folder; then it finds the suite by a service of
+ * the
  * app. */
 #ifndef CONFORMANCE_PROBE_H
 #define CONFORMANCE_PROBE_H
@@ -10,8 +11,8 @@
 #include <odograph/plugin.h>
 
 /* conformance/probe serves every kind and declares every input and the vendor's messages below; conformance/frontend
- * declares nothing beyond its kind; conformance/several is one for several cameras and native frames; in the
- * table of conformance/bare all that is optional is null. */
+ * declares nothing beyond its kind; conformance/several supports several cameras and native frames; all optional items
+ * in the table of conformance/bare are null. */
 enum probe_variant { PROBE_FULL, PROBE_FRONTEND, PROBE_SEVERAL, PROBE_BARE, PROBE_VARIANTS };
 
 #define PROBE_VENDOR 1u
@@ -42,7 +43,7 @@ struct odo_instance {
   const odo_host* host;
   const odo_sink* sink; /* null before activate */
   uint32_t number;
-  uint32_t inside; /* calls that are running */
+  uint32_t inside; /* number of running calls */
   char plugin[40];
   char kind[40];
 };

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
- * Messages that a case pushes, and the walk. */
+ * Messages pushed by the cases, and the walk. */
 #include "app.h"
 
 #include <string.h>
@@ -36,7 +36,7 @@ void push_rest_between(app* self, int64_t from_ns, int64_t to_ns) {
 void push_set_back(app* self, int64_t from_ns, int64_t to_ns) {
   int64_t t_ns;
   for (t_ns = from_ns; t_ns < to_ns; t_ns += 10 * MS) {
-    const int32_t status = push_rest(self, t_ns); /* at first they look late */
+    const int32_t status = push_rest(self, t_ns); /* the first ones appear late */
     CHECK(status == ODO_OK || (status == ODO_E_DISCARD && t_ns < from_ns + SECOND),
           "%lld ms after the clock was set back %s", (long long)((t_ns - from_ns) / MS), status_name(status));
   }
@@ -209,7 +209,7 @@ void walk_second(app* self, int second) {
     if ((t_ns - start_ns) % (100 * MS) == 0) {
       odo_frame frame;
       put_frame(&frame, 0, t_ns);
-      if (push(self, &frame) == ODO_E_EXHAUSTED) { /* a live session is not as fast */
+      if (push(self, &frame) == ODO_E_EXHAUSTED) { /* a live session is slower */
         app_flush(self);
         EXPECT(push(self, &frame), ODO_OK);
       }

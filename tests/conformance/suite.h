@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
- * The conformance suite of the host's side: cases that check a libodograph.so against the sentences of the public
- * headers. It is C99 and POSIX, includes the public headers alone and takes the library at run time. */
+ * Conformance suite of the host's side: cases that check a libodograph.so against the sentences of the public
+ * headers. C99
+ * and POSIX; it includes only the public headers and loads the library at run time. */
 #ifndef CONFORMANCE_SUITE_H
 #define CONFORMANCE_SUITE_H
 
@@ -22,19 +23,19 @@
 /* ---- cases ---- */
 typedef struct conformance_case {
   const char* name;     /* a sentence */
-  const char* header;   /* the file of the contract ... */
-  const char* sentence; /* ... and the sentence of it that is checked */
+  const char* header;   /* the header of the contract ... */
+  const char* sentence; /* ... and its sentence that is checked */
   void (*run)(int argument);
   int argument;
 } conformance_case;
 
-/* Groups, each ended by a row without a name. */
+/* Groups, each terminated by a row without a name. */
 extern const conformance_case cases_version[], cases_sizes[], cases_push[], cases_types[], cases_loans[],
     cases_keeping[], cases_cameras[], cases_order[], cases_emit[], cases_emit_values[], cases_life[], cases_failures[],
     cases_services[], cases_callback[], cases_threads[], cases_session[], cases_saved[], cases_anchors[],
     cases_recordings[], cases_damage[], cases_process[], cases_register[];
 
-/* Within a case. fail_at notes a failure and goes on, stop_at ends the case too; both may be called on any thread. */
+/* Within a case. fail_at records a failure and continues, stop_at ends the case too; thread-safe. */
 void fail_at(const char* file, int line, const char* format, ...);
 void stop_at(const char* file, int line, const char* format, ...);
 void skip_case(const char* format, ...);
@@ -93,19 +94,19 @@ typedef struct conformance_library {
 } conformance_library;
 extern conformance_library odo;
 
-/* Loads the library; null, or why not. */
+/* Loads the library; null, or the reason for the failure. */
 const char* library_open(const char* path);
-/* Names of the headers' functions that the library has not, separated by blanks; empty when it has all. */
+/* Names of the headers' functions that the library lacks, separated by blanks; empty if it has all. */
 const char* library_missing(void);
-/* Skips the case where the library has no such function. */
+/* Skips the case if the library lacks the function. */
 #define NEED(name)                                                \
   do {                                                            \
     if (!odo.name) skip_case("the library has no odo_%s", #name); \
   } while (0)
 
-/* What the command line gave. */
+/* Options of the command line. */
 typedef struct conformance_options {
-  const char* plugin_folder; /* of the suite's plugins as shared libraries; null: they are registered */
+  const char* plugin_folder; /* folder of the suite's plugins as shared libraries; null: they are registered */
   bool by_folder;            /* use plugin_folder although the library has odo_register_plugin */
 } conformance_options;
 extern conformance_options options;
@@ -113,14 +114,14 @@ extern conformance_options options;
 /* ---- running ---- */
 typedef enum outcome { PASSED, FAILED, SKIPPED } outcome;
 #define RESULT_TEXT 8192
-#define MAX_LINES 6u /* of text; `lines` counts on */
+#define MAX_LINES 6u /* stored lines; `lines` counts further ones */
 typedef struct result {
   outcome outcome;
   unsigned lines;
   double seconds;
-  char text[RESULT_TEXT]; /* what failed, a line each, or why the case was skipped */
+  char text[RESULT_TEXT]; /* one line per failure, or the reason for a skip */
 } result;
-/* Runs a case in a process of its own, which is ended after `limit_s` seconds. */
+/* Runs a case in a separate process, which is killed after `limit_s` seconds. */
 void run_case(const conformance_case* chosen, double limit_s, bool quiet, result* out);
 
 /* ---- small things ---- */

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
  * An app for the growth matrix, built with today's headers and, with ODO_TEST_GROWN, with those of a later version. It
- * takes the library at run time:
+ * loads the library at run time:
  *   growth_app LIBRARY write RECORDING
  *   growth_app LIBRARY replay RECORDING PLUGIN_FOLDER
- * and prints what came of it in one line. */
+ * and prints the result in one line. */
 #include <dlfcn.h>
 #include <stdio.h>
 #include <stdlib.h>

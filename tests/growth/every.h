@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
- * Every message of the ABI with values that a host accepts, and what a later version added to it, for every_app.c and
+ * Every message of the ABI with values that a host accepts, and fields added by a later version, for every_app.c and
  * every_plugin.c. Built with today's headers and, with ODO_TEST_GROWN, with those of a later version. */
 #ifndef ODOGRAPH_TESTS_GROWTH_EVERY_H
 #define ODOGRAPH_TESTS_GROWTH_EVERY_H

@@ -3,8 +3,8 @@
  * An app for the growth matrix over every message, built with today's headers and with those of a later version:
  *   every_app LIBRARY write RECORDING
  *   every_app LIBRARY replay RECORDING CONFIG PLUGINS STATE HOST PLUGIN RECORDED
- * STATE is loaded where the file exists, otherwise written. The last three are the ages, old or new, of the library,
- * the plugin and the recording. It prints how many combinations hold, or those that do not. */
+ * STATE is loaded if the file exists, otherwise written. The last three are the versions, old or new, of the library,
+ * the plugin and the recording. It prints the number of combinations that pass, or those that fail. */
 #include <dlfcn.h>
 #include <stdio.h>
 #include <stdlib.h>

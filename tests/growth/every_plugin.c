@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
- * An attitude that declares every input and emits every event that a plugin may emit, for every_app.c: to a QUESTION it
- * emits one of each and an ANSWER with what it has seen. */
+ * An attitude that declares every input and emits every event that a plugin may emit, for every_app.c: in
+ * response to a QUESTION it emits one of each, and an ANSWER with its inputs so far. */
 #include <stdlib.h>
 
 #include <odograph/attitude.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
- * Runs what `abi/generate.py --exchange` wrote:
+ * Runs the output of `abi/generate.py --exchange`:
  *   exchange write FILE
  *   exchange read FILE GROWN      digests of the messages, one a line; GROWN 1: with the fields of the later version */
 #include <stdint.h>

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
  * An attitude for the growth matrix, built with today's headers and, with ODO_TEST_GROWN, with those of a later
- * version. Its gyro_bias_b says what it saw: the samples so far, the newest magnetometer's field of the later version,
- * and the size of the newest vendor's message. */
+ * version. Its gyro_bias_b reports: the number of samples, the newest magnetometer's field of the later version, and
+ * the size of the newest vendor's message. */
 #include <stdlib.h>
 #include <string.h>
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
- * An app in C with the shared library, whose C++ runtime and yaml-cpp are inside and hidden, and plugins that let
- * exceptions of other runtimes out of every call: none ends the app, and each arrives with its own text.
+ * An app in C with the shared library, which contains hidden copies of the C++ runtime and yaml-cpp, and plugins that
+ * throw exceptions of other runtimes from every call: none ends the app, and each is reported with its text.
  *   thrown_app PLUGIN_FOLDERS */
 #include <stdio.h>
 #include <string.h>

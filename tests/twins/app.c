@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
- * Calls two plugins of one class name by their entries, linked in (ODO_STATIC) or loaded from the two files named, and
- * checks that each has its own id, its own default and its own process. */
+ * Calls two plugins with the same class name by their entries, linked (ODO_STATIC) or loaded from the two given files,
+ * and checks that each has its own id, default and process. */
 #include <stdio.h>
 #include <string.h>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Two plugins whose class has one name, made of this file: TWIN is 1 or 2. Linked into a program the class is in a
-// namespace of its own, as any two classes of a program must be.
+// Two plugins with the same class name, built from this file: TWIN is 1 or 2. Linked into a program the class is in a
+// separate namespace, as required for any two classes of a program.
 #include <odograph/plugin.hpp>
 
 #if defined(ODO_STATIC)
