@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""YAML keys, shipped plugins' ids and their parameters, as facts, compared with abi/golden/config_v1.txt.
+"""YAML keys, ids of shipped plugins and their parameters, as facts, compared with abi/golden/config_v1.txt.
 
     abi_config.py PROJECT ODOGRAPH PLUGIN_FOLDER [--write]
 

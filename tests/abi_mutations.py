@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Breaks of the contract, made one at a time, and the check that must notice each.
+"""Applies violations of the contract one at a time; a check must detect each.
 
     abi_mutations.py PROJECT BUILD
 
@@ -95,7 +95,7 @@ def behaviour(folder, file):
 
 
 def config(folder, file):
-    """Of a changed plugin the manifest is written anew; a changed file of the host is linked into the program."""
+    """Rewrites the manifest of a changed plugin; links a changed file of the host into the program."""
     plugins = BUILD / "lib/odograph/plugins"
     program = BUILD / "bin/odograph"
     if file and file.startswith("plugins/"):

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Breaks of the contract for abi_mutations.py: name, edits (file, text before, text after), the check that must notice, and
-what it must name."""
+"""Violations of the contract for abi_mutations.py: name, edits (file, text before, text after), the check that must detect it,
+and the expected text."""
 H = "abi/include/odograph/"
 BASE, SAMPLES, EVENTS, APP, PLUGIN = (H + name for name in ("base.h", "samples.h", "events.h", "odograph.h", "plugin.h"))
 MAP = "sdk/host/odograph.map"

@@ -16,7 +16,7 @@ BAD_DATA = 3  # exit status of odograph
 
 
 def check(program, file):
-    """Exit status, what was said, seconds of processor time and MB."""
+    """Exit status, output, seconds of processor time and MB."""
     child = subprocess.Popen([program, "city", "check", str(file)], stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
     said = child.stdout.read().decode(errors="replace").strip()
     _, status, usage = os.wait4(child.pid, 0)
@@ -42,13 +42,13 @@ def holes(count):
 
 
 def scribble(count):
-    """A ring that crosses itself at nearly every edge."""
+    """A ring that crosses itself at almost every edge."""
     corners = [[k * 7919 % 10007, k * 104729 % 10009, 0] for k in range(count)]
     return surface([list(range(count))], corners)
 
 
 def write_hostile(folder):
-    """What has felled readers of city models: file and whether it is to be refused."""
+    """Files that have crashed readers of city models, and whether each must be rejected."""
     triangle = [[0, 0, 0], [9, 0, 0], [0, 9, 0]]
     texts = {
         "holes_90.json": (json.dumps(holes(90)), False),

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Fits step/odograph's lengths, and chooses the law on data sets and people that were left out.
+"""Fits step/odograph's lengths, and selects the law on held-out data sets and people.
 
     python3 tests/fit_step_lengths.py DATA [--whole-steps]      # DATA/ridi, DATA/ipin2023_t3, DATA/trundle_wheel, DATA/phone_walks
 
@@ -22,7 +22,7 @@ RAD = np.pi / 180
 
 
 def resampled(t, x):
-    """Means over cells of 20 ms of what was interpolated linearly."""
+    """Means of the linear interpolation over cells of 20 ms."""
     keep = np.concatenate([[True], np.diff(t) > 0])
     t, x = t[keep], x[keep]
     total = np.vstack([np.zeros(x.shape[1]), np.cumsum(0.5 * (x[1:] + x[:-1]) * np.diff(t)[:, None], axis=0)])
@@ -132,7 +132,7 @@ def repetition(x, end, lag):
 
 
 def steps_of(t, force, rate):
-    """Of each step: start, end, frequency, rise, mean rate, repetition of its stride, vertical part."""
+    """For each step: start, end, frequency, rise, mean rate, repetition of its stride, vertical part."""
     gauss = np.exp(-0.5 * (np.arange(-10, 11) / HZ / 0.06) ** 2)
     x = np.stack([np.convolve(force[:, i], gauss / gauss.sum(), 'same') for i in range(3)], 1)
     total = np.concatenate([[0], np.cumsum(force[:, 2])])

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// mcap_file.js FILE: MCAP as @mcap/core reads it: whole by its index and as a stream; Foxglove's messages have the fields of @foxglove/schemas. 77 without those packages.
+// mcap_file.js FILE: reads MCAP by @mcap/core, by its index and as a stream; Foxglove's messages have the fields of
+// @foxglove/schemas. 77 without those packages.
 'use strict';
 const fs = require('fs');
 let mcap, schemas;
@@ -10,7 +11,7 @@ try {
   process.exit(77);
 }
 
-/** What keeps a value from its schema; empty where nothing does. */
+/** The mismatch of a value with its schema; empty if there is none. */
 function fault(value, schema, at) {
   const kind = Array.isArray(value) ? 'array' : Number.isInteger(value) && schema.type === 'integer' ? 'integer' : typeof value;
   if (schema.type && kind !== schema.type) return `${at}: ${kind} where ${schema.type} is expected`;

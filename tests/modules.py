@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""The modules' rules, read from the includes: who may see whom, no cycles between folders, what no library may do; and
-how large files, functions and classes may be."""
+"""The modules' rules, read from the includes: permitted dependencies, no cycles between folders, operations forbidden to
+libraries; and the maximum sizes of files, functions and classes."""
 import collections
 import json
 import os
@@ -93,7 +93,7 @@ def check_include(path, other):
         if not other.startswith(os.path.dirname(path) + "/"):
             wrong.append(f"{path} includes {other}: a sample sees what is installed")
     elif path.startswith("abi/bindings/"):
-        if os.path.dirname(other) != os.path.dirname(path) and other != "plugins/vo/vit/vit_interface.hpp":  # the interface that headset and plugin speak
+        if os.path.dirname(other) != os.path.dirname(path) and other != "plugins/vo/vit/vit_interface.hpp":  # the interface common to headset and plugin
             wrong.append(f"{path} includes {other}: a binding sees the ABI and itself")
     elif path.startswith("abi/"):
         wrong.append(f"{path} includes {other}: the ABI's headers are found as <odograph/...>")
@@ -131,7 +131,7 @@ def has_ctags():
 
 
 def tags_of(files, kinds, folder=ROOT):
-    """What universal-ctags finds, which says where each function and class ends."""
+    """The tags of universal-ctags, which include the end of each function and class."""
     said = subprocess.run(["ctags", "--output-format=json", "--fields=+neKs", f"--c-kinds={kinds}", f"--c++-kinds={kinds}", "-L", "-", "-f", "-"],
                           input="\n".join(files), cwd=folder, capture_output=True, text=True, check=False).stdout
     return [json.loads(line) for line in said.splitlines()]
@@ -151,9 +151,9 @@ def check_functions():
 
 
 def class_sizes(files, folder=ROOT):
-    """Of each class its lines, its definition's and those of its members that are defined outside of it, in whatever
-    file, and its data members but for constants. Its name has its module before it; of classes in the unnamed namespaces
-    of several files that have one name it is the largest."""
+    """For each class its lines (definition and members defined outside it, in any file) and its data members without
+    constants. The module precedes the name; of classes with the same name in unnamed namespaces of several files it is
+    the largest."""
     lines, members, bodies = collections.Counter(), collections.Counter(), collections.defaultdict(list)
     tags = tags_of(files, "fcsm", folder)
 
@@ -194,7 +194,7 @@ def check_classes():
 
 
 def check_class_sizes():
-    """The measure itself, on a class of known size."""
+    """Tests the measure on classes of known size."""
     files = {"sdk/host/a.hpp": "namespace n {\nclass A {\n  int inside() {\n    return 1;\n  }\n  void outside();\n  struct B {\n    int y;\n  };\n"
                                "  static constexpr int kNone = 0;\n  int x, z = 2;\n  B b;\n};\n}\n",
              "sdk/host/a.cpp": "namespace n {\nvoid A::outside() {\n  x = 1;\n}\nvoid free() {\n}\n}\n",
@@ -211,7 +211,7 @@ def check_class_sizes():
 
 
 def check_system(path, text):
-    """What knows an operating system, in the SDK: platform/ and the files of the list."""
+    """Operating system use in the SDK: only platform/ and the listed files."""
     if not path.startswith("sdk/") or path.startswith("sdk/host/platform/"):
         return
     found = SYSTEM.search(without_comments(text))

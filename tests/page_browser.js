@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// page_browser.js REPORT SUMMARY: the page of a run in headless Chromium (playwright-core, axe-core from NODE_PATH): what it shows is what the summary says, no error, no request, keys, and
-// nothing that axe-core finds wrong, wide and phone-sized, light and dark. 77 without those packages. Prints how long it took to open and to draw.
+// page_browser.js REPORT SUMMARY: the page of a run in headless Chromium (playwright-core, axe-core from NODE_PATH):
+// it shows the summary's values, with no error, no request, working keys and no
+// finding of axe-core, wide and phone-sized, light and dark. 77 without those packages. Prints the times to open and
+// to draw.
 'use strict';
 const fs = require('fs');
 let chromium, axe;

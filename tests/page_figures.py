@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""page_figures.py REPORT SUMMARY: the page of a run holds what its summary says, and asks for nothing from elsewhere."""
+"""page_figures.py REPORT SUMMARY: the page of a run shows its summary's values, and makes no external request."""
 import json
 import re
 import sys
@@ -32,7 +32,7 @@ if data["truth"]:
     rms = (sum(e * e for e in errors) / len(errors)) ** 0.5
     if abs(float(table["Error, rms"].split()[0]) - rms) > 1e-3:
         failures.append(f"error: {table['Error, rms']} in the table, {rms} by the chart")
-    # Laid over the truth as the page does it, the track is as far from it as the page says.
+    # With the page's alignment the error of the track equals the page's figure.
     (w, *v), shift, scale = run["laid"]["q"], run["laid"]["p"], run["laid"]["s"]
     cross = lambda a, b: [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
     p = [scale * x for x in run["p"][-3:]]

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// page_script.js PAGE_FOLDER: what the page of a run computes, against values worked out by hand.
+// page_script.js PAGE_FOLDER: the computations of a run's page, against values computed by hand.
 'use strict';
 const assert = require('assert'), fs = require('fs'), path = require('path'), vm = require('vm');
 const page = vm.createContext({});
@@ -10,7 +10,7 @@ const near = (seen, wanted, what) => wanted.forEach((x, k) => assert(Math.abs(se
 assert.deepStrictEqual([-1, 0, 0, 2].map((_, k) => call(`before([1, 2, 3], ${[0.5, 1, 1.9, 9][k]})`)), [-1, 0, 0, 2]);
 assert.strictEqual(call('tick(10, 5)'), 2);
 assert.strictEqual(call('readable(0.05)'), '0.050');
-// A quarter turn about down takes north to east; then twice the size and a shift.
+// A quarter turn about down maps north to east; then twice the size and a shift.
 near(call('lay({laid: {q: [Math.SQRT1_2, 0, 0, Math.SQRT1_2], p: [10, 20, 30], s: 2}}, [1, 0, 5], 0)'), [10, 22, 40], 'lay');
 near(call('rotate([Math.SQRT1_2, 0, 0, Math.SQRT1_2], [1, 0, 0])'), [0, 1, 0], 'rotate');
 near(call('rotate([Math.SQRT1_2, 0, 0, Math.SQRT1_2], [0, 1, 0], true)'), [1, 0, 0], 'rotate back');

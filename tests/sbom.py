@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""The SBOMs of an unpacked installation against other witnesses than packaging/sbom asks (linker's maps, ELF headers): the loader (ldd), and the
+"""The SBOMs of an unpacked installation against other sources than those of packaging/sbom (linker's maps, ELF headers): the loader (ldd), and the
 symbols that a file of the build has in common with each static archive that anything is linked with (nm). Nothing that they have is missing.
 
   tests/sbom.py INSTALLATION BUILD

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Every suite of the test programs is run by ctest; one whose real recordings are missing is shown as skipped, and fails
-where they are required."""
+"""ctest runs every suite of the test programs; one without its real recordings is shown as skipped, and fails if they are
+required."""
 import json
 import os
 import re
@@ -42,7 +42,7 @@ for program, registered in suites.items():
 
 
 def results(folder, required):
-    """What ctest shows for each entry that needs data."""
+    """ctest's result for each entry that needs data."""
     said = output(CTEST, "--test-dir", BUILD, "-L", "^data$", ODOGRAPH_DATA=folder, ODOGRAPH_REQUIRE_DATA=required).stdout
     return dict(re.findall(r"Test +#\d+: (\S+) [.]*[* ]*(Passed|Skipped|Failed|Not Run)", said))
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""write_bag.py EUROC BAG none|bz2|lz4: a ROS 1 bag of an EuRoC folder's camera and IMU, by ROS 1's own Python. 77 where it is not installed."""
+"""write_bag.py EUROC BAG none|bz2|lz4: writes a ROS 1 bag of an EuRoC folder's camera and IMU by ROS 1's own Python. 77 if it is not installed."""
 import csv
 import os
 import sys

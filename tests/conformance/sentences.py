@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Every sentence that a case of the conformance suite checks stands in the header that the case names, word for word. Lists the
-functions of the headers that no case needs."""
+"""Checks that the header named by each case of the conformance suite contains its sentence, word for word. Lists the functions of
+the headers that no case uses."""
 import json
 import re
 import subprocess
@@ -11,7 +11,7 @@ program, headers = sys.argv[1:]
 
 
 def words(text):
-    """Without the marks of comments and the breaks of lines."""
+    """The text without comment marks and line breaks."""
     return re.sub(r"\s+", " ", re.sub(r"/\*|\*/|^\s*\*(?!\*)", " ", text, flags=re.M)).strip()
 
 

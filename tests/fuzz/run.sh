@@ -1,9 +1,9 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# Builds the fuzzers and runs each for a time, an hour unless said otherwise; `session` under ThreadSanitizer too.
+# Builds the fuzzers and runs each for a given time, by default an hour; `session` under ThreadSanitizer too.
 #   tests/fuzz/run.sh [SECONDS [TARGET...]]
-# What is found lies in build-fuzz/TARGET/ as crash-*, timeout-*, oom-*; the corpus beside it is kept small. Fails where
-# something was found.
+# Findings are stored in build-fuzz/TARGET/ as crash-*, timeout-*, oom-*; the corpus beside them is kept small. Fails
+# if there are findings.
 set -eu
 cd "$(dirname "$0")/../.."
 seconds=${1:-3600}
@@ -18,8 +18,8 @@ run() {  # PRESET TARGET
   place=build-$1/$2
   mkdir -p "$place/corpus" "$place/small"
   length=512 ok=0
-  case $2 in video | records | messages) length=4096 ;; esac  # what is whole in them is longer
-  # entropic: counting how rare each of a hundred thousand features is took half of the time
+  case $2 in video | records | messages) length=4096 ;; esac  # complete inputs are longer
+  # entropic: counting the rarity of a hundred thousand features took half of the time
   "build-$1/tests/fuzz/fuzz-$2" -entropic=0 -max_len=$length -timeout=10 -rss_limit_mb=4096 -max_total_time="$seconds" -print_final_stats=1 \
     -artifact_prefix="$place/" "$place/corpus" "tests/fuzz/seeds/$2" >"$place/log" 2>&1 || ok=1
   "build-$1/tests/fuzz/fuzz-$2" -merge=1 "$place/small" "$place/corpus" >/dev/null 2>&1 && rm -rf "$place/corpus" && mv "$place/small" "$place/corpus"

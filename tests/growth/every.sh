@@ -1,8 +1,8 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# The growth matrix over every message, service and output, saved states, recordings and manifests: app, library, plugin and
-# recording of this version and of a later one, the plugin within the process and in one of its own; and states of each
-# library and plugin loaded by each. A later manifest has keys that this version has not heard of.
+# The growth matrix over every message, service and output, saved states, recordings and manifests: app, library,
+# plugin and recording of this version and of a later one, the plugin in process and isolated; and states of each
+# library and plugin loaded by each. A later manifest has keys that are unknown to this version.
 #   every.sh OLD_LIBRARY NEW_LIBRARY OLD_PLUGIN_HOST NEW_PLUGIN_HOST FOLDER ODOGRAPH_MANIFEST
 set -eu
 old_library=$1 new_library=$2 old_host=$3 new_host=$4 folder=$5 manifest=$6

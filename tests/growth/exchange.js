@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Writes and reads every message with WebAssembly's layout and compares with the programs of this machine: exchange.js FOLDER
+// Writes and reads every message with WebAssembly's layout, and compares with the native programs: exchange.js FOLDER
 'use strict';
 const fs = require('fs');
 const {execFileSync} = require('child_process');
@@ -35,7 +35,7 @@ for (const writer of ages) {
       for (const grown of [0, 1]) {
         const native = execFileSync(`${folder}/${reader}.native`, ['read', file, String(grown)], {encoding: 'utf8'}).trim().split('\n');
         const other = wasm[reader].read(bytes, grown);
-        // Without the later version's fields every reader reads what any other does.
+        // Without the later version's fields all readers read the same.
         const expected = grown ? native : execFileSync(`${folder}/old.native`, ['read', `${folder}/reference`, '0'], {encoding: 'utf8', input: ''}).trim().split('\n');
         messages = native.length;
         other.forEach((digest, i) => {

@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# Every message, written and read with the headers of this version and of a later one with larger structs, here and on
-# WebAssembly's layout (32-bit pointers), where node runs it. All must read the same numbers.
+# Writes and reads every message with the headers of this version and of a later one with larger structs, natively and
+# with WebAssembly's layout (32-bit pointers) if node is installed. All must read the same numbers.
 #   layouts.sh PROJECT
 set -eu
 here=$(cd "$(dirname "$0")" && pwd) project=$1

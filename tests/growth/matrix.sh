@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
 # The growth matrix: app, library, plugin and recording of this version and of a later one with larger structs, in all
-# sixteen combinations. What a newer one adds arrives wherever both ends know it, whatever lies between.
+# sixteen combinations. A new field arrives whenever both ends support it, whatever lies between.
 set -eu
 old_host=$1 new_host=$2 folder=$3 manifest=$4
 work=$(mktemp -d)
@@ -20,7 +20,7 @@ for app in old new; do for host in old new; do for plugin in old new; do for rec
   field=0 answer=0 count=0
   [ $plugin = new ] && field=-1
   [ $plugin = new ] && [ $recording = new ] && field=2.5
-  # A later library's own larger struct has the field too: with what the plugin said, or zero.
+  # A later library's own larger struct has the field too: with the plugin's value, or zero.
   [ $plugin = new ] && [ $app = new ] && answer=7 count=300
   expected="worst 0, processed 606, faults 0, unknown 0, attitudes 300, field $field, vendor 2432, answer $answer in $count, pose 0"
   if [ "$found" != "$expected" ]; then

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// A frame through C# is neither copied nor allocated: the plugin is given the pinned array itself, the garbage collector allocates
-// nothing, and the process less than once in two frames (the compiler of Mono does, at first).
+// A frame through C# is neither copied nor allocated: the plugin receives the pinned array itself, the garbage
+// collector allocates
+// nothing, and the process less than once per two frames (Mono's compiler does, at first).
 using System;
 using System.Runtime.InteropServices;
 using Odograph;
@@ -56,7 +57,7 @@ static unsafe class NoCopy {
       large = odo_test_large();
       collections = GC.CollectionCount(0) - collections;
       frames = session.GetStatistics().frames;
-      long before = GC.GetAllocatedBytesForCurrentThread();  // the counters count
+      long before = GC.GetAllocatedBytesForCurrentThread();  // the counters work
       GC.KeepAlive(new byte[Width * Height]);
       Marshal.FreeHGlobal(Marshal.AllocHGlobal(Width * Height));
       counted = GC.GetAllocatedBytesForCurrentThread() - before >= Width * Height ? odo_test_large() - large : 0;

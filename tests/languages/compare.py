@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""compare.py LANGUAGE REFERENCE OUTPUT LIVE: the poses of samples/walk in a language are the command line's, to the last bit, and what it
-tracked live is what the others did (LIVE, written by the first of them)."""
+"""compare.py LANGUAGE REFERENCE OUTPUT LIVE: the poses of samples/walk in a language equal the command line's, to the last bit, and its
+live result equals that of the other languages (LIVE, written by the first of them)."""
 import os
 import re
 import sys
@@ -14,7 +14,7 @@ def poses(path):
 
 
 def last(path):
-    """Numbers as numbers: languages write them differently."""
+    """Parsed numbers, since languages write them differently."""
     with open(path, encoding="utf-8") as file:
         return [float(word) if re.match(r"-?\d", word) else word for word in file.read().splitlines()[-1].split()]
 

@@ -1,7 +1,7 @@
 #!/bin/bash
 # SPDX-License-Identifier: Apache-2.0
-# languages.sh SOURCE BUILD: samples/walk in each language, against the command line's poses. A language whose tools are missing is named
-# and left out; where all are, the status is 77.
+# languages.sh SOURCE BUILD: samples/walk in each language, against the command line's poses. A language without its
+# tools is reported and skipped; if all are, the status is 77.
 set -u
 source=$1 build=$2
 work=$(mktemp -d)
@@ -11,7 +11,7 @@ config=$source/samples/configs/walk.yaml
 export ODOGRAPH_PLUGIN_PATH=$work/plugins:$build/lib/odograph/plugins LD_LIBRARY_PATH=$build/lib
 failed=0 done=0
 
-# say LANGUAGE COMMAND...: runs it; what it says is shown where it fails.
+# say LANGUAGE COMMAND...: runs the command; shows its output if it fails.
 say() {
   local language=$1
   shift
@@ -21,14 +21,14 @@ say() {
   failed=1
   return 1
 }
-missing() { # what a language lacks of these commands
+missing() { # reports a language's missing commands
   local tool
   for tool in "${@:2}"; do
     command -v "$tool" >/dev/null || { echo "SKIPPED: $1: no $tool"; return 0; }
   done
   return 1
 }
-# compare LANGUAGE COMMAND...: the sample's output
+# compare LANGUAGE COMMAND...: compares the output of the sample
 compare() {
   local language=$1
   shift
@@ -42,7 +42,7 @@ say recording "$build/bin/odograph" convert --pgm "$work/jpeg.odo" "$work/walk.o
 say run "$build/bin/odograph" run -c "$config" -i "$work/walk.odo" -o "$work/run" || exit 1
 "$build/bin/odograph-reference" "$config" "$work/walk.odo" "$work/run" >"$work/reference.txt" || exit 1
 
-# The counter of allocations, and a front-end that looks where pixels are.
+# The counter of allocations, and a front-end that records the addresses of pixels.
 mkdir "$work/plugins"
 say counter cc -shared -fPIC -O1 -o "$work/count.so" "$here/allocations.c"
 say counter c++ -std=c++17 -shared -fPIC -fvisibility=hidden -I"$source/abi/include" -o "$work/plugins/pixels.so" "$here/pixels.cpp" &&
@@ -57,7 +57,7 @@ python() {
   local python
   for python in python3 /usr/bin/python3; do "$python" -c 'import numpy' 2>/dev/null && break; done
   "$python" -c 'import numpy' 2>/dev/null || { echo "SKIPPED: Python: no numpy"; return; }
-  # The wheel, as it is installed.
+  # The wheel as installed.
   cp -r "$source/abi/bindings/python" "$work/python"
   if "$python" -c 'import build, setuptools, wheel' 2>/dev/null; then
     (cd "$work/python" && say Python "$python" -m build --wheel --no-isolation && "$python" -m zipfile -e dist/odograph-*.whl "$work/site") || return
@@ -82,14 +82,14 @@ csharp() {
 }
 
 rust() {
-  local PATH=/usr/bin:$PATH # Debian's, where there is another beside it
+  local PATH=/usr/bin:$PATH # Debian's, if there is another one
   missing Rust cargo && return
   export ODOGRAPH_LIB_DIR=$build/lib CARGO_TARGET_DIR=$work/cargo CARGO_HOME=$work/cargo_home
   cp -r "$source/abi/bindings/rust" "$work/rust"
   mkdir -p "$work/walk_rust/src" && cp "$walk/walk.rs" "$work/walk_rust/src/main.rs"
   printf '[package]\nname = "walk"\nversion = "0.1.0"\nedition = "2021"\n\n[dependencies]\nodograph = {path = "%s"}\n' "$work/rust" >"$work/walk_rust/Cargo.toml"
   (cd "$work/walk_rust" && say Rust cargo build --offline) && compare Rust "$work/cargo/debug/walk"
-  # bindgen's own reading of the headers, as an oracle.
+  # bindgen's reading of the headers as an oracle.
   missing "Rust's layout" bindgen && return
   say Rust bindgen "$source/abi/include/odograph/layout.h" -o "$work/bindgen.rs" --no-layout-tests -- -I"$source/abi/include" || return
   { echo '#[allow(warnings)] mod theirs { include!("bindgen.rs"); }'
@@ -114,13 +114,13 @@ java() {
 
 javascript() {
   missing JavaScript node && return
-  local koffi npm=${ODOGRAPH_TARGETS:-$HOME/.cache/odograph-targets}/npm/node_modules # by packaging/dependencies test
+  local koffi npm=${ODOGRAPH_TARGETS:-$HOME/.cache/odograph-targets}/npm/node_modules # installed by packaging/dependencies test
   koffi=$(NODE_PATH="${NODE_PATH:+$NODE_PATH:}$npm" node -p "require('path').dirname(require.resolve('koffi'))" 2>/dev/null) ||
     { echo "SKIPPED: JavaScript: no npm package koffi (packaging/dependencies test)"; return; }
   mkdir -p "$work/node/node_modules/@odograph"
   cp -r "$source/abi/bindings/javascript" "$work/node/node_modules/@odograph/node"
   ln -s "$koffi" "$work/node/node_modules/koffi"
-  ln -s "$(dirname "$koffi")/@koromix" "$work/node/node_modules/@koromix" # koffi's own compiled part
+  ln -s "$(dirname "$koffi")/@koromix" "$work/node/node_modules/@koromix" # koffi's compiled part
   cp "$walk/walk.mjs" "$work/node/"
   compare JavaScript node --preserve-symlinks "$work/node/walk.mjs"
 }

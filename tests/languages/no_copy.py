@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A frame through Python is not copied: the plugin is given NumPy's own memory, the process allocates nothing of a picture's size,
-and what Python allocates for a frame it frees again."""
+"""A frame through Python is not copied: the plugin receives NumPy's own memory, the process allocates nothing of a picture's size,
+and Python frees its allocations for a frame."""
 import ctypes
 import sys
 import tracemalloc
@@ -42,7 +42,7 @@ with odograph.Session(CONFIG) as session:
     now, peak = tracemalloc.get_traced_memory()
     tracemalloc.stop()
     large, frames = own.odo_test_large(), session.statistics().frames
-    np.empty(WIDTH * HEIGHT, np.uint8).fill(1)  # the counter counts
+    np.empty(WIDTH * HEIGHT, np.uint8).fill(1)  # the counter works
     counted = own.odo_test_large() - large
     session.flush()
 print(f"Python: {frames} frames of {WIDTH * HEIGHT} bytes, {FRAMES} of them counted: {foreign} at another address, {large} allocations of a picture's size, "

@@ -1,7 +1,8 @@
 #!/bin/bash
 # SPDX-License-Identifier: Apache-2.0
-# plugins.sh SOURCE BUILD [LANGUAGE [KIND...]]: a new plugin of each kind in Rust and in Python, as `odograph plugin new` writes it, outside the tree and against
-# the installed package: it builds, passes the check and runs. A language whose tools are missing is named and left out.
+# plugins.sh SOURCE BUILD [LANGUAGE [KIND...]]: a new plugin of each kind in Rust and in Python, as written by
+# `odograph plugin new`, outside the tree and against the installed package, builds, passes the check and runs. A
+# language without its tools is reported and skipped.
 set -eu
 source=$1 build=$2 languages=${3:-rust python}
 kinds=${*:4}
@@ -9,7 +10,7 @@ work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 cmake --install "$build" --prefix "$work/prefix" >/dev/null
 program=$work/prefix/bin/odograph
-export CMAKE_GENERATOR=Ninja CARGO_TARGET_DIR=$work/target CARGO_HOME=$work/cargo_home PATH=/usr/bin:$PATH # Debian's, where there is another beside it
+export CMAKE_GENERATOR=Ninja CARGO_TARGET_DIR=$work/target CARGO_HOME=$work/cargo_home PATH=/usr/bin:$PATH # Debian's, if there is another one
 unset PYTHONPATH ODOGRAPH_PLUGIN_PATH
 "$program" sim "$source/samples/scenarios/walk_short.yaml" --first 8 -o "$work/short.odo" >/dev/null
 done=0
@@ -23,7 +24,7 @@ for language in $languages; do
   esac
   for kind in ${kinds:-attitude step_estimator vo_frontend scale_source absolute_fixer}; do
     name=${language}_$kind folder=$work/${language}_$kind
-    if [ "$language" = rust ]; then # as the vendor's CI does it
+    if [ "$language" = rust ]; then # as in the vendor's CI
       quietly "$program" plugin new "$kind" "trial/$name" "$folder" --language rust --repository
       (cd "$folder" && PATH=$work/prefix/bin:$PATH quietly sh ci/check)
       grep -q "^# trial/$name 0.1.0 conforms to odo.$kind/" "$folder/build/conformance.md"
@@ -31,10 +32,10 @@ for language in $languages; do
       quietly "$program" plugin new "$kind" "trial/$name" "$folder" --language "$language"
       quietly cmake -S "$folder" -B "$folder/build" -DCMAKE_PREFIX_PATH="$work/prefix"
       quietly cmake --build "$folder/build"
-      quietly "$program" plugin check "$folder/build/$name.so" --only events # each case starts an interpreter: what it emits
+      quietly "$program" plugin check "$folder/build/$name.so" --only events # each case starts an interpreter, so only the events are checked
     fi
     quietly "$program" config check "$folder/pipeline.yaml"
-    if [ "$kind" != scale_source ]; then # no steps beside it: as far as its one speed says
+    if [ "$kind" != scale_source ]; then # no steps beside it: the displacement is that of its single speed
       "$program" run -c "$folder/pipeline.yaml" -i "$work/short.odo" -o "$folder/out" --json >/dev/null || [ $? = 1 ]
       python3 -c "import json, sys; m = json.load(open(sys.argv[1]))['distance_m']; sys.exit(not 4 < m < 16 and f'$name: {m} m of 8 m')" "$folder/out/summary.json"
     fi

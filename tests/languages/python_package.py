@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""python_package.py CONFIG RECORDING FOLDER: what else the package does: errors in words, arrays without copies, recordings written and read."""
+"""python_package.py CONFIG RECORDING FOLDER: further features of the package: error texts, arrays without copies, recordings written and read."""
 import ctypes
 import os
 import sys
@@ -20,7 +20,7 @@ def refused(call, *words):
     raise AssertionError(f"was taken; expected an error with {words}")
 
 
-# Errors name what is wrong.
+# Errors name the cause.
 error = refused(lambda: Session("odograph: 1\nattitude: {plugin: attitude/vqf, gain: 3}\n"), ":2:", "gain")
 assert isinstance(error, odograph.OdographError) and error.status == odograph.ODO_E_CONFIG
 refused(lambda: Recording(config), "walk.yaml")
@@ -30,7 +30,7 @@ with Session(config) as session:
     assert session.pose() is None
 refused(session.flush, "closed")
 
-# An exception of a callback comes out of push.
+# A callback's exception is raised by push.
 def fail(_):
     raise KeyError("mine")
 
@@ -38,13 +38,13 @@ def fail(_):
 with Session("odograph: 1\nattitude: {plugin: attitude/vqf}\nstep_estimator: {plugin: step/odograph}\ncoupling: {type: localizer}\n", on_event=fail) as session:
     refused(lambda: [session.push_imu(10**7 * i, (0, 0, 0), (0, 0, 9.81)) for i in range(200)], "mine")
 
-# Arrays are the struct's own memory.
+# Arrays share the struct's memory.
 pose = Pose(t_ns=5, p_n=(1, 2, 3))
 view = np.asarray(pose.p_n)
 view[1] = 7
 assert list(pose.p_n) == [1, 7, 3] and view.ctypes.data == ctypes.addressof(pose) + Pose.p_n.offset and pose.t_ns == 5
 
-# A recording has a length, can be read twice, and what is written is read.
+# A recording has a length, can be read twice, and is read as written.
 recording = Recording(path)
 first = list(recording)
 assert len(recording) == len(first) > 500 and recording.loss == ""

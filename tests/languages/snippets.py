@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""snippets.py SOURCE: every block of docs/languages.md stands in a sample of samples/walk, line by line."""
+"""snippets.py SOURCE: every block of docs/languages.md occurs in a sample of samples/walk, line by line."""
 import pathlib
 import re
 import sys

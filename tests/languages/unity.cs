@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// As much of UnityEngine as samples/unity uses, and what its conversions give.
+// The part of UnityEngine that samples/unity uses, and tests of its conversions.
 using System;
 
 namespace UnityEngine {
@@ -25,7 +25,8 @@ static class UnityConversions {
   static bool Near(UnityEngine.Vector3 v, float x, float y, float z) { return Math.Abs(v.x - x) + Math.Abs(v.y - y) + Math.Abs(v.z - z) < 1e-6; }
 
   static int Main() {
-    // A camera upright that looks north: x to the east, y down, z to the north. R = [0 0 1; 1 0 0; 0 1 0], q = (1, 1, 1, 1) / 2.
+    // An upright camera looking north: x to the east, y down, z to the north. R = [0 0 1; 1 0 0; 0 1 0], q = (1, 1, 1,
+    // 1) / 2.
     UnityEngine.Quaternion q = OdographProvider.Turned(new Odograph.Rotation(0.5, 0.5, 0.5, 0.5));
     bool good = Near(OdographProvider.Place(new Odograph.Vector(1, 2, 3)), 2, -3, 1) && Near(q.Ahead, 0, 0, 1) && Near(q.Up, 0, 1, 0);
     return good ? 0 : 1;

@@ -1,6 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# The native parts of samples/android and samples/ios compile for arm64, against declarations of our own (phone_platforms).
+# Compiles the native parts of samples/android and samples/ios for arm64, against our own declarations
+# (phone_platforms).
 #   phone_samples.sh PROJECT
 set -eu
 here=$1/tests/samples/phone_platforms skipped=0

@@ -1,6 +1,6 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# Two plugins of one class name in one program: loaded as the host does, with default visibility; and linked in, with
+# Two plugins with the same class name in one program: loaded as by the host, with default visibility; and linked, with
 # link-time optimisation and unused sections removed. No host: their entries are called.
 #   twins.sh INCLUDE
 set -eu

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A phone that walks as a recording did: the page's camera is a stream of the recording's pictures, its motion events are the recording's inertial samples, both with the recording's times.
-// Of the samples as many are given as browsers give, some 60 a second.
+// A phone that walks like a recording: the page's camera is a stream of the recording's pictures, its motion events are the recording's inertial samples, both with the recording's times.
+// The samples are decimated to the rate of browsers, about 60 per second.
 import {load} from './odograph/index.js';
 
 const RATE_HZ = 66;
@@ -13,7 +13,7 @@ const rotate = ([w, x, y, z], [a, b, c]) => {
 };
 const conjugate = ([w, x, y, z]) => [w, -x, -y, -z];
 
-/** The true path's places: what the library passes over, read from the file's records. */
+/** Positions of the true path, read from the file's records, which the library skips. */
 function truePath(bytes) {
   const view = new DataView(bytes.buffer, bytes.byteOffset), path = [];
   for (let at = 16; at + 16 <= bytes.length;) {
@@ -37,7 +37,7 @@ export async function fakePhone(url) {
     setTimeout(() => stream.getVideoTracks()[0].requestFrame(), 50);
     return stream;
   };
-  // Pictures come at the recording's times, not when this machine has drawn them.
+  // Pictures come at the recording's times, independent of this machine's drawing speed.
   let callback = null;
   HTMLVideoElement.prototype.play = async () => {};
   HTMLVideoElement.prototype.requestVideoFrameCallback = function (wanted) { callback = wanted; return 1; };
@@ -45,7 +45,7 @@ export async function fakePhone(url) {
   let taken = Promise.resolve();
   window.createImageBitmap = source => (taken = makeBitmap(source instanceof HTMLVideoElement ? canvas : source));
 
-  // From the recording's body to the body of a phone that is held with its top to the left, whose rear camera the recording's is.
+  // From the recording's body to the body of a phone with its top to the left, whose rear camera is the recording's.
   const SENSOR = [0, Math.SQRT1_2, -Math.SQRT1_2, 0];
   const turn = v => rotate(SENSOR, rotate(conjugate(calibration.q_b_c), v));
   const samples_ns = messages.filter(({type}) => type === 'imu').map(({t_ns}) => Number(t_ns));
@@ -75,11 +75,11 @@ export async function fakePhone(url) {
           callback = null;
           call?.(t_ms, {captureTime: t_ms});
           ++pictures;
-          await taken; // a phone has the time
+          await taken; // a phone has time
           await new Promise(done => setTimeout(done, 25));
         }
       }
-      for (let before = -1; before !== told.length;) { // until no more comes
+      for (let before = -1; before !== told.length;) { // until the last one
         before = told.length;
         await new Promise(done => setTimeout(done, 2000));
       }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// node.mjs PACKAGE RECORDING TRAJECTORY CONFIG [LIMIT_M]: @odograph/web in node plays a recording whose pictures are PNG, and its poses are held against the
-// native command line's (trajectory.tum). What is refused is refused in words; memory stays flat. 77 without the package or npm's pngjs.
+// node.mjs PACKAGE RECORDING TRAJECTORY CONFIG [LIMIT_M]: @odograph/web in node plays a recording with PNG pictures, and its poses are compared with the
+// native command line's (trajectory.tum). Rejections have a reason; memory does not grow. 77 without the package or npm's pngjs.
 import {createRequire} from 'node:module';
 import fs from 'node:fs';
 import path from 'node:path';
@@ -36,20 +36,20 @@ console.log(`a picture takes ${quantile(first.frames_ms, 0.5).toFixed(1)} ms (me
 check(off.compared > 100, `${off.compared} poses compared`);
 check(off.metres <= Number(limit_m), `${off.metres} m off; at most ${limit_m}`);
 
-// Two sessions at once are each like one alone, to the bit.
+// Two parallel sessions are each bit-identical to a single one.
 const pair = [1, 2].map(() => new Player(odograph, TYPES, bytes(), config));
 for (let going = true; going;) going = (await Promise.all(pair.map(player => player.next(decode)))).some(Boolean);
 pair.forEach(player => player.end());
 for (const {poses} of pair)
   check(poses.length === first.poses.length && poses.every((pose, i) => pose.p_n.every((x, k) => x === first.poses[i].p_n[k])), 'two sessions at once: other poses than of one alone');
 
-// Memory: the same walk again and again in one session is no growth.
+// Memory: repeating the same walk in one session causes no growth.
 const frames = Number(process.env.ODOGRAPH_WEB_FRAMES ?? 600), {sizes, taken} = await endure(odograph, TYPES, bytes, config, decode, frames);
 console.log(`memory ${(sizes[0] / 2 ** 20).toFixed(0)} MiB after the first walk, ${(sizes.at(-1) / 2 ** 20).toFixed(0)} MiB after ${taken} frames in one session`);
 check(taken >= frames, `${taken} frames taken of ${frames}`);
 check(sizes.at(-1) === sizes[0], 'memory grew');
 
-// What is refused, in words.
+// Rejections and their reasons.
 const refused = (text, ...words) => {
   try {
     odograph.createSession({config: text}).close();
@@ -70,7 +70,7 @@ try {
   check(error instanceof OdographError, `no OdographError: ${error}`);
 }
 
-// What the page puts between a browser's few samples: parabolas where the times are even, nothing across a gap.
+// The page's interpolation of a browser's sparse samples: parabolas at even times, nothing across a gap.
 const {Between} = await import('../../samples/web/live.js');
 const between = new Between(), parabola = t => [t * t, 1 - 3 * t, 2 * t * t - t], times = [0, 15, 30, 45, 60, 500, 516, 532, 548, 564].map(ms => ms / 1e3);
 const filled = times.flatMap(t => between.add({t_ns: t * 1e9, gyro: parabola(t), accel: parabola(t + 1)}));

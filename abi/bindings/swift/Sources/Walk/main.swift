@@ -52,7 +52,7 @@ func live() throws {
     let session = try Session(config: config, live: true)
     var steps = 0
     try session.onEvent([ODO_TYPE_STEP]) { _ in steps += 1 }
-    let pixels = NSData(data: Data(repeating: 90, count: 64 * 48)) // as a camera has them
+    let pixels = NSData(data: Data(repeating: 90, count: 64 * 48)) // as from a camera
     for i in 0..<1000 {
         let t = Double(i) * 0.01
         let t_ns = 1_000_000_000 + Int64(i) * 10_000_000
@@ -67,7 +67,7 @@ func live() throws {
         (frame.width, frame.height, frame.plane_count) = (64, 48, 1)
         frame.planes.0 = odo_plane(data: pixels.bytes.assumingMemoryBound(to: UInt8.self), row_stride: 64, pixel_stride: 1, rows: 0)
         session.push(frame, owner: pixels) // shared, not copied
-        try session.flush() // only because these ten seconds take none
+        try session.flush() // needed only because the simulated time does not wait
     }
     let (north, east, down) = session.pose()!.p_n
     var place = odo_anchor_place()
