@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
- * Preloaded into a program in another language: counts the allocations of the whole process, and stores the addresses of
- * the pixels that a plugin (pixels.cpp) received.
+ * Preloaded into a program in another language: counts the allocations of the whole process, and stores the addresses
+ * of the pixels that a plugin (pixels.cpp) received.
  */
 #include <stdint.h>
 #include <stdlib.h>
