@@ -175,7 +175,7 @@ void take_message(Recording& recording, const RecordReader& record, const std::s
   const odo_header& header = message.header();
   if (header.type == ODO_TYPE_FRAME)
     recording.add(header, {file, record.payload_offset() + header.struct_size, static_cast<uint32_t>(picture.size())});
-  else if (is_input(header.type) && !ODO_IS_BORROWED(header.type) || (events && ODO_IS_EVENT(header.type)))
+  else if ((is_input(header.type) && !ODO_IS_BORROWED(header.type)) || (events && ODO_IS_EVENT(header.type)))
     recording.add(header);
 }
 
