@@ -16,8 +16,8 @@ constexpr double kMin_pa = 30'000, kMax_pa = 120'000;
 
 double PressureHeight::down_of(double pressure_pa) { return -pressure_height_m(pressure_pa); }
 
-/// Variance of an average: the number of independent readings is that of gust correlation times within it, at least
-/// one.
+/// Variance of an average: the number of independent readings is its length over twice the correlation time of gusts,
+/// at least one.
 double PressureHeight::noise_variance() const {
   return p_.noise_m * p_.noise_m / std::max(1.0, p_.average_s / (2 * p_.noise_correlation_s));
 }

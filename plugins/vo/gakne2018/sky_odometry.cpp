@@ -40,7 +40,7 @@ std::vector<double> ransac(const std::vector<Vector2d>& p, const std::vector<Vec
   return best;
 }
 
-/// The same with its rotation limited to `max_rad`.
+/// The same with its rotation limited to `max_rotation`.
 Rigid2d limited(Rigid2d rigid, const std::vector<Vector2d>& p, const std::vector<Vector2d>& q,
                 const std::vector<double>& weights, double max_rotation) {
   const double rotation_rad = std::atan2(rigid.R(1, 0), rigid.R(0, 0));
