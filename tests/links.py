@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Links of Markdown files to files and headings of the project lead somewhere."""
+"""Links of Markdown files to files and headings of the project lead somewhere, and tests that they cite exist."""
 import os
 import re
 import subprocess
@@ -24,10 +24,28 @@ def anchors(path):
     return out
 
 
-wrong, count = [], 0
+def cited_tests(text):
+    """Names in quotes: after the word test, and in the last column of a table whose head ends with it. "a ... b": both parts."""
+    text = re.sub(r"`[^`]*`", "", text)
+    cells = [row.rsplit("|", 2)[1] for table in re.findall(r"^\|.*\| test \|\n((?:\|.*\n)+)", text, re.M) for row in table.splitlines()]
+    names = re.findall(r'[Tt]ests? "([^"]+)"', text) + [name for cell in cells for name in re.findall(r'"([^"]+)"', cell)]
+    return [" ".join(part.split()) for name in names for part in name.split("...") if part.strip()]
+
+
+def all_tests():
+    sources = subprocess.run(["git", "-C", ROOT, "grep", "-hI", "", "--", "tests/*.cpp"], capture_output=True, check=True).stdout
+    return " ".join(re.sub(r'"\s*\n\s*"', "", sources.decode("utf-8", "replace")).split())
+
+
+wrong, count, cited, tests = [], 0, 0, all_tests()
 for document in subprocess.run(["git", "-C", ROOT, "ls-files", "*.md"], capture_output=True, text=True, check=True).stdout.split():
     with open(f"{ROOT}/{document}", encoding="utf-8") as file:
-        text = re.sub(r"```.*?```|`[^`\n]*`", "", file.read(), flags=re.S)
+        whole = re.sub(r"```.*?```", "", file.read(), flags=re.S)
+    text = re.sub(r"`[^`\n]*`", "", whole)
+    for name in cited_tests(whole) if document != "CHANGELOG.md" else []:
+        cited += 1
+        if name not in tests:
+            wrong.append(f'{document}: no test "{name}"')
     for link in LINK.findall(text):
         if re.match(r"[a-z]+:", link):
             continue
@@ -38,5 +56,5 @@ for document in subprocess.run(["git", "-C", ROOT, "ls-files", "*.md"], capture_
             wrong.append(f"{document}: no file {name}")
         elif anchor and path.endswith(".md") and anchor not in anchors(path):
             wrong.append(f"{document}: no heading #{anchor} in {name or document}")
-print("\n".join(wrong) or f"{count} links lead somewhere")
+print("\n".join(wrong) or f"{count} links lead somewhere, {cited} tests are cited")
 sys.exit(bool(wrong))
