@@ -9,6 +9,7 @@
 
 #include "plugins/fix/skyline/matcher.hpp"
 #include "plugins/fix/skyline/robust_sky.hpp"
+#include "plugins/fix/skyline/sky_rays.hpp"
 #include "sdk/tools/simulation/city_model.hpp"
 #include "tests/support.hpp"
 

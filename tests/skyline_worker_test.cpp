@@ -9,7 +9,7 @@
 
 #include <opencv2/imgproc.hpp>
 
-#include "plugins/fix/skyline/sky_features.hpp"
+#include "plugins/fix/skyline/sky_rays.hpp"
 #include "plugins/fix/skyline/sliced_worker.hpp"
 #include "sdk/host/plugin_host/instance.hpp"
 #include "sdk/tools/simulation/city_model.hpp"

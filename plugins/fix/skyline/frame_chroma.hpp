@@ -4,7 +4,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "odograph/types.h"
-#include "plugins/fix/skyline/colour_sky.hpp"
+#include "plugins/fix/skyline/sky_network.hpp"
 
 namespace odograph::skyline {
 

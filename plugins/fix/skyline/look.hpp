@@ -8,8 +8,8 @@
 #include <Eigen/Geometry>
 #include <opencv2/core.hpp>
 
-#include "plugins/fix/skyline/colour_sky.hpp"
 #include "plugins/fix/skyline/matcher.hpp"
+#include "plugins/fix/skyline/sky_network.hpp"
 #include "plugins/shared/camera/camera_model.hpp"
 
 namespace odograph::skyline {

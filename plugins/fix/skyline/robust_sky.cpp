@@ -7,6 +7,8 @@
 
 #include <Eigen/Geometry>
 
+#include "plugins/fix/skyline/sky_rays.hpp"
+
 namespace odograph::skyline {
 namespace {
 
@@ -24,21 +26,13 @@ float bilinear(const cv::Mat& grey, const Eigen::Vector2d& p) {
 }  // namespace
 
 RobustSkyFinder::RobustSkyFinder(const Parameters& parameters, const CameraModel& camera, cv::Size size)
-    : p_(parameters), camera_(camera), maker_(camera, size, parameters.farthest_rad) {}
+    : p_(parameters), camera_(camera), network_(camera, size, parameters.farthest_rad) {}
 
 const std::vector<SkyEdge>& RobustSkyFinder::find(const cv::Mat& grey, const cv::Mat& mask, const Eigen::Vector3d& up_c,
                                                   const Eigen::Vector3d& north_c, const Chroma& chroma) {
   edges_.clear();
-  Eigen::Vector2d zenith;
-  const bool in_colour = !chroma.empty() && pixel_of(camera_, up_c, p_.farthest_rad, zenith);
-  if (!maker_.make(grey, mask, up_c, features_, !in_colour)) return edges_;
-  if (!in_colour) {
-    sky_log_odds(features_, log_odds_);
-  } else {
-    colour_.look(features_, chroma, zenith);
-    colour_.judge();
-    colour_.log_odds(grey, chroma, features_.valid.size(), log_odds_);
-  }
+  sky_ = &network_.look(grey, mask, chroma, up_c);
+  if (sky_->part < p_.min_sky_part) return edges_;
   sample(up_c, north_c);
   unary();
   draw_line();
@@ -49,13 +43,14 @@ const std::vector<SkyEdge>& RobustSkyFinder::find(const cv::Mat& grey, const cv:
 /// The log-odds by direction and angle from the zenith.
 void RobustSkyFinder::sample(const Eigen::Vector3d& up_c, const Eigen::Vector3d& north_c) {
   up_ = up_c;
-  step_rad_ = features_.scale / camera_.focal();
+  step_rad_ = sky_->scale / camera_.focal();
   rows_ = static_cast<int>(p_.lowest_rad / step_rad_);
   const Eigen::Vector3d north = (north_c - north_c.dot(up_c) * up_c).normalized(), east = north.cross(up_c);
   horizontal_.resize(kColumns), columns_.resize(kColumns);
   samples_.assign(static_cast<size_t>(kColumns * rows_), 0.0f);
   edges_at_.assign(samples_.size(), 0.0f);
-  const cv::Mat &contrast = features_.channels[4], &noise = features_.channels[9];
+  const cv::Mat& contrast = sky_->contrast;
+  const auto smooth = static_cast<float>(sky_->noise) + p_.edge_from;
   const auto worth = static_cast<float>(p_.edge_odds);
   const auto most = static_cast<float>(p_.max_odds);
   std::vector<Eigen::Vector2d> angles;  // cosine and sine from the zenith
@@ -87,14 +82,14 @@ void RobustSkyFinder::sample(const Eigen::Vector3d& up_c, const Eigen::Vector3d&
       else
         seen = knot(i, pixel);
       if (seen) {
-        const Eigen::Vector2d at = features_.small_of(pixel);
+        const Eigen::Vector2d at = sky_->small_of(pixel);
         // Rounded; where that is negative nothing is seen.
         const int x = static_cast<int>(at.x() + 0.5), y = static_cast<int>(at.y() + 0.5);
-        seen = x >= 1 && y >= 1 && x + 1 < log_odds_.cols && y + 1 < log_odds_.rows &&
-               features_.valid.at<uint8_t>(y, x) != 0;
+        seen = x >= 1 && y >= 1 && x + 1 < sky_->log_odds.cols && y + 1 < sky_->log_odds.rows &&
+               sky_->valid.at<uint8_t>(y, x) != 0;
         if (seen) {
-          to[i] = std::clamp(log_odds_.at<float>(y, x), -most, most);
-          edge[i] = worth * std::max(0.0f, contrast.at<float>(y, x) - noise.at<float>(y, x) - p_.edge_from);
+          to[i] = std::clamp(sky_->log_odds.at<float>(y, x), -most, most);
+          edge[i] = worth * std::max(0.0f, contrast.at<float>(y, x) - smooth);
         }
       }
       if (seen && column.first == rows_) column.first = i;
@@ -170,7 +165,7 @@ void RobustSkyFinder::draw_line() {
 void RobustSkyFinder::tell(const cv::Mat& grey) {
   const int other = std::max(1, static_cast<int>(p_.other_rad / step_rad_));
   const double fine_rad = 0.5 / camera_.focal();
-  const int reach = static_cast<int>(std::lround(p_.refine_px * features_.scale / 2 / 0.5));
+  const int reach = static_cast<int>(std::lround(p_.refine_px * sky_->scale / 2 / 0.5));
   std::vector<float> profile, falls;
   for (int j = 0; j < kColumns; ++j) {
     const Column& c = columns_[static_cast<size_t>(j)];

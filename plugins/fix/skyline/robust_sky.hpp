@@ -6,19 +6,15 @@
 #include <Eigen/Core>
 #include <opencv2/core.hpp>
 
-#include "plugins/fix/skyline/colour_sky.hpp"
-#include "plugins/fix/skyline/sky_features.hpp"
 #include "plugins/fix/skyline/sky_finder.hpp"
+#include "plugins/fix/skyline/sky_network.hpp"
 
 namespace odograph::skyline {
 
-/// Logarithm of the odds that each pixel of a small picture shows sky, CV_32F, by a network of one hidden layer.
-void sky_log_odds(const SkyFeatures& features, cv::Mat& log_odds);
-
-/// Tells sky from the rest where there are clouds, a sun and bright walls: every pixel is judged by itself, then one
-/// line around the zenith is drawn that leaves as much as possible of what looks like sky above and of the rest below
-/// it, by dynamic programming over the directions (as Ahmad et al. 2015 for mountains), and moved to the strongest edge
-/// nearby in the full picture.
+/// Tells sky from the rest where there are clouds, a sun and bright walls: a network judges every pixel, then one line
+/// around the zenith is drawn that leaves as much as possible of what looks like sky above and of the rest below it, by
+/// dynamic programming over the directions (as Ahmad et al. 2015 for mountains), and moved to the strongest edge nearby
+/// in the full picture.
 class RobustSkyFinder {
  public:
   /// What has no source named was chosen by hand, on renderings of Delft and photographs (docs/sky_network.md).
@@ -34,6 +30,7 @@ class RobustSkyFinder {
     double first_edge_part = 0.5;  ///< of the strongest edge there, to be taken for the roof's
     double sure_margin = 25.0;     ///< log-odds between a direction's line and its best other: weight 1 from here
     double other_rad = 0.05;       ///< three degrees: another line is one farther away than this
+    double min_sky_part = 0.002;   ///< of the valid pixels: less sky is none
     double lowest_rad = 1.75;      ///< from the zenith, that a line is looked for: ten degrees below the horizon
     float edge_from = 0.5f;        ///< above the sky's noise, of 0.72 times the contrast's logarithm: less is no edge
     float min_fall = 30;           ///< of grey values over three pixels, of an edge: above a phone's noise by day
@@ -42,16 +39,15 @@ class RobustSkyFinder {
   RobustSkyFinder(const Parameters& parameters, const CameraModel& camera, cv::Size size);
 
   /// As SkyFinder::find. `up_c` may lie outside the picture: directions whose line would be above the picture's border
-  /// are told as such. With the picture's colour, where there is one, pixels are judged by ColourSky.
+  /// are told as such. Empty where the picture shows no sky.
   const std::vector<SkyEdge>& find(const cv::Mat& grey, const cv::Mat& mask, const Eigen::Vector3d& up_c,
                                    const Eigen::Vector3d& north_c, const Chroma& chroma = {});
   /// The latest picture's log-odds, small.
-  const cv::Mat& log_odds() const { return log_odds_; }
+  const cv::Mat& log_odds() const { return sky_->log_odds; }
   /// Of the latest picture, which was this one with its colour: its log-odds in full.
   void full_log_odds(const cv::Mat& grey, const Chroma& chroma, cv::Mat& out) {
-    colour_.log_odds(grey, chroma, grey.size(), out);
+    network_.log_odds(grey, chroma, grey.size(), out);
   }
-  double scale() const { return features_.scale; }
 
  private:
   struct Column {
@@ -64,10 +60,9 @@ class RobustSkyFinder {
 
   Parameters p_;
   CameraModel camera_;
-  SkyFeatureMaker maker_;
-  SkyFeatures features_;
-  ColourSky colour_;
-  cv::Mat log_odds_, cost_, from_;
+  SkyNetwork network_;
+  const SkyView* sky_ = nullptr;  // of the latest picture
+  cv::Mat cost_, from_;
   double step_rad_ = 0;
   int rows_ = 0;
   std::vector<Eigen::Vector3d> horizontal_;  // horizontal direction of each column, in c

@@ -82,21 +82,43 @@ void convolve(const Convolution& layer, const Volume& in, bool rectified, Volume
   }
 }
 
+void convolve_each(const Convolution& layer, const Volume& in, Volume& out) {
+  const int stride = layer.stride;
+  const int height = (in.height() + stride - 1) / stride, width = (in.width() + stride - 1) / stride;
+  out.create(layer.outputs, height, width);
+  for (int c = 0; c < layer.outputs; ++c) {
+    const float* w = &layer.weights[static_cast<size_t>(c) * 9];
+    const float bias = layer.biases[static_cast<size_t>(c)];
+    for (int y = 0; y < height; ++y) {
+      const float *a = in.row(c, stride * y - 1), *b = in.row(c, stride * y), *d = in.row(c, stride * y + 1);
+      float* to = out.row(c, y);
+      const auto at = [&](int i) {
+        return bias + w[0] * a[i - 1] + w[1] * a[i] + w[2] * a[i + 1] + w[3] * b[i - 1] + w[4] * b[i] +
+               w[5] * b[i + 1] + w[6] * d[i - 1] + w[7] * d[i] + w[8] * d[i + 1];
+      };
+      if (stride == 1)
+        for (int x = 0; x < width; ++x) to[x] = std::max(0.0f, at(x));
+      else
+        for (int x = 0; x < width; ++x) to[x] = std::max(0.0f, at(stride * x));
+    }
+  }
+}
+
+void add(const Volume& other, Volume& to) {
+  for (int c = 0; c < to.channels(); ++c)
+    for (int y = 0; y < to.height(); ++y) {
+      const float* from = other.row(c, y);
+      float* sum = to.row(c, y);
+      for (int x = 0; x < to.width(); ++x) sum[x] = std::max(0.0f, sum[x] + from[x]);
+    }
+}
+
 void add_doubled(const Volume& coarse, Volume& fine) {
-  const int rows = coarse.height() - 1, columns = coarse.width() - 1;
-  std::vector<float> sum(static_cast<size_t>(coarse.width()) + 1);
   for (int c = 0; c < fine.channels(); ++c)
     for (int y = 0; y < fine.height(); ++y) {
-      const float *a = coarse.row(c, std::min(y / 2, rows)), *b = coarse.row(c, std::min((y + 1) / 2, rows));
-      for (size_t x = 0; x < sum.size(); ++x) {
-        const auto k = static_cast<std::ptrdiff_t>(std::min(x, static_cast<size_t>(columns)));
-        sum[x] = 0.25f * (a[k] + b[k]);
-      }
-      float* to = fine.row(c, y);
-      for (int x = 0; x < fine.width(); ++x) {
-        const auto k = static_cast<size_t>(x / 2);
-        to[x] = std::max(0.0f, to[x] + (sum[k] + sum[k + static_cast<size_t>(x % 2)]));
-      }
+      const float* from = coarse.row(c, y / 2);
+      float* sum = fine.row(c, y);
+      for (int x = 0; x < fine.width(); ++x) sum[x] = std::max(0.0f, sum[x] + from[x / 2]);
     }
 }
 

@@ -38,7 +38,14 @@ struct Convolution {
 /// room to work in. The order of each pixel's sum does not depend on the machine.
 void convolve(const Convolution& layer, const Volume& in, bool rectified, Volume& split, Volume& out);
 
-/// `fine` += `coarse`, which has every second of its pixels, linear between them; negative sums become 0.
+/// One filter of 3 x 3 pixels for each plane, at every `stride`-th pixel; negative results become 0. `inputs` of the
+/// layer is 1.
+void convolve_each(const Convolution& layer, const Volume& in, Volume& out);
+
+/// `to` += `other`; negative sums become 0.
+void add(const Volume& other, Volume& to);
+
+/// `fine` += `coarse`, which has every second of its pixels, each four times; negative sums become 0.
 void add_doubled(const Volume& coarse, Volume& fine);
 
 }  // namespace odograph::skyline

@@ -8,7 +8,7 @@
 #include <Eigen/Geometry>
 #include <opencv2/imgproc.hpp>
 
-#include "plugins/fix/skyline/sky_features.hpp"
+#include "plugins/fix/skyline/sky_rays.hpp"
 
 namespace odograph::skyline {
 

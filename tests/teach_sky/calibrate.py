@@ -1,0 +1,56 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The factor by which a network's log-odds are what they say, on the views held back, and a reliability table.
+
+    calibrate.py DATA NETWORK
+"""
+import sys
+
+import numpy as np
+import torch
+
+import export
+import train
+import views
+from network import SkyNet, log_odds
+
+VIEWS = 8  # of each held-back sphere
+
+
+def predictions(net, source):
+    """Log-odds and truth of pixels of views that are not those that training was watched by."""
+    rng = np.random.default_rng(77)
+    odds, truth = [], []
+    with torch.no_grad():
+        for panorama in source.held:
+            for _ in range(VIEWS):
+                planes, large, sky, weight = views.view(rng, panorama, source.skies, (160, 128))
+                planes, large = torch.from_numpy(planes)[None].float(), torch.from_numpy(large)[None].float()
+                got = log_odds(net(planes), planes[:, :3], large)[0, 0].numpy()
+                counts = (weight > 0.5) & (np.abs(sky - 0.5) > 0.3)
+                chosen = np.flatnonzero(counts.ravel())[::7]
+                odds.append(got.ravel()[chosen]), truth.append(sky.ravel()[chosen] > 0.5)
+    return np.concatenate(odds), np.concatenate(truth)
+
+
+def loss(odds, truth):
+    return np.logaddexp(0, np.where(truth, -odds, odds)).mean()
+
+
+def main():
+    source = train.Source(sys.argv[1], np.random.default_rng(0))
+    net = SkyNet()
+    net.load_state_dict(torch.load(sys.argv[2]))
+    odds, truth = predictions(export.as_kept(net.eval(), 1.0), source)
+    scales = np.linspace(0.3, 1.5, 61)
+    scale = scales[np.argmin([loss(s * odds, truth) for s in scales])]
+    print("scale %.2f, loss %.4f (%.4f before), right %.2f %%" % (scale, loss(scale * odds, truth), loss(odds, truth), 100 * ((odds > 0) == truth).mean()))
+    sure = 1 / (1 + np.exp(-np.abs(scale * odds)))
+    right = (odds > 0) == truth
+    for low, high in ((0.5, 0.7), (0.7, 0.9), (0.9, 0.95), (0.95, 0.98), (0.98, 0.99), (0.99, 1.01)):
+        here = (sure >= low) & (sure < high)
+        if here.any():
+            print("| %.2f to %.2f | %.1f %% | %.1f %% | %.1f %% |" % (low, min(high, 1), 100 * here.mean(), 100 * sure[here].mean(), 100 * right[here].mean()))
+
+
+if __name__ == "__main__":
+    main()
