@@ -168,7 +168,7 @@ expect 2 'b\x1Bad' "$odograph" config check escape.yaml
 expect 4 "FAIL" "$odograph" plugin check "$source/README.md"
 expect 3 "nothing.so: does not exist" "$odograph" plugin check nothing.so
 [ "$(cat out err | wc -l)" -le 1 ] || { echo "FAILED: a missing plugin takes more than a line"; failed=1; }
-expect 3 "is no file" "$odograph" plugin check "$source"
+expect 3 "is not a regular file" "$odograph" plugin check "$source"
 mkdir -p bare && touch bare/lonely.so
 printf 'odograph: 1\nplugins: {search: [gone, bare]}\nattitude: {plugin: acme/lonely}\n' >lonely.yaml
 expect 2 "there is no folder" "$odograph" config check lonely.yaml
@@ -179,7 +179,7 @@ expect 0 '"distance_m"' "$odograph" steps tiny.odo -c "$configs/phone_walk_odogr
 python3 -m json.tool out >/dev/null || { echo "FAILED: steps --json is not one JSON object"; failed=1; }
 expect 0 "asked for" "$odograph" bench allan --scenario "$tiny" --hours 0.1
 expect 0 "track length" "$odograph" bench tracks tiny.odo
-expect 0 "Poses asked 30 ms ahead" "$odograph" bench stream tiny.odo -c "$configs/antigny2019.yaml" --settle 1
+expect 0 "Poses predicted 30 ms ahead" "$odograph" bench stream tiny.odo -c "$configs/antigny2019.yaml" --settle 1
 expect 0 "Shape and cost" "$odograph" bench vo tiny.odo -c "$configs/monocular_odograph.yaml" --sensors --cut 1 --dark 2:1
 expect 0 '"wrongly_certain_percent"' "$odograph" bench vo tiny.odo -c "$configs/monocular_odograph.yaml" --json
 python3 -m json.tool out >/dev/null || { echo "FAILED: bench vo --json is not one JSON value"; failed=1; }

@@ -192,6 +192,33 @@ TEST_CASE("a place in a building is told from one in its yard and in the street"
   CHECK_FALSE(ground.is_built({200, 1}));
 }
 
+TEST_CASE("houses that share a wall each have an inside, and the street before them is none") {
+  std::vector<std::vector<Vector3d>> rings;
+  std::vector<int> objects;
+  const auto house = [&](double north, double height, int object) {
+    const Vector3d c[] = {{north, 0, 0}, {north + 10, 0, 0}, {north + 10, 10, 0}, {north, 10, 0}};
+    const Vector3d up(0, 0, -height);
+    rings.push_back({c[0], c[1], c[2], c[3]});
+    for (int i = 0; i < 4; ++i) {
+      const Vector3d &a = c[i], &b = c[(i + 1) % 4];
+      rings.push_back({a, b, b + up, a + up});
+    }
+    objects.insert(objects.end(), 5, object);
+  };
+  house(0, 9, 0), house(10, 12, 1);
+  auto edges = edges_of(rings, objects);
+  const Ground ground(edges);
+  CHECK(ground.is_built({5, 5}));
+  CHECK(ground.is_built({15, 5}));
+  CHECK_FALSE(ground.is_built({-5, 5}));
+  CHECK_FALSE(ground.is_built({25, 5}));
+  // A foot with a gap has no inside, and no street is taken for one.
+  for (Edge& e : edges) e.also = Edge::kUnknown;
+  const Ground open(edges);
+  CHECK_FALSE(open.is_built({15, 5}));
+  CHECK_FALSE(open.is_built({-5, 5}));
+}
+
 TEST_CASE("ground under buildings lies between their feet, and is the terrain's where there is some") {
   std::vector<Edge> edges;
   const auto house = [&](double north, double foot_up, int object) {

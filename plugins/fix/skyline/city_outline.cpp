@@ -75,7 +75,15 @@ std::vector<Edge> edges_of(const std::vector<std::vector<Vector3d>>& rings, cons
     return x != y ? x < y : a < b;
   });
   std::vector<char> twice(edges.size(), 0);
-  for (size_t i = 1; i < order.size(); ++i) twice[order[i]] = ends(edges[order[i]]) == ends(edges[order[i - 1]]);
+  for (size_t i = 1, first = 0; i < order.size(); ++i) {
+    Edge& met = edges[order[first]];
+    const Edge& again = edges[order[i]];
+    twice[order[i]] = ends(again) == ends(met);
+    if (!twice[order[i]])
+      first = i;
+    else if (again.object != met.object && met.also == Edge::kUnknown)
+      met.also = again.object;
+  }
   size_t kept = 0;
   for (size_t i = 0; i < edges.size(); ++i)
     if (!twice[i]) edges[kept++] = edges[i];

@@ -14,10 +14,12 @@ struct Edge {
   static constexpr int kUnknown = -1, kGround = -2;
   Eigen::Vector3d from, to;
   int object = kUnknown;  ///< of the model, from 0 a building or a part of one; kGround: terrain, roads, water
+  int also = kUnknown;    ///< whose else it is: walls that touch and the terrain around a foot share edges
 };
 
 /// The edges of a city model's buildings. Seen from below, the skyline runs along edges alone: within a plane polygon
-/// nothing is higher than its border. `objects`: each ring's; an edge of several is the first one's.
+/// nothing is higher than its border. `objects`: each ring's; an edge of several is the first one's, and also the
+/// second one's.
 std::vector<Edge> edges_of(const std::vector<std::vector<Eigen::Vector3d>>& rings,
                            const std::vector<int>& objects = {});
 

@@ -3,43 +3,56 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace odograph::skyline {
 
 Ground::Ground(const std::vector<Edge>& edges, const Parameters& parameters) : p_(parameters) {
   int objects = 0;
-  for (const Edge& e : edges) objects = std::max(objects, e.object + 1);
+  for (const Edge& e : edges) objects = std::max({objects, e.object + 1, e.also + 1});
   std::vector<double> lowest(static_cast<size_t>(objects), -1e300);  // down
-  const auto each = [&](auto&& corner) {
+  const auto each = [&](auto&& edge_of) {
     for (const Edge& e : edges)
-      if (e.object >= 0)
-        corner(e.from, lowest[static_cast<size_t>(e.object)]), corner(e.to, lowest[static_cast<size_t>(e.object)]);
+      for (const int object : {e.object, e.also})
+        if (object >= 0) edge_of(e, static_cast<size_t>(object));
   };
-  each([](const Eigen::Vector3d& p_n, double& low) { low = std::max(low, p_n.z()); });
-  each([&](const Eigen::Vector3d& p_n, double low) {
-    if (p_n.z() > low - p_.foot_m) add(p_n, feet_);
-  });
+  each([&](const Edge& e, size_t object) { lowest[object] = std::max({lowest[object], e.from.z(), e.to.z()}); });
   buildings_.resize(lowest.size());
-  for (const Edge& e : edges)
-    if (e.object >= 0 && std::min(e.from.z(), e.to.z()) > lowest[static_cast<size_t>(e.object)] - p_.foot_m)
-      add_foot(e);
+  each([&](const Edge& e, size_t object) {
+    const double foot = lowest[object] - p_.foot_m;
+    for (const Eigen::Vector3d& corner : {e.from, e.to})
+      if (corner.z() > foot && object == static_cast<size_t>(e.object)) add(corner, feet_);
+    if (std::min(e.from.z(), e.to.z()) > foot) add_foot(e, buildings_[object]);
+  });
   index_buildings();
   for (const Edge& e : edges)
     if (e.object == Edge::kGround) add(e.from, terrain_), add(e.to, terrain_);
 }
 
-void Ground::add_foot(const Edge& edge) {
+void Ground::add_foot(const Edge& edge, Foot& foot) {
   const Eigen::Vector2f a = edge.from.head<2>().cast<float>(), b = edge.to.head<2>().cast<float>();
-  Foot& foot = buildings_[static_cast<size_t>(edge.object)];
   if (foot.edges.empty()) foot.low = foot.high = a;
   foot.low = foot.low.cwiseMin(a.cwiseMin(b)), foot.high = foot.high.cwiseMax(a.cwiseMax(b));
   foot.edges.push_back({a, b});
 }
 
+/// Whether its edges are rings: at each corner an even number of them ends. What has gaps has no inside.
+bool Ground::is_closed(const Foot& foot) {
+  std::vector<std::pair<float, float>> ends;
+  for (const auto& edge : foot.edges)
+    for (const Eigen::Vector2f& end : edge) ends.emplace_back(end.x(), end.y());
+  std::sort(ends.begin(), ends.end());
+  for (size_t i = 0; i < ends.size(); i += 2)
+    if (i + 1 == ends.size() || ends[i] != ends[i + 1]) return false;
+  return true;
+}
+
 void Ground::index_buildings() {
   for (uint32_t i = 0; i < buildings_.size(); ++i) {
     const Foot& foot = buildings_[i];
-    if (foot.edges.empty() || (foot.high - foot.low).maxCoeff() > 100 * static_cast<float>(p_.cell_m)) continue;
+    if (foot.edges.empty() || !is_closed(foot) ||
+        (foot.high - foot.low).maxCoeff() > 100 * static_cast<float>(p_.cell_m))
+      continue;
     const auto cell = [&](float m) { return std::floor(static_cast<double>(m) / p_.cell_m); };
     for (double a = cell(foot.low.x()); a <= cell(foot.high.x()); ++a)
       for (double b = cell(foot.low.y()); b <= cell(foot.high.y()); ++b)

@@ -35,7 +35,7 @@ class Ground {
     bool terrain;  ///< the model's own; false: between buildings
   };
   std::optional<At> at(const Eigen::Vector2d& north_east) const;
-  /// Whether a place lies within the foot of a building, as far as its lowest edges close around it.
+  /// Whether a place lies within the foot of a building whose lowest edges close around it.
   bool is_built(const Eigen::Vector2d& north_east) const;
 
  private:
@@ -49,7 +49,8 @@ class Ground {
   using Cells = std::unordered_map<int64_t, std::vector<Point>>;
   int64_t cell_of(double north, double east) const;
   void add(const Eigen::Vector3d& p_n, Cells& to) const;
-  void add_foot(const Edge& edge);
+  static void add_foot(const Edge& edge, Foot& foot);
+  static bool is_closed(const Foot& foot);
   void index_buildings();
   std::optional<double> mean(const Cells& cells, const Eigen::Vector2d& at, double reach_m) const;
 

@@ -43,21 +43,35 @@ double PhotographMatcher::cost_of_prior(const Guess& g) const {
   return 0.5 * (far * far + turned + tilt * tilt + up * up);
 }
 
-/// The best heading and pitch of a lattice for a place that was looked at.
-void PhotographMatcher::search_place(Candidate& at) {
+/// The likeliest headings of a lattice for a place that was looked at: one alone is the wrong one too often.
+void PhotographMatcher::search_place(const Candidate& at) {
   const double yaw_reach = std::min(p_.sigmas * prior_.yaw_sigma_rad, std::numbers::pi);
   const int yaws = static_cast<int>(std::ceil(yaw_reach / p_.yaw_step_rad));
   const int pitches =
-      static_cast<int>(std::ceil(std::min(1.5 * prior_.tilt_sigma_rad, 12 * kDegree) / p_.pitch_step_rad));
-  at.cost = 1e9;
-  for (int y = -yaws; y <= yaws; ++y)
+      static_cast<int>(std::min(1.5 * prior_.tilt_sigma_rad, 12 * kDegree) / p_.pitch_step_rad);  // else one
+  std::vector<Candidate> headings;
+  for (int y = -yaws; y <= yaws; ++y) {
+    Candidate turned = at;
+    turned.cost = 1e9;
     for (int k = -pitches; k <= pitches; ++k) {
       Guess g = at.guess;
       g.yaw = y * p_.yaw_step_rad;
       const double pitch = k * p_.pitch_step_rad;
       g.tilt_east = pitch * std::cos(pitch_azimuth_), g.tilt_north = -pitch * std::sin(pitch_azimuth_);
-      if (const double c = fit_.coarse(line_, g) + cost_of_prior(g); c < at.cost) at.guess = g, at.cost = c;
+      const double c = fit_.cost(line_, g, p_.stride) + cost_of_prior(g);
+      if (c < turned.cost) turned.guess = g, turned.cost = c;
     }
+    headings.push_back(turned);
+  }
+  std::sort(headings.begin(), headings.end(), [](const auto& x, const auto& y) { return x.cost < y.cost; });
+  const size_t before = candidates_.size();
+  for (const Candidate& h : headings) {
+    if (candidates_.size() == before + p_.headings) break;
+    if (std::all_of(candidates_.begin() + static_cast<std::ptrdiff_t>(before), candidates_.end(), [&](const auto& c) {
+          return std::abs(std::remainder(c.guess.yaw - h.guess.yaw, 2 * std::numbers::pi)) > p_.turned_rad;
+        }))
+      candidates_.push_back(h);
+  }
 }
 
 /// The heading, inclination and height that fit a place best, by ever smaller moves.
@@ -114,9 +128,9 @@ void PhotographMatcher::search() {
           Candidate at{{.north = middle.north + a * step, .east = middle.east + b * step}, 0, step * step};
           if (apart(at.guess, {}) > radius || is_built(at.guess)) continue;
           look(at.guess);
-          search_place(at);
           at.line = lines_.size();
-          candidates_.push_back(at), lines_.push_back(line_);
+          lines_.push_back(line_);
+          search_place(at);
         }
     }
   std::sort(candidates_.begin(), candidates_.end(), [](const auto& x, const auto& y) { return x.cost < y.cost; });
@@ -156,8 +170,6 @@ bool PhotographMatcher::judge(const Candidate& best, Match& match) {
     const double yaw = std::remainder(c.guess.yaw - best.guess.yaw, 2 * std::numbers::pi);
     turned += w * yaw * yaw;
   }
-  other_ = others / all;
-  match.second_best_ratio = other_;
   // About the best place, not about the mean: that is what is told.
   const double cell = p_.fine_step_m * p_.fine_step_m / 12;
   match.covariance = spread / all + (cell + p_.min_sigma_m * p_.min_sigma_m) * Eigen::Matrix2d::Identity();
@@ -171,13 +183,20 @@ bool PhotographMatcher::judge(const Candidate& best, Match& match) {
     curvature += std::max(0.0, cost_of(aside.guess) - best.cost) / (kDegree * kDegree);
   }
   const double own = 1 / std::max(curvature, 1 / (5 * kDegree * 5 * kDegree));
+  // That the model has nothing of the picture, in the same measure: the prior's area, and its headings to the place's.
+  const double headings = std::max(1.0, prior_.yaw_sigma_rad / std::sqrt(own + turned / all));
+  const double none = 2 * std::numbers::pi * prior_.sigma_m * prior_.sigma_m * headings *
+                      std::exp(std::min(50.0, best.cost - fit_.nothing()));
+  other_ = (others + none) / (all + none);
+  match.second_best_ratio = other_;
   const double doubt = std::sqrt(match.covariance.trace() / 2) / p_.doubt_over_m;
   match.yaw_sigma_rad = std::sqrt(turned / all + own + doubt * doubt);
   match.height_sigma_m = prior_.height_sigma_m;
-  fit_.fine(line_, best.guess);
+  fit_.cost(line_, best.guess);
   match.agreement = fit_.agreement();
-  if (match.agreement < p_.min_agreement)
-    why_ = words("only %.0f %% of the sky's edge lies where the model has a roof", 100 * match.agreement);
+  if (none > others && other_ > p_.max_other)
+    why_ = words("only %.0f %% of the sky's edge lies where the model has a roof: that may be chance",
+                 100 * match.agreement);
   else if (other_ > p_.max_other)
     why_ = words("it fits elsewhere too: the best place is right with %.0f %%", 100 * (1 - other_));
   else if (worst_m > p_.max_sigma_m)

@@ -24,20 +24,22 @@ struct PhotographParameters {
   double step_m = 1.5;  ///< of its lattice, 2 m where that is more than 30 m wide
   double wide_m = 30, wide_step_m = 2;
   double yaw_step_rad = 1.5 * kDegree;
-  double pitch_step_rad = 1.2 * kDegree;  ///< of as many pitches as lie within a sigma
+  double pitch_step_rad = 1.2 * kDegree;  ///< of as many pitches as lie within a sigma and a half
+  size_t stride = 3;                      ///< directions from one that is looked at in the search to the next
+  size_t headings = 3;                    ///< of a place that are kept,
+  double turned_rad = 5 * kDegree;        ///< so far apart
   double max_up_m = 1.2;                  ///< by which the camera is higher or lower than eye_m over the ground
   double tile_m = 12;                     ///< half the side of what is looked around at once
   size_t refined = 500,
-         modes = 12;   ///< places whose heading, pitch, roll and height are looked for; whose place is too
+         modes = 20;   ///< places whose heading, pitch, roll and height are looked for; whose place is too
   double apart_m = 4;  ///< farther from each other than this two places are two
   double fine_m = 3.5, fine_step_m = 0.5;  ///< of the lattice around the best place, for its covariance
   // What is wanted of a picture that is placed.
-  size_t min_edges = 40;       ///< directions with a roof's edge: 20 degrees
-  double max_sigma_m = 3;      ///< of the place along its worst axis
-  double min_sigma_m = 0.5;    ///< of north and of east: no model's corners are better (CityGML 2.0, LOD3: 0.5 m)
-  double max_other = 0.1;      ///< probability of all other places together
-  double min_agreement = 0.6;  ///< of the directions with a roof's edge
-  double doubt_over_m = 10;    ///< the place's doubt over this is the heading's: a roof is about so near (K7's drives)
+  size_t min_edges = 40;     ///< directions with a roof's edge: 20 degrees
+  double max_sigma_m = 3;    ///< of the place along its worst axis
+  double min_sigma_m = 0.5;  ///< of north and of east: no model's corners are better (CityGML 2.0, LOD3: 0.5 m)
+  double max_other = 0.1;    ///< probability of all other places, and of none, together
+  double doubt_over_m = 10;  ///< the place's doubt over this is the heading's: a roof is about so near (K7's drives)
 };
 
 struct PhotographPrior {
@@ -84,9 +86,9 @@ class PhotographMatcher {
   }
   void look(const Guess& guess);
   double cost_of_prior(const Guess& guess) const;
-  double cost_of(const Guess& guess) { return fit_.fine(line_, guess) + cost_of_prior(guess); }
+  double cost_of(const Guess& guess) { return fit_.cost(line_, guess) + cost_of_prior(guess); }
   void search();
-  void search_place(Candidate& at);
+  void search_place(const Candidate& at);
   void align(Candidate& at);
   void move(Candidate& at);
   std::vector<Candidate> surroundings_of(const Candidate& best);

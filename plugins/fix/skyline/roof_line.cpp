@@ -11,6 +11,8 @@ constexpr int kN = RoofLine::kDirections;
 constexpr double kSteps = kN / (2 * std::numbers::pi);
 constexpr double kSteepest = 20;  // tangent of the elevation: towards the zenith an azimuth means nothing
 constexpr double kMinWeight = 0.1;
+constexpr int kHalfBins = 15;  // of a building's height, of 0.3 m where its sigma is 1.5 m
+constexpr double kVotedSigmas = 3;
 
 }  // namespace
 
@@ -23,13 +25,10 @@ void RoofLine::set(const Horizon& horizon, const City::Winners& winners, const s
     elevation[j] = horizon.elevation[j];
     const double r = static_cast<double>(horizon.distance_m[j]), c = std::cos(static_cast<double>(elevation[j]));
     per_m[j] = r > 0 ? static_cast<float>(c * c / std::max(r, 1.0)) : 0.0f;
-    const double detail = p.detail_m * static_cast<double>(per_m[j]),
-                 height = p.building_m * static_cast<double>(per_m[j]);
+    const double detail = p.detail_m * static_cast<double>(per_m[j]);
     const double variance = p.line_rad * p.line_rad + detail * detail;
     inverse_sigma[j] = static_cast<float>(1 / std::sqrt(variance));
-    wide_inverse_sigma[j] = static_cast<float>(1 / std::sqrt(variance + height * height));
     width[j] = static_cast<float>(0.5 * std::log(variance / (p.line_rad * p.line_rad)));
-    wide_width[j] = static_cast<float>(0.5 * std::log((variance + height * height) / (p.line_rad * p.line_rad)));
     const int winner = winners[j], of = winner < 0 ? Edge::kGround : edges[static_cast<size_t>(winner)].object;
     if (of == Edge::kGround) {
       object[j] = -1;
@@ -67,34 +66,32 @@ int RoofLineFit::direction_of(const Ray& ray, const Guess& g, double& tilt) cons
   return static_cast<int>((ray.azimuth + round) * kSteps + 4 * kN) % kN;
 }
 
-double RoofLineFit::coarse(const RoofLine& model, const Guess& g) const {
-  constexpr size_t kStride = 3;
-  double sum = 0;
-  for (size_t i = 0; i < rays_.size(); i += kStride) {
-    const Ray& ray = rays_[i];
-    double tilt = 0;
-    const auto j = static_cast<size_t>(direction_of(ray, g, tilt));
-    const double value =
-        static_cast<double>(model.elevation[j]) - ray.elevation - tilt - static_cast<double>(model.per_m[j]) * g.up;
-    if ((value > 0 && ray.above) || (value < 0 && ray.open)) continue;
-    sum += ray.weight * loss(value * static_cast<double>(model.wide_inverse_sigma[j]),
-                             static_cast<double>(model.wide_width[j]), most(value));
-  }
-  return kStride * sum / p_.correlated;
-}
-
-/// By how many metres the roofs of an object are higher than the model has them: iteratively reweighted, from a wide
-/// tolerance to a narrow one.
+/// By how many metres the roofs of an object are higher than the model has them: the height that most of its directions
+/// vote for (Hough 1962), then iteratively reweighted. A mean would lie between the roof and the tree before it.
 double RoofLineFit::offset_of(int first, double& information) const {
-  double offset = 0;
-  for (int round = 0; round < 4; ++round) {
+  constexpr int kBins = 2 * kHalfBins + 1;
+  const double bin_m = kVotedSigmas * p_.building_m / kHalfBins;
+  std::array<double, kBins + 2> votes{};
+  for (int i = first; i >= 0; i = residuals_[static_cast<size_t>(i)].next) {
+    const Residual& r = residuals_[static_cast<size_t>(i)];
+    const double at = r.per_m > 0 ? -r.value / (r.per_m * bin_m) : kBins;
+    if (std::abs(at) <= kHalfBins) votes[static_cast<size_t>(std::lround(at) + kHalfBins + 1)] += r.weight;
+  }
+  double offset = 0, max_score = -1e300;
+  for (int k = 0; k < kBins; ++k) {
+    const auto m = static_cast<size_t>(k);
+    const double there = (k - kHalfBins) * bin_m, unlikely = there / p_.building_m;
+    const double score =
+        (0.5 * votes[m] + votes[m + 1] + 0.5 * votes[m + 2]) * p_.above_loss / correlated_ - 0.5 * unlikely * unlikely;
+    if (score > max_score) max_score = score, offset = there;
+  }
+  for (const double tolerance : {2.0, 1.0}) {
     double a = 1 / (p_.building_m * p_.building_m), b = 0;
     for (int i = first; i >= 0; i = residuals_[static_cast<size_t>(i)].next) {
       const Residual& r = residuals_[static_cast<size_t>(i)];
-      const double scale = round == 0 ? r.wide_inverse_sigma : r.inverse_sigma / (round == 1 ? 2.0 : 1.0);
-      const double now = r.value + r.per_m * offset, x = now * scale;
-      if (round > 1 && loss(x, r.width, most(r.value)) >= most(r.value)) continue;
-      const double w = r.weight * 3 / (2 + x * x) * scale * scale * r.per_m / p_.correlated;
+      const double scale = r.inverse_sigma / tolerance, x = (r.value + r.per_m * offset) * scale;
+      if (loss(x, r.width, most(r.value)) >= most(r.value)) continue;
+      const double w = r.weight * 3 / (2 + x * x) * scale * scale * r.per_m / correlated_;
       a += w * r.per_m, b -= w * r.value;
     }
     offset = b / a, information = a;
@@ -103,53 +100,63 @@ double RoofLineFit::offset_of(int first, double& information) const {
 }
 
 double RoofLineFit::nothing() const {
-  double sum = 0;
+  double sum = p_.run_loss;
   for (const Ray& ray : rays_)
-    if (!ray.open && !ray.above) sum += ray.weight * p_.above_loss / p_.correlated;
-  return sum;
+    if (!ray.open && !ray.above) sum += ray.weight * p_.run_above;
+  return p_.trust * sum;
 }
 
-double RoofLineFit::fine(const RoofLine& model, const Guess& g) {
-  residuals_.clear();
+/// The cheapest division of the line into what the model has and runs of what it has not (Viterbi 1967).
+double RoofLineFit::divided() const {
+  double known = 0, unknown = p_.run_loss;
+  for (const Direction& d : directions_) {
+    const double before = known;
+    known = std::min(known, unknown) + d.known;
+    unknown = std::min(unknown, before + p_.run_loss) + d.unknown;
+  }
+  return std::min(known, unknown);
+}
+
+double RoofLineFit::cost(const RoofLine& model, const Guess& g, size_t stride) {
+  correlated_ = std::max(1.0, p_.correlated / static_cast<double>(stride));
+  const auto each = static_cast<double>(stride);
+  residuals_.clear(), directions_.clear();
   first_.assign(static_cast<size_t>(model.objects), -1);
   agreeing_ = edge_weight_ = 0;
-  double sum = 0;
-  for (const Ray& ray : rays_) {
+  for (size_t i = 0; i < rays_.size(); i += stride) {
+    const Ray& ray = rays_[i];
     double tilt = 0;
     const auto j = static_cast<size_t>(direction_of(ray, g, tilt));
     const double per_m = static_cast<double>(model.per_m[j]);
     const double value = static_cast<double>(model.elevation[j]) - ray.elevation - tilt - per_m * g.up;
     if ((value > 0 && ray.above) || (value < 0 && ray.open)) continue;
     const bool edge = !ray.open && !ray.above;
-    const double sigma = static_cast<double>(model.inverse_sigma[j]);
+    const double sigma = static_cast<double>(model.inverse_sigma[j]), width = static_cast<double>(model.width[j]);
+    directions_.push_back({0, each * ray.weight * (value > 0 ? p_.run_below : p_.run_above)});
     if (model.object[j] < 0) {
-      const double x = value * sigma;
-      sum += ray.weight * loss(x, static_cast<double>(model.width[j]), most(value)) / p_.correlated;
+      directions_.back().known = ray.weight * loss(value * sigma, width, most(value)) / correlated_;
       if (edge) edge_weight_ += ray.weight, agreeing_ += agrees(value, sigma) ? ray.weight : 0;
       continue;
     }
     int& first = first_[static_cast<size_t>(model.object[j])];
-    residuals_.push_back({value, per_m, sigma, static_cast<double>(model.wide_inverse_sigma[j]),
-                          static_cast<double>(model.width[j]), ray.weight, edge, first});
+    residuals_.push_back({value, per_m, sigma, width, ray.weight, edge, directions_.size() - 1, first});
     first = static_cast<int>(residuals_.size()) - 1;
   }
+  double heights = 0;
   for (const int first : first_) {
     if (first < 0) continue;
     double information = 1;
     const double offset = offset_of(first, information);
-    double own = 0, all = 0;
     for (int i = first; i >= 0; i = residuals_[static_cast<size_t>(i)].next) {
       const Residual& r = residuals_[static_cast<size_t>(i)];
       const double x = (r.value + r.per_m * offset) * r.inverse_sigma;
-      own += r.weight * loss(x, r.width, most(r.value)) / p_.correlated;
-      all += r.weight * p_.above_loss / p_.correlated;
+      directions_[r.direction].known = r.weight * loss(x, r.width, most(r.value)) / correlated_;
       if (r.edge) edge_weight_ += r.weight, agreeing_ += agrees(x / r.inverse_sigma, r.inverse_sigma) ? r.weight : 0;
     }
-    own += 0.5 * offset * offset / (p_.building_m * p_.building_m);
-    own += 0.5 * std::log(information * p_.building_m * p_.building_m);  // of all heights that it may have, few fit
-    sum += std::min(own, p_.missing_loss + p_.missing_of * all);
+    heights += 0.5 * offset * offset / (p_.building_m * p_.building_m);
+    heights += 0.5 * std::log(information * p_.building_m * p_.building_m);  // of all that it may have, few fit
   }
-  return sum;
+  return p_.trust * (divided() + heights);
 }
 
 }  // namespace odograph::skyline

@@ -26,21 +26,23 @@ struct RoofErrorParameters {
                                      ///< (Kaartinen et al. 2005: 0.3 to 3 m by method)
   double above_loss =
       3.5;  ///< most that a direction costs in which something stands above the model: trees, new houses
-  double below_loss = 4.5;                    ///< the same in which the sky is seen where the model has a roof
-  double agrees_rad = 0.3 * kDegree;          ///< of a direction in which picture and model agree, or two sigmas
-  double missing_loss = 2, missing_of = 0.7;  ///< a building that is missing or new costs this, and that part of all
-                                              ///< its directions' most
-  double correlated = 5;                      ///< neighbouring directions that err together: two and a half degrees
+  double below_loss = 4.5;            ///< the same in which the sky is seen where the model has a roof
+  double agrees_rad = 0.3 * kDegree;  ///< of a direction in which picture and model agree, or two sigmas
+  /// A run of directions with something that the model lacks (a new house, a tree) costs this, as its two ends and its
+  /// height may be anything, and so much a direction; more where the sky is seen instead of the model's roof.
+  double run_loss = 9, run_above = 0.35, run_below = 0.5;
+  double correlated = 5;  ///< neighbouring directions that err together: two and a half degrees
+  double trust = 1;       ///< of the whole: a power of the likelihood
 };
 
 /// The model's skyline from a place, with whose roof each direction is.
 struct RoofLine {
   static constexpr int kDirections = Horizon::kDirections;
-  std::array<float, kDirections> elevation{};  ///< rad
-  std::array<float, kDirections> per_m{};      ///< rad by which it rises where that roof is a metre higher
-  std::array<float, kDirections> inverse_sigma{}, wide_inverse_sigma{};  ///< 1/rad, without and with the building's
-  std::array<float, kDirections> width{}, wide_width{};  ///< logarithms of the sigmas over the line's own
-  std::array<int16_t, kDirections> object{};             ///< from 0, numbered here; -1 nothing
+  std::array<float, kDirections> elevation{};      ///< rad
+  std::array<float, kDirections> per_m{};          ///< rad by which it rises where that roof is a metre higher
+  std::array<float, kDirections> inverse_sigma{};  ///< 1/rad, without the building's
+  std::array<float, kDirections> width{};          ///< logarithm of the sigma over the line's own
+  std::array<int16_t, kDirections> object{};       ///< from 0, numbered here; -1 nothing
   int objects = 0;
 
   /// `objects_of`: by number of an edge.
@@ -54,13 +56,12 @@ class RoofLineFit {
   explicit RoofLineFit(const RoofErrorParameters& parameters) : p_(parameters) {}
   void set(const std::vector<SkyEdge>& edges, const Eigen::Quaterniond& q_n_c);
   size_t directions() const { return rays_.size(); }
-  /// Of every third direction, each building's height not looked for but allowed for.
-  double coarse(const RoofLine& model, const Guess& guess) const;
-  /// Of all, with the height of each building that fits best.
-  double fine(const RoofLine& model, const Guess& guess);
+  /// With the height of each building that fits best, and what that freedom costs. `stride`: of every so manieth
+  /// direction alone, for a search.
+  double cost(const RoofLine& model, const Guess& guess, size_t stride = 1);
   /// What it would cost if nothing fitted: a trusted picture with many roofs is worth more than one with few.
   double nothing() const;
-  /// After fine(): part of the directions with a roof's edge that agree.
+  /// After cost(): part of the directions with a roof's edge that agree.
   double agreement() const { return edge_weight_ > 0 ? agreeing_ / edge_weight_ : 0; }
 
  private:
@@ -69,9 +70,13 @@ class RoofLineFit {
     bool open, above;
   };
   struct Residual {
-    double value, per_m, inverse_sigma, wide_inverse_sigma, width, weight;
-    bool edge;  // both sides known
-    int next;   // of the same object
+    double value, per_m, inverse_sigma, width, weight;
+    bool edge;         // both sides known
+    size_t direction;  // of directions_
+    int next;          // of the same object
+  };
+  struct Direction {
+    double known, unknown;  // what it costs as the model's roof, and as something that the model lacks
   };
   int direction_of(const Ray& ray, const Guess& guess, double& tilt) const;
   /// Minus the logarithm of a density, Student's with two degrees of freedom: some roofs are as the model has them to
@@ -84,12 +89,15 @@ class RoofLineFit {
     return std::abs(value) < std::max(p_.agrees_rad, 2 / inverse_sigma);
   }
   double offset_of(int first, double& information) const;
+  double divided() const;
 
   RoofErrorParameters p_;
   std::vector<Ray> rays_;
   std::vector<Residual> residuals_;
-  std::vector<int> first_;  // of each object
+  std::vector<Direction> directions_;  // that tell anything
+  std::vector<int> first_;             // of each object
   double agreeing_ = 0, edge_weight_ = 0;
+  double correlated_ = 1;  // directions looked at that err together
 };
 
 }  // namespace odograph::skyline

@@ -235,6 +235,7 @@ int locate(const LocateArguments& a) {
   if (!placer) return complain(with_hint(placer.failure(), *frame));
   std::error_code error;
   fs::create_directories(a.output, error);
+  if (error) return complain({ODO_E_ERROR, a.output + ": no folder can be made there: " + error.message()});
   Rows rows;
   std::vector<MappedPhotograph> mapped;
   size_t done = 0;
