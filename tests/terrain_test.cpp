@@ -136,7 +136,7 @@ TEST_CASE(
   CHECK(height_at(terrain, 50, 25, 11) == doctest::Approx(12));
   CHECK(std::isnan(height_at(terrain, 101, 25)));
   write(file, "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n");
-  CHECK(why(file).find("a vertex that there is not") != std::string::npos);
+  CHECK(why(file).find("a vertex that does not exist") != std::string::npos);
   write(file, "v 0 0 0\nv 0 0 1\nv 0 1 0\nf 1 2 3\n");
   CHECK(why(file).find("no ground: all triangles are upright") != std::string::npos);
 }
