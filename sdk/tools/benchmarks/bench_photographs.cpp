@@ -101,7 +101,7 @@ struct Photographs : Benchmark {
     if (heading_sigma_deg < 180) guess.heading_rad = heading + off;
     return guess;
   }
-  Result<bool> add(const Taken& taken, const std::string& name, uint64_t seed, PhotographPlacer& placer,
+  Result<bool> add(const Taken& taken, const std::string& file, uint64_t seed, PhotographPlacer& placer,
                    Tally& to) const {
     const Eigen::Vector3d axis = taken.q_n_c * Eigen::Vector3d::UnitZ();
     const double heading = std::atan2(axis.y(), axis.x());
@@ -109,7 +109,7 @@ struct Photographs : Benchmark {
     const auto answer = placer.place(taken.bgr, taken.focal_px, guess);
     if (!answer) return answer.failure();
     const double off_m = std::hypot(guess.north_m - taken.p_n.x(), guess.east_m - taken.p_n.y());
-    const std::string line = name + text(": prior off %.1f m", off_m);
+    const std::string line = file + text(": prior off %.1f m", off_m);
     if (!answer->placed) {
       to.lines.push_back(line + ", not placed: " + answer->why);
       return true;
@@ -133,8 +133,8 @@ struct Photographs : Benchmark {
     const fs::path model = one.files.front();
     const auto city = read_city_model(model);
     if (!city) return city.failure();
-    const auto name = one.labels["city"].get<std::string>();
-    const fs::path thinned = fs::path(options.keep) / text("%s_without_%g_%llu.city.json", name.c_str(), missing,
+    const auto place = one.labels["city"].get<std::string>();
+    const fs::path thinned = fs::path(options.keep) / text("%s_without_%g_%llu.city.json", place.c_str(), missing,
                                                            static_cast<unsigned long long>(one.seed));
     const auto written = write_thinned_model(model, thinned, missing, one.seed);
     if (!written) return written.failure();
@@ -146,7 +146,7 @@ struct Photographs : Benchmark {
     Tally tally;
     const auto of_it = one.labels["of_it"].get<size_t>();
     for (size_t k = 0; k < of_it; ++k) {
-      const fs::path file = fs::path(options.keep) / text("photograph_%s_%g_%llu_%zu.jpg", name.c_str(), roof_sigma_m,
+      const fs::path file = fs::path(options.keep) / text("photograph_%s_%g_%llu_%zu.jpg", place.c_str(), roof_sigma_m,
                                                           static_cast<unsigned long long>(one.seed), k);
       const auto photograph = taken(scene, file, k);
       if (!photograph) return photograph.failure();
