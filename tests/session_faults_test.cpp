@@ -200,7 +200,7 @@ TEST_CASE("an outlier is rejected, counted and reported, and changes nothing tha
   odo_error error{};
   error.struct_size = sizeof error;
   odo_session_last_error(app.session, &error);
-  CHECK(std::string(error.message).find("magnetometer: outside the range") != std::string::npos);
+  CHECK(std::string(error.message).find("magnetometer: value outside the range") != std::string::npos);
 }
 
 TEST_CASE("an app may push within release and within a callback") {
