@@ -1,10 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // A sketch of Odograph as the source of a camera's pose in Unity. It is compiled against our own declarations (ctest
-// -R languages) and has
-// not been run in Unity. Add the package of abi/bindings/csharp from disk, put this file into Assets, libodograph and
-// its plugins into
-// Assets/Plugins (on a phone they are linked into it: docs/plugins.md, "Linked into the app"), and attach the script
-// to the camera.
+// -R languages) and has not been run in Unity. README.md has the steps.
 using System;
 using Odograph;
 using UnityEngine;
@@ -23,8 +19,10 @@ public sealed class OdographProvider : MonoBehaviour {
   void OnEnable() { session = new Session(Config, live: true, pluginPath: PluginPath); }
 
   void OnDisable() {
-    session.Dispose();
+    if (session != null) session.Dispose();  // null after an error in the config
     if (pictures != null) pictures.Dispose();
+    session = null;
+    pictures = null;
   }
 
   /// Call with the camera's lens before its first picture.
@@ -35,7 +33,7 @@ public sealed class OdographProvider : MonoBehaviour {
 
   /// Call for each grey picture, on one thread: `fill` writes it into the given array, which the library then borrows.
   public void OnPicture(long t_ns, int width, int height, Action<byte[]> fill) {
-    if (pictures == null) pictures = new PicturePool(width * height);
+    if (pictures == null) pictures = new PicturePool(width * height);  // of one size: a larger picture is refused
     Picture picture = pictures.Take();
     fill(picture.Pixels);
     frame = new Frame(t_ns) {format = Abi.ODO_FORMAT_GREY8, width = (uint)width, height = (uint)height};
@@ -47,6 +45,7 @@ public sealed class OdographProvider : MonoBehaviour {
     if (!session.TryGetPose(out pose) || !session.TryGetPose(out pose, pose.header.t_ns + ScreenDelay_ns, smooth: true)) return;
     State = pose.state;
     if ((pose.header.flags & Abi.ODO_POSE_POSITION) != 0) transform.localPosition = Place(pose.p_n);
+    // Without a camera the orientation is that of the phone's axes, which Turned does not convert.
     if ((pose.header.flags & Abi.ODO_POSE_CAMERA) != 0) transform.localRotation = Turned(pose.q_n);
   }
 

@@ -25,6 +25,7 @@ navigation: {start: {position: [0 m, 0 m, 0 m], heading: 0 deg}}
 
   /// Offset of the pixels of a grey picture. PGM needs no library; an app decodes JPEG and PNG with its own library.
   static int Decode(byte[] picture, ref Frame frame) {
+    if (picture[0] != 'P' || picture[1] != '5') throw new Exception("a frame is not PGM; make such a recording by `odograph convert --pgm`");
     string[] head = System.Text.Encoding.ASCII.GetString(picture, 0, 24).Split(' ', '\n');
     frame.format = Abi.ODO_FORMAT_GREY8;
     frame.width = uint.Parse(head[1]);

@@ -63,6 +63,7 @@ namespace Odograph {
     static readonly IntPtr retainPointer = Marshal.GetFunctionPointerForDelegate(retain), releasePointer = Marshal.GetFunctionPointerForDelegate(release);
 
     public readonly byte[] Pixels;
+    public readonly long Length;
     readonly GCHandle pin, self;
     readonly byte* data;
     int holds;
@@ -70,12 +71,14 @@ namespace Odograph {
     /// Memory of its own.
     public Picture(int bytes) {
       Pixels = new byte[bytes];
+      Length = bytes;
       pin = GCHandle.Alloc(Pixels, GCHandleType.Pinned);
       self = GCHandle.Alloc(this);
       data = (byte*)pin.AddrOfPinnedObject();
     }
-    /// Memory of the platform's (a NativeArray, a camera's buffer), which stays until it IsFree.
-    public Picture(IntPtr pixels) {
+    /// The platform's memory (a NativeArray, a camera's buffer) of `bytes`, which must stay valid until IsFree.
+    public Picture(IntPtr pixels, long bytes) {
+      Length = bytes;
       self = GCHandle.Alloc(this);
       data = (byte*)pixels;
     }
@@ -196,6 +199,9 @@ namespace Odograph {
       frame.planes0.data = picture.Data + begin;
       frame.planes0.row_stride = rowStride != 0 ? rowStride : (long)(frame.width * pixel);
       frame.planes0.pixel_stride = pixel;
+      long end = begin + (frame.height - 1) * frame.planes0.row_stride + (long)frame.width * pixel;
+      if (begin < 0 || frame.height == 0 || end > picture.Length)
+        throw new ArgumentException("a frame of " + frame.width + " x " + frame.height + " ends at byte " + end + " of a picture of " + picture.Length);
       picture.Lend(ref frame);
       try {
         fixed (Frame* f = &frame) return Push(&f->header);
