@@ -30,6 +30,13 @@ with Session(config) as session:
     assert session.pose() is None
 refused(session.flush, "closed")
 
+# Texts of events are bytes, not arrays of single ones.
+report = odograph.Report()
+report.plugin, report.text = b"acme/vo", b"out of light"
+reported = odograph.Run({odograph.Report: bytearray(bytes(report))}, odograph.Statistics())
+assert reported.reports == ["acme/vo: out of light"], reported.reports
+assert {"run", "Session", "Recording", "Pose", "ODO_POSE_METRIC"} <= set(odograph.__all__)
+
 # A callback's exception is raised by push.
 def fail(_):
     raise KeyError("mine")

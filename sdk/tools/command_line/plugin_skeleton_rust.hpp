@@ -177,6 +177,9 @@ edition = "2021"
 [lib]
 crate-type = ["cdylib"]
 
+[profile.release]
+strip = true  # before `odograph plugin manifest`, whose hash is of the file that ships
+
 [dependencies]
 odograph = { path = "odograph", default-features = false }
 )";

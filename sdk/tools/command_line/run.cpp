@@ -131,6 +131,11 @@ int run(RunArguments& a) {
   if (!result->state_failure.empty()) return kBadData;
   const bool stood = !inertial && result->statistics.distance_m == 0;
   const bool lost = result->track.empty() || result->final_state == ODO_LOST || stood;
+  if (const uint64_t faults = result->statistics.plugin_faults; faults > 0) {
+    std::fprintf(stderr, "plugins failed %llu times; the results are written\n",
+                 static_cast<unsigned long long>(faults));
+    return kPluginFailure;
+  }
   return status_over(result->loss, lost ? kLostTracking : kDone);
 }
 

@@ -13,10 +13,16 @@
         pose = session.pose()
 
 Messages have the names and fields of the C headers, which state units, frames of reference and validity; constants keep
-their C names. An array field is NumPy's without a copy: np.asarray(pose.p_n). docs/languages.md has the rest.
+their C names. An array field is NumPy's without a copy: np.asarray(pose.p_n). Recordings are `*.odo`; `odograph convert`
+makes them of other formats, and `odograph convert walk.odo truth.tum` writes the truth. docs/languages.md has examples.
 """
+from . import abi
 from .abi import *  # noqa: F401,F403  pylint: disable=wildcard-import
 from ._library import OdographError, library, mode_text, reason_text, state_text, status_text, version
 from ._recording import Recorder, Recording
 from ._run import Run, decode, plot, run
 from ._session import Session
+
+__all__ = ["run", "Run", "plot", "decode", "Recording", "Recorder", "Session", "OdographError", "library", "version",
+           "status_text", "state_text", "reason_text", "mode_text"]
+__all__ += [name for name in vars(abi) if name.startswith(("ODO_", "odo_")) or isinstance(getattr(abi, name), type)]

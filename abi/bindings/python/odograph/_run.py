@@ -33,15 +33,27 @@ def decode(picture: bytes) -> Array:
     return np.asarray(image if image.mode in ("L", "RGB", "RGBA") else image.convert("RGB"))
 
 
+def _row_type(kind: type[abi.Message]) -> np.dtype[Any]:
+    """NumPy's type of a message, with a C string as one field of bytes; NumPy itself makes it an array of single bytes."""
+    plain = np.dtype(kind)
+    fields = [(name, *plain.fields[name][:2]) for name in plain.names] if plain.names and plain.fields else []
+    formats = [f"S{f.shape[0]}" if f.base == np.dtype("S1") and f.shape else f for _, f, _ in fields]
+    return np.dtype({"names": [n for n, _, _ in fields], "formats": formats, "offsets": [o for _, _, o in fields], "itemsize": plain.itemsize})
+
+
 class Run:
-    """What came out: structured arrays, one row an event, with the fields of the C struct."""
+    """The events of a run: structured arrays, one row per event, with the fields of the C struct.
+
+    run.poses: p_n (N x 3, metres, North-East-Down), q_n (N x 4: x, y, z, w, from the camera's or the body's axes to n), covariance, state, and
+    header: t_ns and flags. Only rows with flags & ODO_POSE_METRIC are in metres.
+    """
 
     def __init__(self, events: dict[type[abi.Message], bytearray], statistics: abi.Statistics) -> None:
         self._events, self.statistics = events, statistics
 
     def of(self, kind: type[abi.Message]) -> Array:
         """All events of a type: run.of(odograph.Step)["length_m"]."""
-        return np.frombuffer(self._events.get(kind, bytearray()), np.dtype(kind))
+        return np.frombuffer(self._events.get(kind, bytearray()), _row_type(kind))
 
     @property
     def poses(self) -> Array:
@@ -53,7 +65,7 @@ class Run:
 
     @property
     def reports(self) -> list[str]:
-        """What the library and its plugins had to say."""
+        """Warnings and errors of the library and its plugins."""
         return [f"{row['plugin'].decode()}: {row['text'].decode()}" for row in self.of(abi.Report)]
 
 
