@@ -16,8 +16,8 @@
 namespace odograph::skyline {
 namespace {
 
-constexpr double kTile_m = 32;     // places of a tile share the edges that can be seen from it
-constexpr double kMargin_m = 0.5;  // of a tile's radius
+constexpr double kTile_m = 32;     // places of a tile share the edges that are visible from it
+constexpr double kMargin_m = 0.5;  // margin of a tile's radius
 constexpr auto kTick = std::chrono::milliseconds(50);
 
 struct Run {
@@ -26,7 +26,7 @@ struct Run {
 struct Tile {
   Eigen::Vector3d low, high;
   std::vector<uint32_t> places;
-  // What comes of it, place after place.
+  // Results, place by place.
   std::vector<Run> runs;
   std::vector<uint16_t> run_counts;
   std::vector<SkylineDatabase::Signature> signatures;
@@ -48,7 +48,7 @@ std::vector<Tile> tiles_of(const std::vector<Eigen::Vector3d>& places) {
   return tiles;
 }
 
-/// Joins the shortest runs with the ones before them until there are few enough.
+/// Merges the shortest runs into their predecessors until there are few enough.
 void simplify(std::vector<Run>& runs) {
   while (runs.size() > SkylineDatabase::kMaxRuns) {
     size_t shortest = 1;
@@ -62,7 +62,7 @@ void simplify(std::vector<Run>& runs) {
 }
 
 void compute(City& city, const std::vector<Eigen::Vector3d>& places, double min_tan, Tile& tile) {
-  // From the highest of its places down to the lowest.
+  // Covers its places from the highest down to the lowest.
   Eigen::Vector3d middle = 0.5 * (tile.low + tile.high);
   middle.z() = tile.low.z();
   const double radius_m = 0.5 * (tile.high - tile.low).head<2>().norm() + kMargin_m;
@@ -84,7 +84,7 @@ void compute(City& city, const std::vector<Eigen::Vector3d>& places, double min_
   }
 }
 
-/// The file while it is written; what is not finished is removed.
+/// The output file; the destructor removes an unfinished one.
 class Output {
  public:
   explicit Output(const std::string& name)
@@ -163,7 +163,7 @@ bool compute_all(const std::vector<Edge>& edges, const std::vector<Eigen::Vector
   }
   for (std::thread& thread : threads) thread.join();
   if (thrown) std::rethrow_exception(thrown);
-  return !stopped && (!progress || progress(done));  // what was done since the last tick is told too
+  return !stopped && (!progress || progress(done));  // report also the progress since the last tick
 }
 
 }  // namespace
@@ -178,7 +178,7 @@ bool build_database(const std::vector<Edge>& edges, const std::vector<Eigen::Vec
   for (int i = 0; i < 3; ++i) header.origin[i] = parameters.origin[i];
   header.spacing_m = parameters.spacing_m;
   out.write(&header, sizeof header);
-  // Edges are numbered in the order in which they are seen first.
+  // Edges are numbered in order of their first use.
   std::vector<uint32_t> numbers(edges.size(), kNoEdge), encoded;
   std::vector<DatabaseEdge> seen;
   for (const Tile& tile : tiles) {

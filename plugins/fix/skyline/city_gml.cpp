@@ -21,7 +21,7 @@ using Eigen::Vector3d;
 using Rings = std::vector<std::vector<Vector3d>>;
 
 constexpr double kFarthest_m = 1e8;
-constexpr size_t kMaxDepth = 256;  // of elements; CityGML has some twenty
+constexpr size_t kMaxDepth = 256;  // nesting of elements; CityGML has about twenty
 
 constexpr std::array kBuilt = {"Building",
                                "BuildingPart",
@@ -46,7 +46,7 @@ std::string_view local_name(const char* name) {
   return colon == std::string_view::npos ? whole : whole.substr(colon + 1);
 }
 
-/// Reads a document as its elements come. Nothing may throw through expat, which is C: what is wrong is kept.
+/// Event-driven reader of a document. Exceptions must not pass through expat, which is C, so errors are stored.
 class Reader {
  public:
   explicit Reader(const std::string& source) : name_(source), parser_(XML_ParserCreate(nullptr)) {
@@ -80,7 +80,7 @@ class Reader {
 
   bool is_city() const { return is_city_; }
   const std::string& reference_system() const { return system_; }
-  /// All rings in the file's coordinates, and whose they are.
+  /// All rings in the file's coordinates, and their owners.
   Rings rings;
   std::vector<int> owners;
 
@@ -167,7 +167,7 @@ class Reader {
     ring_.clear();
   }
 
-  /// A part is an object of its own; what stands on a building belongs to it, and has a number of its own too.
+  /// A part is a separate object. Installations on a building belong to it and have their own number too.
   void end_object() {
     Object object = std::move(objects_.back());
     objects_.pop_back();

@@ -9,12 +9,12 @@
 
 namespace odograph::skyline {
 
-/// Whether a text begins as XML does.
+/// Whether a text starts like XML.
 bool is_xml(std::string_view text);
 
 /// The buildings and the ground of a CityGML document (1.0 to 3.0; of each object the finest level of detail that has
-/// surfaces in it). Elements are known by their local names, so that each version's namespaces are the same; surfaces
-/// count where they stand, not where a solid refers to them. Throws std::runtime_error that names file and line.
+/// surfaces). Elements are matched by their local names, independent of the version's namespaces; surfaces are read
+/// where they are defined, not where a solid refers to them. Throws std::runtime_error with file and line.
 std::vector<Edge> parse_city_gml(const std::string& text, const std::string& name, const CityPlacement& placement);
 
 }  // namespace odograph::skyline

@@ -37,7 +37,7 @@ double level_of_detail(const Json& geometry) {
   return lod->is_string() ? std::atof(lod->get<std::string>().c_str()) : lod->is_number() ? lod->get<double>() : 0;
 }
 
-/// Rings of vertices, however deeply the geometry's type nests them.
+/// Rings of vertices at any depth of the geometry's nesting.
 void collect(const Json& part, const std::vector<Vector3d>& points, const std::string& where,
              std::vector<std::vector<Vector3d>>& rings) {
   if (!part.is_array()) throw std::runtime_error(where + "\"boundaries\" is not a list");
@@ -64,7 +64,7 @@ std::vector<Edge> edges_of(const std::vector<std::vector<Vector3d>>& rings, cons
       if (std::lexicographical_compare(b.data(), b.data() + 3, a.data(), a.data() + 3)) std::swap(a, b);
       edges.push_back({a, b, k < objects.size() ? objects[k] : Edge::kUnknown});
     }
-  // Walls share their edges: each once, where it was met first.
+  // Walls share edges: keep each once, at its first occurrence.
   const auto ends = [](const Edge& e) {
     return std::array<double, 6>{e.from.x(), e.from.y(), e.from.z(), e.to.x(), e.to.y(), e.to.z()};
   };

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The extension odo.skylines: databases of skylines are built and asked through the plugin that knows the city.
+// The extension odo.skylines: builds and queries databases of skylines through the plugin that has the city model.
 #pragma once
 
 #include <algorithm>
@@ -17,12 +17,12 @@
 
 namespace odograph::skyline {
 
-/// What the extension's functions need. One thread, the one that controls the plugin. It must not move: the host keeps
+/// State of the extension's functions. Thread: the one that controls the plugin. It must not move: the host keeps
 /// pointers to it.
 class DatabaseExtension {
  public:
-  /// `city`, which must outlive this, may be null: then nothing can be built. `origin` is easting, northing and height
-  /// of its n's origin in the model's reference system.
+  /// `city`, which must outlive this object, may be null: then nothing can be built. `origin`: easting, northing and
+  /// height of the origin of its n in the model's reference system.
   DatabaseExtension(const odo::Output& host, City* city, const Eigen::Vector3d& origin)
       : host_(host), city_(city), origin_(origin) {}
   DatabaseExtension(const DatabaseExtension&) = delete;
@@ -31,7 +31,7 @@ class DatabaseExtension {
   const odo_skylines* told() const { return &told_; }
 
  private:
-  /// Runs what the extension is asked for; what goes wrong is reported and told by a status.
+  /// Runs a request; errors are reported to the host and returned as a status.
   template <class Work>
   static int32_t ask(void* user, Work&& work) noexcept {
     auto& self = *static_cast<DatabaseExtension*>(user);
@@ -125,7 +125,7 @@ class DatabaseExtension {
     });
   }
 
-  static constexpr double kLowest = 0.01;  // tangent of an elevation: what is lower is no skyline
+  static constexpr double kLowest = 0.01;  // tangent of the lowest elevation of a skyline
   odo::Output host_;
   City* city_;
   std::optional<Ground> ground_;

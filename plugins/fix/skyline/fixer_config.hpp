@@ -10,7 +10,7 @@
 
 namespace odograph::skyline {
 
-/// What a config says to the fixer.
+/// Configuration of the fixer.
 struct FixerConfig {
   std::string model, skylines;
   std::array<double, 3> model_origin = {0, 0, 0}, geodetic_origin = {0, 0, 0};

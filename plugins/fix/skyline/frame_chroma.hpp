@@ -8,10 +8,10 @@
 
 namespace odograph::skyline {
 
-/// Least span of Cb and Cr together of a picture that has a colour: a sensor without sends 128 throughout.
+/// Min sum of the spans of Cb and Cr in a colour picture: a monochrome sensor sends 128 throughout.
 constexpr double kMinColour = 12;
 
-/// A copy of a frame's colour at half its size; empty where it has none.
+/// A copy of a frame's chroma at half its size; empty where it has none.
 inline Chroma chroma_of(const odo_frame& frame) {
   const int rows = static_cast<int>(frame.height / 2), columns = static_cast<int>(frame.width / 2);
   Chroma c;

@@ -36,7 +36,7 @@ void Ground::add_foot(const Edge& edge, Foot& foot) {
   foot.edges.push_back({a, b});
 }
 
-/// Whether its edges are rings: at each corner an even number of them ends. What has gaps has no inside.
+/// Whether the edges form rings: an even number of them ends at each corner. An open outline has no inside.
 bool Ground::is_closed(const Foot& foot) {
   std::vector<std::pair<float, float>> ends;
   for (const auto& edge : foot.edges)
@@ -65,7 +65,7 @@ bool Ground::is_built(const Eigen::Vector2d& north_east) const {
   if (cell == buildings_of_.end()) return false;
   const Eigen::Vector2f p = north_east.cast<float>();
   return std::any_of(cell->second.begin(), cell->second.end(), [&](uint32_t i) {
-    bool inside = false;  // edges that a ray to the north meets
+    bool inside = false;  // parity of the edges that a ray to the north crosses
     for (const auto& [a, b] : buildings_[i].edges) {
       if ((a.y() > p.y()) == (b.y() > p.y())) continue;
       inside ^= a.x() + (p.y() - a.y()) / (b.y() - a.y()) * (b.x() - a.x()) > p.x();
@@ -85,7 +85,7 @@ void Ground::add(const Eigen::Vector3d& p_n, Cells& to) const {
       {static_cast<float>(p_n.x()), static_cast<float>(p_n.y()), static_cast<float>(p_n.z())});
 }
 
-/// Of the points within reach, each weighted by the square of its distance.
+/// Mean of the points within reach, each weighted by its inverse squared distance.
 std::optional<double> Ground::mean(const Cells& cells, const Eigen::Vector2d& at, double reach_m) const {
   const int reach = static_cast<int>(std::ceil(reach_m / p_.cell_m));
   double sum = 0, weight = 0;

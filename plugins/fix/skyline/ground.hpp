@@ -13,17 +13,17 @@
 
 namespace odograph::skyline {
 
-/// The ground under a city model, out of its edges: of its terrain near a place where it has some, otherwise between
-/// the lowest corners of the buildings around. Thread: any.
+/// The ground of a city model, derived from its edges: the terrain near a place where there is some, otherwise
+/// interpolated between the lowest corners of the buildings around. Thread: any.
 class Ground {
  public:
-  /// Judgement.
+  /// Chosen by judgement.
   struct Parameters {
-    double cell_m = 20;     ///< in which points are looked up
-    double terrain_m = 15;  ///< terrain farther away than this says less than the feet of buildings
-    double reach_m = 60;    ///< of a foot; farther away nothing is known of the ground
-    double near_m = 4;      ///< nearer than this two points count alike
-    double foot_m = 0.3;    ///< above an object's lowest corner, of a corner that stands on the ground
+    double cell_m = 20;     ///< of the lookup grid
+    double terrain_m = 15;  ///< terrain farther away is less reliable than the feet of buildings
+    double reach_m = 60;    ///< max distance of a foot; farther away the ground is unknown
+    double near_m = 4;      ///< points nearer than this have nearly equal weight
+    double foot_m = 0.3;    ///< max height above an object's lowest corner of a corner on the ground
   };
 
   Ground(const std::vector<Edge>& edges, const Parameters& parameters);
@@ -32,10 +32,10 @@ class Ground {
   /// Height of the ground at a place, m down in n.
   struct At {
     double down_m;
-    bool terrain;  ///< the model's own; false: between buildings
+    bool terrain;  ///< from the model's terrain; false: from the buildings around
   };
   std::optional<At> at(const Eigen::Vector2d& north_east) const;
-  /// Whether a place lies within the foot of a building whose lowest edges close around it.
+  /// Whether a place lies within the foot of a building whose lowest edges are closed.
   bool is_built(const Eigen::Vector2d& north_east) const;
 
  private:

@@ -11,8 +11,8 @@ namespace {
 constexpr int kN = Horizon::kDirections;
 constexpr double kStep_rad = 2 * std::numbers::pi / kN;
 constexpr int kBlock = Sector::kBlock, kBlocks = Sector::kBlocks;
-constexpr float kOutOfSight = 1e9f;  // tangent of an elevation that nothing stands above
-constexpr float kSlack = 1.001f;     // of a bound, for what floats round
+constexpr float kOutOfSight = 1e9f;  // tangent of an elevation that no edge exceeds
+constexpr float kSlack = 1.001f;     // of a bound, for rounding of floats
 constexpr HorizonParameters kParameters;
 
 struct Directions {
@@ -30,7 +30,7 @@ struct Directions {
   }
 };
 
-/// The azimuth in steps, good to a third of one: enough to know which directions an edge may lie in.
+/// The azimuth in steps, accurate to a third of one: sufficient to find the directions of an edge.
 float steps_of(float north, float east) {
   const float a = std::abs(north), b = std::abs(east), low = std::min(a, b), high = std::max(a, b);
   const float q = high > 0 ? low / high : 0;
@@ -40,19 +40,19 @@ float steps_of(float north, float east) {
   return (east < 0 ? -angle : angle) * static_cast<float>(1 / kStep_rad);
 }
 
-/// An edge from a place: its beginning (north, east, and height above the place), the rest of it, and the directions in
-/// which it may lie.
+/// An edge relative to a place: its start (north, east, height above the place), its extent, and the directions that it
+/// may occupy.
 struct SeenEdge {
   float x, y, h, dx, dy, dz;
   int first = 0, last = 0;
 
   int first_block() const { return (first + kN) / kBlock; }
   int last_block() const { return (last + kN) / kBlock; }
-  /// Finds the directions. False where nothing of it is above the place, or it is seen from its own line.
+  /// Computes the directions. False where the edge is nowhere above the place, or the place is on its line.
   bool find_directions() {
     const float x1 = x + dx, y1 = y + dy, h1 = h - dz;
     if (h <= 0 && h1 <= 0) return false;
-    const float cross = x * y1 - y * x1;  // > 0: the azimuth grows from its beginning to its end
+    const float cross = x * y1 - y * x1;  // > 0: the azimuth increases from start to end
     const float begin = cross >= 0 ? steps_of(x, y) : steps_of(x1, y1);
     float end = cross >= 0 ? steps_of(x1, y1) : steps_of(x, y);
     if (end < begin - 1) end += kN;
@@ -60,7 +60,8 @@ struct SeenEdge {
     first = static_cast<int>(std::floor(begin - 1.1f)), last = static_cast<int>(std::ceil(end + 0.1f));
     return true;
   }
-  /// It stands nowhere above an elevation of this tangent: not its upper end's height at its nearest point's distance.
+  /// Whether the edge is nowhere above an elevation of this tangent: bounded by the height of its upper end at the
+  /// distance of its nearest point.
   bool is_below(float tangent) const {
     const float along = dx * dx + dy * dy;
     const float t = std::clamp(-(x * dx + y * dy) / along, 0.0f, 1.0f);
@@ -69,11 +70,11 @@ struct SeenEdge {
   }
 };
 
-/// The highest edge in each direction, as one edge after the other is added.
+/// The highest edge in each direction, updated edge by edge.
 class Envelope {
  public:
   Envelope(const Sector& sector, Horizon& out, City::Winners* winners) : out_(out), winners_(winners) {
-    // What is not looked at hides everything: no edge reaches it.
+    // Directions outside the sector are treated as blocked: no edge exceeds them.
     for (int i = sector.blocks; i < kBlocks; ++i) {
       const int b = (sector.first + i) % kBlocks;
       lowest_of_[static_cast<size_t>(b)] = kOutOfSight;
@@ -84,7 +85,7 @@ class Envelope {
   }
 
   float lowest() const { return lowest_; }
-  /// All of these blocks of directions are higher than this tangent.
+  /// Whether all of these blocks of directions are above this tangent.
   bool hides(float tangent, int block, int blocks) const {
     while (blocks > 0 && tangent < lowest_of_[static_cast<size_t>(block)])
       --blocks, block = block + 1 < kBlocks ? block + 1 : 0;
@@ -101,7 +102,7 @@ class Envelope {
     bool higher = false;
     for (int j = e.first; j <= e.last; ++j) {
       const auto k = static_cast<size_t>(j < 0 ? j + kN : j >= kN ? j - kN : j);
-      // Where the ray (c, s) meets the edge: from + t (to - from), at the distance r.
+      // The ray (c, s) meets the edge at from + t (to - from), at the distance r.
       const float c = directions.north[k], s = directions.east[k];
       const float det = c * e.dy - s * e.dx;
       if (std::abs(det) < 1e-7f) continue;
@@ -132,8 +133,8 @@ class Envelope {
   Horizon& out_;
   City::Winners* winners_;
   std::array<float, kN> highest_{};         // tangents
-  std::array<float, kBlocks> lowest_of_{};  // least of them in each block of directions: what cannot reach it is hidden
-  float lowest_ = 0;                        // of all directions
+  std::array<float, kBlocks> lowest_of_{};  // min of them in each block of directions: an edge below it is hidden
+  float lowest_ = 0;                        // min over all directions
 };
 
 }  // namespace
@@ -179,7 +180,7 @@ void City::look_near(const Eigen::Vector3d& p_n, double radius_m, double min_tan
     const double up = p_n.z() + lower_m - std::min(e.from.z(), e.to.z());
     if (up <= 0) continue;
     const Eigen::Vector2d a = (e.from - p_n).head<2>(), d = (e.to - e.from).head<2>();
-    if (d.squaredNorm() < 1e-8) continue;  // a vertical edge: the roof's own edges end there
+    if (d.squaredNorm() < 1e-8) continue;  // a vertical edge: the edges of the roof cover its upper end
     const double t = std::clamp(-a.dot(d) / d.squaredNorm(), 0.0, 1.0);
     const double distance = (a + t * d).norm();
     if (up <= min_tan * (distance - radius_m)) continue;
@@ -187,7 +188,7 @@ void City::look_near(const Eigen::Vector3d& p_n, double radius_m, double min_tan
     near_.push_back({from.x(), from.y(), from.z(), along.x(), along.y(), along.z(),
                      static_cast<float>(up / std::max(distance - radius_m, 0.1)), static_cast<int>(i), 0, kBlocks});
     if (distance <= 1.01 * radius_m) continue;
-    // Seen from elsewhere within the radius each of its points is rotated by as much as this at most.
+    // Max change of the azimuth of its points for places within the radius.
     const double turned = std::asin(radius_m / distance) + kStep_rad;
     const double begin = std::atan2(a.y(), a.x());
     const double across = std::remainder(std::atan2(a.y() + d.y(), a.x() + d.x()) - begin, 2 * std::numbers::pi);
@@ -198,7 +199,7 @@ void City::look_near(const Eigen::Vector3d& p_n, double radius_m, double min_tan
     near_.back().first_block = static_cast<int16_t>((first + 2 * kBlocks) % kBlocks);
     near_.back().blocks = static_cast<int16_t>(last - first + 1);
   }
-  // What may stand highest first: most of the others are then hidden at once.
+  // Edges with the highest bound first: most of the others are then hidden at once.
   std::stable_sort(near_.begin(), near_.end(), [](const Near& a, const Near& b) { return a.bound > b.bound; });
 }
 

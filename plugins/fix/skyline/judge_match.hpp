@@ -10,55 +10,55 @@
 
 namespace odograph::skyline {
 
-/// Why a frame gave no fix, as reports and summaries name it.
+/// Reason for no fix, as named in reports and summaries.
 enum Reason : size_t { kPrior, kSky, kAgreement, kAmbiguity, kReasons };
 inline constexpr const char* kReasonNames[kReasons] = {"prior", "sky", "agreement", "ambiguity"};
 using Why = std::pair<Reason, std::string>;
 
-/// What a refusal of the matcher is called.
+/// The reason that corresponds to a refusal of the matcher.
 Why reason_of(Refusal refusal);
 
-/// Of a match of one picture. By hand, on drives through a model of Delft, where no source is named.
+/// For a match of one picture. Unless a source is named, chosen empirically on drives through a model of Delft.
 struct MatchJudgeParameters {
   double fewer_agree =
-      0.8;  ///< of min_agreement: of a place found by several pictures, or without another likely place,
-  double no_second_best = 1e-20;       ///< none being likelier than this (42 such in Delft: one was 1.1 m off)
+      0.8;  ///< factor on min_agreement for a place found by several pictures or without a likely alternative:
+  double no_second_best = 1e-20;       ///< a likelihood ratio below this (42 such in Delft: one was 1.1 m off)
   double max_second_best_ratio = 0.2;  ///< of another place's likelihood
 };
 
-/// What speaks against a match of one picture. `several_agree`: pictures before have told the place.
+/// The reason to reject a match of one picture, if any. `several_agree`: earlier pictures gave the same place.
 std::optional<Why> judge_match(const Match& match, double min_agreement, bool several_agree,
                                const MatchJudgeParameters& p = {});
 
-/// Judges matches of several narrow pictures along a path. Such pictures see walls rather than roofs: in fewer
-/// directions do picture and model agree, and one match may be right by chance; so no other place may be likely at all,
-/// and where few directions agree two matches in a row must tell the same offset of the odometry.
+/// Accepts or rejects matches of several narrow pictures along a path. Such pictures see walls rather than roofs:
+/// picture and model agree in fewer directions, and a single match may fit by chance. Therefore no other place may be
+/// likely, and where few directions agree two consecutive matches must give the same offset of the odometry.
 class PathJudge {
  public:
   struct Parameters {
-    double max_second_best_ratio = 1e-6;  ///< likelihood of another place over that of the best
-    double min_agreement = 0.35;  ///< of the directions with a roof's edge: right matches in Delft's streets had .4
-    double same_m = 2;            ///< two matches in a row that differ by less
-    double same_rad = 0.052;      ///< and by less than three degrees say the same
+    double max_second_best_ratio = 1e-6;  ///< max likelihood of another place over that of the best
+    double min_agreement = 0.35;  ///< of the directions with a roof's edge: correct matches in Delft's streets had .4
+    double same_m = 2;            ///< max difference of consecutive matches that agree
+    double same_rad = 0.052;      ///< the same in heading: three degrees
   };
 
   PathJudge() : PathJudge(Parameters{}) {}
   explicit PathJudge(const Parameters& parameters) : p_(parameters) {}
 
-  /// What speaks against a match. `p_n`, `q_n_c`: what was thought of its place.
+  /// The reason to reject a match, if any. `p_n`, `q_n_c`: the prior pose.
   std::optional<Why> judge(const Match& match, const Eigen::Vector3d& p_n, const Eigen::Quaterniond& q_n_c,
                            double min_agreement);
-  /// A correction of n: what was at x is at q x + p. The city stays where it is.
+  /// A correction of n moves x to q x + p. The city does not move.
   void correct(const Eigen::Quaterniond& q, const Eigen::Vector3d& p);
   void clear() { before_.reset(); }
 
  private:
   struct Offset {
-    Eigen::Quaterniond q;  // what was thought at x was matched at q x + p
+    Eigen::Quaterniond q;  // the prior position x was matched at q x + p
     Eigen::Vector3d p;
   };
   Parameters p_;
-  std::optional<Offset> before_;  // by the match before
+  std::optional<Offset> before_;  // of the previous match
 };
 
 }  // namespace odograph::skyline

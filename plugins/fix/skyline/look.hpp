@@ -21,24 +21,23 @@ struct Picture {
   CameraModel lens;
 };
 
-/// A picture that is being worked on: the worker reads the first part and writes the second, and whoever gave it the
-/// picture the third.
+/// A picture in processing: the worker reads the first group and writes the second; the caller writes the third.
 struct Look {
   Picture picture;
-  Eigen::Vector3d p_n = Eigen::Vector3d::Zero();              ///< of the camera, as the odometry has it
-  Eigen::Quaterniond q_n_c = Eigen::Quaterniond::Identity();  ///< the same; the prior's may be another
-  double path_m = 0;                                          ///< gone until then
+  Eigen::Vector3d p_n = Eigen::Vector3d::Zero();              ///< of the camera, by the odometry
+  Eigen::Quaterniond q_n_c = Eigen::Quaterniond::Identity();  ///< the same; the prior may differ
+  double path_m = 0;                                          ///< length of the path so far
   Prior prior{};
-  bool anywhere = false;    ///< the place is looked for in all of the database
-  bool may_join = false;    ///< a picture that sees too little alone is matched together with
-  std::vector<View> older;  ///< these
+  bool anywhere = false;  ///< the place is searched in all of the database
+  bool may_join = false;  ///< a picture that sees too little is matched jointly with `older`
+  std::vector<View> older;
 
   bool sky_seen = false;
-  std::optional<View> view;  ///< this picture, where it must be joined
+  std::optional<View> view;  ///< this picture, where it must be matched jointly
   std::optional<Match> match;
 
-  Eigen::Quaterniond corrected_q = Eigen::Quaterniond::Identity();  ///< corrections of n since it began: what was at x
-  Eigen::Vector3d corrected_p = Eigen::Vector3d::Zero();            ///< is at q x + p
+  Eigen::Quaterniond corrected_q = Eigen::Quaterniond::Identity();  ///< corrections of n since the start move x
+  Eigen::Vector3d corrected_p = Eigen::Vector3d::Zero();            ///< to q x + p
 
   void correct(const Eigen::Quaterniond& q, const Eigen::Vector3d& p) {
     corrected_q = (q * corrected_q).normalized();
@@ -46,7 +45,7 @@ struct Look {
   }
   Eigen::Vector3d corrected(const Eigen::Vector3d& x_n) const { return corrected_q * x_n + corrected_p; }
   Eigen::Quaterniond corrected(const Eigen::Quaterniond& q) const { return (corrected_q * q).normalized(); }
-  /// The match carried on to where the odometry has the camera by now: it errs by `drift` of the path since.
+  /// The match propagated by the odometry to the present pose; the odometry's error is `drift` times the path since.
   Match carried_to(const Eigen::Vector3d& now_n, const Eigen::Quaterniond& q_n_c_now, double drift) const;
 };
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// How well a place that was found is known.
+// Uncertainty of a match.
 #include <algorithm>
 #include <cmath>
 
@@ -12,15 +12,15 @@
 namespace odograph::skyline {
 namespace {
 
-/// From a mean loss to a logarithm of a likelihood.
+/// Factor from a mean loss to a log-likelihood.
 double to_log(double directions, double best_cost, const MatcherParameters& p) {
   return directions / (p.correlated * std::max(p.noise_rad, 0.5 * best_cost));
 }
 
 }  // namespace
 
-/// The places around the best one, each with the heading and the inclination that fit it best, and the likeliest of
-/// them refined: a wall along a street is a ridge that the lattice misses, narrower than its cells.
+/// Evaluates the places around the best one, each with the heading and the inclination that fit it best, and refines
+/// the likeliest. A wall along a street is a ridge narrower than the lattice's cells, which the lattice misses.
 void Matcher::sound(const Place& best) {
   around_.clear();
   for (int a = -p_.sounded; a <= p_.sounded; ++a)
@@ -44,11 +44,11 @@ void Matcher::sound(const Place& best) {
   for (const Place& p : starts) around_.push_back(refine(p));
 }
 
-/// The cloud of the places around the best one that look nearly alike. One that still does so at its rim goes on
-/// beyond it: along that direction the picture tells nothing.
+/// Spread of the places around the best one that fit nearly as well. Where one at the rim does, the ridge continues
+/// beyond it: the picture does not determine the position along that direction.
 Matcher::Doubt Matcher::doubt_around(const Place& best, double scale) const {
   Eigen::Matrix2d cloud = Eigen::Matrix2d::Zero(), open = Eigen::Matrix2d::Zero();
-  double weight = 1, turned = 0;  // the best place's own
+  double weight = 1, turned = 0;  // of the best place itself
   for (const Place& p : around_) {
     const double w = std::min(1.0, std::exp(-scale * (p.cost - best.cost)));
     const Eigen::Vector2d d(p.guess.north - best.guess.north, p.guess.east - best.guess.east);
@@ -62,12 +62,12 @@ Matcher::Doubt Matcher::doubt_around(const Place& best, double scale) const {
   return {cloud / weight + open, turned / weight};
 }
 
-/// How well the place is known; false where the picture itself does not tell it: the curvature of the fit, what the
-/// lattice says, and how likely another place is.
+/// Covariance from the curvature of the fit and the spread of the lattice, and the likelihood of another place. False
+/// where the picture alone does not determine the place.
 bool Matcher::estimate_covariance(const Place& best, double second_best_cost, Match& match) {
   const double scale = to_log(seen_.total_weight() / seen_.correlated(), best.cost, p_);
   match.second_best_ratio = second_best_cost < 1e9 ? std::exp(-scale * (second_best_cost - best.cost)) : 0.0;
-  // A street that looks the same for a while is a long cloud, not a point.
+  // Places along a uniform street fit equally well: their spread is part of the covariance.
   Eigen::Matrix2d cloud = Eigen::Matrix2d::Zero();
   double weight = 0;
   const auto spread = [&](const std::vector<Place>& places, double min_cost) {
@@ -85,12 +85,12 @@ bool Matcher::estimate_covariance(const Place& best, double second_best_cost, Ma
   Matrix6d H;
   Vector6d b;
   linearise(best.guess, p_.soft_rad, H, b);
-  // What is left over beyond the noise is model error, which averages no better.
+  // The residual beyond the noise is model error, which does not average out.
   const double left = std::max(1.0, best.cost / p_.noise_rad);
   H.diagonal().head<2>().array() += 1.0 / (p_.unseen_m * p_.unseen_m);
   H(3, 3) += 1.0;
   const Matrix6d P = H.inverse() * (left * left);
-  // Where picture and model agree in fewer directions, more of those that agree do so by chance.
+  // The fewer directions agree, the more of them agree by chance.
   const double doubt_m = p_.disagreement_m * (1 - match.agreement);
   match.covariance = P.topLeftCorner<2, 2>() + cloud + Eigen::Matrix2d::Identity() * (doubt_m * doubt_m);
   match.height_sigma_m = std::sqrt(std::max(1e-6, P(2, 2)));

@@ -7,44 +7,45 @@
 
 namespace odograph::skyline {
 
-/// Every number of the matcher that could be another one. What has no source named was chosen by hand on drives through
-/// a model of Delft (`odograph city bench`); no sweep of it is recorded.
+/// Parameters of the matcher. Unless a source is named, chosen empirically on drives through a model of Delft
+/// (`odograph city bench`); no sweep is recorded.
 struct MatcherParameters {
   static constexpr double kDegree = std::numbers::pi / 180;
   // The loss of a direction.
-  double noise_rad = 0.25 * kDegree;  ///< least mean loss believed
-  double soft_rad = 0.6 * kDegree;    ///< from here on a direction pulls less and less (Geman & McClure 1987)
-  double max_rad = 3 * kDegree;       ///< a direction's largest loss: models miss trees and new houses
-  double correlated = 12;             ///< neighbouring directions that err together: six degrees
-  double lowest_rad = 3 * kDegree;    ///< what stands lower is not looked at: parked cars, hedges, far hills
-  double agrees_rad = 1.0 * kDegree;  ///< of a direction in which picture and model agree
-  size_t min_edges = 240;             ///< a third of the directions: fewer have been seen to fit in wrong places
+  double noise_rad = 0.25 * kDegree;  ///< min mean loss
+  double soft_rad = 0.6 * kDegree;    ///< scale of the robust loss (Geman & McClure 1987)
+  double max_rad = 3 * kDegree;       ///< max loss of a direction: models lack trees and new houses
+  double correlated = 12;             ///< neighbouring directions with a common error: six degrees
+  double lowest_rad = 3 * kDegree;    ///< lower objects are ignored: parked cars, hedges, far hills
+  double agrees_rad = 1.0 * kDegree;  ///< max difference of a direction in which picture and model agree
+  size_t min_edges = 240;             ///< a third of the directions: pictures with fewer have matched wrong places
   // The lattice of places.
-  double nearest_m = 6;                           ///< always searched: priors are optimistic
-  double wide_m = 12;                             ///< farther than this the lattice is coarse:
+  double nearest_m = 6;                           ///< min radius of the search: priors are optimistic
+  double wide_m = 12;                             ///< radius above which the lattice is coarse:
   double fine_step_m = 1.5, coarse_step_m = 2.0;  ///< between its places
-  uint64_t rotated_cheaper = 3;                   ///< times, a rotated direction's loss than another's; measured
-  double hopeless_rad = 0.3 * kDegree;            ///< of a move's mean loss: no heading makes up for it
+  uint64_t rotated_cheaper = 3;  ///< factor by which a direction's loss is cheaper in a rotated skyline; measured
+  double hopeless_rad = 0.3 * kDegree;  ///< increase of the mean loss by a move that no heading compensates
   // The refinement.
-  double spread_m = 2.5;                                                 ///< between places that are refined
-  size_t starts = 2, starts_of_path = 6;                                 ///< how many of them
-  double derivative_step_m = 0.25, derivative_step_rad = 0.5 * kDegree;  ///< of the model's skyline, numeric
-  double max_step_m = 2;                                                 ///< of an iteration
-  int last_steps = 2;                                                    ///< of the best place, with the narrowest loss
-  double outside_m = 2;      ///< a cell of the coarse lattice: so far beyond it a place may be refined to
-  double height_sigmas = 3;  ///< of the prior's height, which a place must lie within
-  double climbed_m = 1;      ///< its least sigma: what a road may have climbed since the last fix
+  double spread_m = 2.5;                  ///< min distance between places that are refined
+  size_t starts = 2, starts_of_path = 6;  ///< their number
+  double derivative_step_m = 0.25,
+         derivative_step_rad = 0.5 * kDegree;  ///< step of the numeric derivative of the model's skyline
+  double max_step_m = 2;                       ///< per iteration
+  int last_steps = 2;                          ///< iterations at the best place with the narrowest loss
+  double outside_m = 2;                        ///< max distance of a refined place outside the lattice: a coarse cell
+  double height_sigmas = 3;                    ///< max deviation from the prior's height
+  double climbed_m = 1;                        ///< min sigma of the height: the road's climb since the last fix
   // Other places.
-  double apart_m = 4;  ///< farther from each other than this two places are two
-  int pictures = 4;    ///< that must have been seen before one of the lost is believed
-  // The doubt about the best one.
-  double disagreement_m = 2.5;  ///< standard deviation of a place with which nothing agrees; measured in Delft
-  double untold_m = 10;         ///< across the best told axis, by the curvature: more, and a picture tells no place
-  int sounded = 3;              ///< cells around the best place, to each side,
-  double sounded_step_m = 2;    ///< so far apart
-  size_t sounded_starts = 3;    ///< of those that are refined
-  double alike = 0.1;           ///< of the best place's likelihood: one at the rim that has it says that more follow
-  double unseen_m = 30;         ///< standard deviation along a direction that a picture does not tell
+  double apart_m = 4;  ///< places farther apart than this are distinct
+  int pictures = 4;    ///< needed before a match is accepted when lost
+  // Uncertainty of the best place.
+  double disagreement_m = 2.5;  ///< standard deviation at zero agreement; measured in Delft
+  double untold_m = 10;       ///< max sigma along the best-determined axis, by the curvature; above, there is no match
+  int sounded = 3;            ///< neighbours of the best place to each side,
+  double sounded_step_m = 2;  ///< their spacing,
+  size_t sounded_starts = 3;  ///< and the number of those that are refined
+  double alike = 0.1;         ///< likelihood ratio of a place at the rim above which the ridge continues
+  double unseen_m = 30;       ///< standard deviation along a direction that a picture does not determine
 };
 
 }  // namespace odograph::skyline

@@ -8,7 +8,7 @@
 
 namespace odograph::skyline {
 
-// What the search for a place and the doubt about it share.
+// Shared by the search and the uncertainty of a match.
 inline constexpr double kDegree = MatcherParameters::kDegree;
 inline bool by_cost(const Place& x, const Place& y) { return x.cost < y.cost; }
 inline double apart(const Guess& x, const Guess& y) { return std::hypot(x.north - y.north, x.east - y.east); }

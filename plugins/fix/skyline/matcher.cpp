@@ -16,7 +16,7 @@ size_t closed_edges(const std::vector<SkyEdge>& edges) {
       std::count_if(edges.begin(), edges.end(), [](const SkyEdge& e) { return !e.open && !e.above; }));
 }
 
-/// What the prior says of height and inclination, as a mean loss.
+/// The prior's cost of height and inclination, as a mean loss.
 double Matcher::cost_of_prior(const Guess& g) const {
   const double tilt = std::hypot(g.tilt_north, g.tilt_east) / prior_.tilt_sigma_rad;
   const double high = g.up / prior_.height_sigma_m;
@@ -24,14 +24,14 @@ double Matcher::cost_of_prior(const Guess& g) const {
          std::max(1.0, seen_.total_weight());
 }
 
-/// Mean loss of a direction, rad, with what the prior says.
+/// Mean loss of a direction plus the prior's cost, rad.
 double Matcher::cost(const Guess& g, bool new_place) {
   spend(seen_.directions() + seen_.work_to_look(city_, place_of(g), g.yaw, new_place));
   seen_.look(city_, place_of(g), g.yaw, new_place);
   return seen_.loss(g, p_.max_rad) + cost_of_prior(g);
 }
 
-/// A place of the lattice, with the best of the headings in reach.
+/// Adds a place of the lattice with the best of the headings in reach.
 void Matcher::look_at_place(Place best, int middle_deg, int yaw_steps, int stride) {
   best.cost = 1e9;
   auto& newest = seen_.newest();
@@ -64,8 +64,8 @@ void Matcher::search(double radius_m, double step_m) {
       look_at_place({{.north = a * step_m, .east = b * step_m}, 0}, 0, yaw_steps, yaw_steps > 8 ? 2 : 1);
 }
 
-/// A lattice over the ring around the pivot, which is the prior's place here. `displacement` leads from there to where
-/// the track is, m north and east: each place of the ring has its own heading.
+/// A lattice over the ring around the pivot, which is the prior's position here. `displacement` is from there to the
+/// track's position, m north and east. The bearing of a place on the ring gives its heading.
 void Matcher::search_circle(const Eigen::Vector2d& displacement, double step_m) {
   const double chord_m = displacement.norm();
   const int reach = static_cast<int>(std::ceil((chord_m + prior_.slack_m) / step_m));
@@ -82,8 +82,8 @@ void Matcher::search_circle(const Eigen::Vector2d& displacement, double step_m) 
     }
 }
 
-/// Normal equations of all six unknowns (north, east, up, yaw, tilt about north and east) at a guess: the model's
-/// skyline differentiated numerically, each direction weighted after Geman & McClure.
+/// Normal equations of all six unknowns (north, east, up, yaw, tilt about north and east) at a guess: numeric
+/// derivatives of the model's skyline, each direction weighted after Geman & McClure.
 bool Matcher::linearise(const Guess& at, double soft_rad, Matrix6d& H, Vector6d& b) {
   H.setZero(), b.setZero();
   seen_.look(city_, place_of(at), at.yaw, true);
@@ -99,7 +99,7 @@ bool Matcher::linearise(const Guess& at, double soft_rad, Matrix6d& H, Vector6d&
   return directions > 20;
 }
 
-/// One picture's part of the normal equations; as many directions as count.
+/// Adds one picture to the normal equations. Returns the sum of its weights.
 double Matcher::add_view(const SeenPath::Seen& seen, const Guess& at, double soft_rad, Matrix6d& H, Vector6d& b) {
   const Eigen::Vector3d p = seen.looked_n, offset_n = p - place_of(at);
   spend(7 * city_.quick_work(seen.sector) + 4 * seen.skyline.size());
@@ -120,7 +120,7 @@ double Matcher::add_view(const SeenPath::Seen& seen, const Guess& at, double sof
     Vector6d J;
     for (int axis = 0; axis < 3; ++axis) {
       const double d = moved[axis][1].elevation_at(r.azimuth) - moved[axis][0].elevation_at(r.azimuth);
-      // A jump is a house's end that passes, not a slope.
+      // A jump is a house's end that enters the direction, not a slope.
       J[axis] = std::abs(d) < 0.1 ? d / (2 * p_.derivative_step_m) : 0.0;
     }
     J[2] = -J[2];  // up
@@ -153,7 +153,8 @@ std::optional<Guess> Matcher::step(const Guess& at, double soft_rad, double damp
   return g;
 }
 
-/// Steps with ever narrower tolerance, so that walls that are degrees off pull first; then those that make it better.
+/// Steps with a decreasing tolerance, so that walls that are degrees off contribute at first; then descending steps
+/// only.
 Place Matcher::refine(Place at) {
   at.cost = cost(at.guess, true);
   Place now = at;
@@ -178,7 +179,7 @@ Place Matcher::refine(Place at) {
   return now;
 }
 
-/// The best heading and inclination for a place, by ever smaller moves; the model's skyline there is at hand.
+/// The best heading and inclination for a place, by a pattern search on the skyline computed there.
 void Matcher::align_heading(Place& at) {
   for (double size = 0.8 * kDegree; size > 0.08 * kDegree; size *= 0.4)
     for (bool better = true; better;) {
@@ -197,8 +198,8 @@ void Matcher::align_heading(Place& at) {
     }
 }
 
-/// Vertical edges of houses tell the heading but have no slope to follow: a pattern search for the last metre, each
-/// place with the heading and the inclination that fit it best.
+/// Vertical edges of houses determine the heading but have no slope: a pattern search over the last metre, each place
+/// with the heading and the inclination that fit it best.
 Place Matcher::polish(Place at) {
   at.cost = cost(at.guess, true);
   align_heading(at);
@@ -225,7 +226,7 @@ std::optional<Place> Matcher::choose(double step_m, double& second_best_cost) {
   if (!prior_.lost) {
     offsets_.clear();
     std::sort(places_.begin(), places_.end(), by_cost);
-    // The best few of the lattice, apart from each other, each taken to where it is best.
+    // Refine the best few places of the lattice that are apart from each other.
     std::vector<Place> starts;
     for (const Place& p : places_) {
       if (std::any_of(starts.begin(), starts.end(),
@@ -237,8 +238,8 @@ std::optional<Place> Matcher::choose(double step_m, double& second_best_cost) {
     for (const Place& p : starts) ends_.push_back(refine(p));
     std::sort(ends_.begin(), ends_.end(), by_cost);
     ends_.front() = polish(ends_.front());
-    // Beside a wall the skyline changes within less than a cell, and the lattice misses the place: the prior's own is
-    // looked at as closely.
+    // Beside a wall the skyline changes within less than a cell, so that the lattice may miss the place: the prior's
+    // own position is refined too.
     if (!prior_.pivot_n) ends_.push_back(polish(refine({})));
     std::sort(ends_.begin(), ends_.end(), by_cost);
     for (const Place& p : ends_)
@@ -263,16 +264,16 @@ std::optional<Place> Matcher::choose(double step_m, double& second_best_cost) {
   return here;
 }
 
-/// Whether a place lies where others were compared with it, `chord_m` from the middle to within `reach_m`, and at a
-/// height that the prior allows. Where neither holds the steps of the refinement have left what is known.
+/// Whether a place lies in the searched area, at `chord_m` from the middle to within `reach_m`, and at a height that
+/// the prior allows. Otherwise the refinement has diverged.
 bool Matcher::within_reach(const Place& best, double chord_m, double reach_m) const {
   const double high_m = p_.height_sigmas * std::max(prior_.height_sigma_m, p_.climbed_m);
   const double far_m = std::hypot(best.guess.north, best.guess.east);
-  const double lattice_m = chord_m > 0 ? reach_m : reach_m * std::numbers::sqrt2;  // a square's corner
+  const double lattice_m = chord_m > 0 ? reach_m : reach_m * std::numbers::sqrt2;  // the corner of the square lattice
   return std::abs(best.guess.up) <= high_m && std::abs(far_m - chord_m) <= lattice_m + p_.outside_m;
 }
 
-/// Where the camera is, and the highest roof point that it sees; false where there is none.
+/// Fills in the camera's pose and the highest roof point in view; false where there is none.
 bool Matcher::describe(const Place& best, Match& match) {
   match.p_n = place_of(best.guess);
   match.q_n_c = best.guess.rotation() * prior_.q_n_c;

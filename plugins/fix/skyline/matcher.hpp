@@ -13,19 +13,19 @@
 
 namespace odograph::skyline {
 
-/// The directions of a picture that have a roof's edge.
+/// Number of directions of a picture with a roof's edge.
 size_t closed_edges(const std::vector<SkyEdge>& edges);
 
-/// What is known before looking.
+/// Prior of a match.
 struct Prior {
   Eigen::Vector3d p_n;  ///< of the camera
   Eigen::Quaterniond q_n_c;
   double position_sigma_m, yaw_sigma_rad, tilt_sigma_rad, farthest_m;
-  /// The picture before did not tell the place: several must agree on where the prior is wrong.
+  /// Previous pictures gave no place: several must agree on the offset from the prior.
   bool lost = false;
-  double height_sigma_m = 0.05;  ///< of p_n's down
-  /// Where the position was known last, when the heading is not known: the path from there to p_n is known but for its
-  /// direction, to within slack_m, so the place lies on a circle, and where it lies on it says the heading.
+  double height_sigma_m = 0.05;  ///< of the down component of p_n
+  /// Last known position, where the heading is unknown: the distance from there to p_n is known to slack_m, so the
+  /// place lies on a circle, and its bearing determines the heading.
   std::optional<Eigen::Vector3d> pivot_n = std::nullopt;
   double slack_m = 0;
 };
@@ -36,33 +36,32 @@ struct Match {
   Eigen::Matrix2d covariance;  ///< of north and east, m^2
   double yaw_sigma_rad;
   double height_sigma_m;
-  double agreement;          ///< part of the directions with a roof's edge in which picture and model agree
-  double second_best_ratio;  ///< likelihood of the best other place over that of this one
+  double agreement;          ///< fraction of the directions with a roof's edge in which picture and model agree
+  double second_best_ratio;  ///< likelihood ratio of the second-best place to this one
   /// The highest point of the skyline: eq. (2) and (4) of Gakne & O'Keefe 2018.
   Eigen::Vector3d landmark_n;
   double slant_distance_m;
 };
 
-/// Why a picture told no place.
+/// Reason for no match.
 enum class Refusal {
   none,
   few_edges,        ///< too few directions have a roof's edge in the picture
   gathering,        ///< lost: several pictures must agree first
-  ambiguous,        ///< several places fit, or the pictures' best is not this picture's
+  ambiguous,        ///< several places fit, or the pictures' best place differs from this picture's
   nothing_in_view,  ///< the model has no roof there
-  beyond,           ///< the best place lies where nothing was searched, or far above or below the prior's height
+  beyond,           ///< the best place lies outside the searched area, or far above or below the prior's height
 };
 
-/// Finds the place and the orientation whose skyline looks like the one in the picture. Where the paper correlates
-/// binary images of a database of places, this compares the elevation at which the sky ends, direction by direction,
-/// with the model's, computed where it is needed; the loss of a direction is bounded, because models miss trees and new
-/// houses.
+/// Finds the position and the orientation whose skyline matches that of the picture. The paper correlates binary images
+/// of a database of places. This class compares the elevation of the sky's edge in each direction with the model's,
+/// computed on demand; the loss of a direction is bounded, because models lack trees and new houses.
 class Matcher {
  public:
   using Parameters = MatcherParameters;
   explicit Matcher(City city, const Parameters& parameters = {}) : p_(parameters), city_(std::move(city)) {}
-  /// `spend` is told of the work before it is done, and may wait or throw. `older` pictures of the path to the prior's
-  /// place are matched together with this one; a prior that is lost or has a pivot goes without.
+  /// `spend` is called with the amount of work before it is done, and may wait or throw. `older` pictures of the path
+  /// to the prior's place are matched jointly with this one; not with a prior that is lost or has a pivot.
   std::optional<Match> match(const std::vector<SkyEdge>& edges, const Prior& prior, const Spend& spend = nullptr,
                              const std::vector<View>& older = {});
   /// Whether enough directions of the pictures have a roof's edge.
@@ -70,7 +69,7 @@ class Matcher {
                            const Parameters& parameters = {});
   const City& city() const { return city_; }
   City& city() { return city_; }
-  /// Why the latest match() gave nothing.
+  /// Reason why the latest match() returned no match.
   Refusal refusal() const { return refusal_; }
 
  private:
@@ -101,7 +100,7 @@ class Matcher {
     double yaw_variance;       // rad^2
   };
   Doubt doubt_around(const Place& best, double scale) const;
-  /// Best place and best other one.
+  /// The best place, and the cost of the second-best.
   std::optional<Place> choose(double step_m, double& second_best_cost);
   bool within_reach(const Place& best, double chord_m, double reach_m) const;
   bool estimate_covariance(const Place& best, double second_best_cost, Match& match);
@@ -113,8 +112,8 @@ class Matcher {
   Prior prior_{};
   SeenPath seen_;
   SeenSkyline::Twice twice_{};
-  std::vector<Place> places_, ends_;  // of the lattice, and where those of them led that were refined
-  std::vector<Place> around_;         // the best place
+  std::vector<Place> places_, ends_;  // of the lattice; refined from it
+  std::vector<Place> around_;         // neighbours of the best place
   std::vector<SeenSkyline::Residual> residuals_;
   OffsetMap offsets_;
   Refusal refusal_ = Refusal::none;

@@ -12,11 +12,11 @@
 
 namespace odograph::skyline {
 
-/// From a model's easting, northing and height to n.
+/// Transformation from a model's easting, northing and height to n.
 class ModelToNavigation {
  public:
-  /// Throws std::runtime_error where a geodetic origin needs a reference system that is not known; `epsg` 0: none is
-  /// told.
+  /// Throws std::runtime_error where a geodetic origin needs an unsupported reference system. `epsg` 0: the file names
+  /// none.
   ModelToNavigation(const CityPlacement& placement, int epsg, const std::string& name) : p_(placement) {
     if (!p_.geodetic) return;
     projection_ = Projection::of(epsg);

@@ -8,26 +8,26 @@
 
 namespace odograph::skyline {
 
-/// A place of the search, and how well the picture fits there.
+/// A place of the search, and the cost of the picture there.
 struct Place {
   Guess guess;
   double cost;
 };
 
-/// What several pictures say of each offset from the prior: their costs' running mean. An offset holds from picture to
-/// picture but for what the odometry errs by meanwhile: a cell.
+/// The running mean over several pictures of the cost of each offset from the prior. Between two pictures an offset is
+/// constant to one cell, the odometry's drift.
 class OffsetMap {
  public:
-  /// Chosen by hand on drives through a model of Delft.
+  /// Chosen empirically on drives through a model of Delft.
   struct Parameters {
-    double newest = 0.35;                            ///< a picture's part of an offset's mean
-    double slip_rad = 0.1 * std::numbers::pi / 180;  ///< loss of an offset that moves by a cell: it is likelier to stay
+    double newest = 0.35;                            ///< weight of the newest picture in the mean
+    double slip_rad = 0.1 * std::numbers::pi / 180;  ///< added cost of an offset that moves by a cell
   };
   OffsetMap() : OffsetMap(Parameters{}) {}
   explicit OffsetMap(const Parameters& parameters) : p_(parameters) {}
 
   void clear() { pictures_ = 0; }
-  /// Replaces the costs of `places`, which lie on a lattice of `step_m`, by the means. Returns how many pictures count.
+  /// Replaces the costs of `places`, which lie on a lattice of `step_m`, by the means. Returns the number of pictures.
   int average(std::vector<Place>& places, double step_m);
 
  private:

@@ -9,7 +9,7 @@
 namespace odograph::skyline {
 namespace {
 
-/// The picture at a whole part of its size.
+/// Reduces the picture by an integer factor.
 void shrink(Picture& picture, int by) {
   if (by <= 1) return;
   const cv::Size size = picture.grey.size() / by;
@@ -31,7 +31,7 @@ PhotographFixer::Answer PhotographFixer::place(Picture picture, const Photograph
   std::vector<PhotographLevel> levels = {{prior_up_c, prior.tilt_sigma_rad, 0}};
   if (prior.tilt_sigma_rad > p_.level_rad)
     levels = levels_of(lines_of(picture.grey, picture.lens, p_.level.lines), prior_up_c, p_.level);
-  Answer found[2];  // by the sky in colour and in grey
+  Answer found[2];  // from the sky in colour and in grey
   for (Answer& answer : found) answer.no_sky = true, answer.gain = -1e300, answer.why = "no sky is seen over roofs";
   const Chroma chroma = picture.chroma;
   for (const PhotographLevel& level : levels) {
@@ -53,8 +53,8 @@ PhotographFixer::Answer PhotographFixer::place(Picture picture, const Photograph
   return agreed(std::move(found[0]), std::move(found[1]));
 }
 
-/// Colour tells more of the sky, but a cast of it misleads: the sky whose edge fits a place is the better one, and a
-/// place that the other one does not lead to is none.
+/// Colour shows more of the sky, but a colour cast misleads. The segmentation whose edge fits better is used, and its
+/// place is rejected where the other does not lead to it.
 PhotographFixer::Answer PhotographFixer::agreed(Answer colour, Answer grey) const {
   Answer& best = colour.gain > grey.gain ? colour : grey;
   const Answer& other = colour.gain > grey.gain ? grey : colour;

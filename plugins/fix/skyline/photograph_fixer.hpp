@@ -11,27 +11,28 @@
 
 namespace odograph::skyline {
 
-/// One photograph, a city model and where it was taken roughly: a pose, or why there is none. Thread: one at a time.
+/// Estimates the pose of one photograph from a city model and a rough prior, or gives the reason why not. Thread: one
+/// at a time.
 class PhotographFixer {
  public:
   struct Parameters {
-    int widest_px = 1280;      ///< larger pictures are halved: a tenth of a degree a pixel is enough for roofs
-    double level_rad = 0.052;  ///< sigma of the prior's inclination, from where on it is looked for: 3 degrees
-    double agree_m = 4;        ///< between the places that the sky in colour and in grey lead to; judgement
+    int widest_px = 1280;      ///< larger pictures are reduced: a tenth of a degree per pixel suffices for roofs
+    double level_rad = 0.052;  ///< sigma of the prior's inclination above which it is estimated: 3 degrees
+    double agree_m = 4;        ///< max distance between the places by the sky in colour and in grey; judgement
     PhotographLevelParameters level;
   };
   struct Answer {
     std::optional<Match> match;
-    std::optional<Match> tried;  ///< what was refused, for tests and tools
+    std::optional<Match> tried;  ///< the rejected match, for tests and tools
     double gain = 0;
-    std::string why;      ///< there is none
-    bool no_sky = false;  ///< that is the reason
-    double other = 1;     ///< probability that it is elsewhere
+    std::string why;      ///< reason for no match
+    bool no_sky = false;  ///< whether that is the reason
+    double other = 1;     ///< probability that the camera is elsewhere
   };
 
   explicit PhotographFixer(City& city, const PhotographParameters& matching = {})
       : ground_(city.edges()), matcher_(city, ground_, matching) {}
-  /// The prior's place counts for north and east; its height where the model has no ground there.
+  /// The prior's north and east are used; its height only where the model has no ground.
   Answer place(Picture picture, const PhotographPrior& prior);
   const Ground& ground() const { return ground_; }
 

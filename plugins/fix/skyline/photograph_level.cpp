@@ -14,7 +14,7 @@ using Eigen::Vector3d;
 std::vector<PhotographLevel> levels_of(const std::vector<SeenLine>& lines, const Vector3d& level_up_c,
                                        const PhotographLevelParameters& p) {
   const Vector3d axis = Vector3d::UnitZ(), right = axis.cross(level_up_c).normalized();
-  // The camera's axis rises by `pitch`: the zenith comes nearer to it.
+  // A positive `pitch` raises the camera's axis towards the zenith.
   const auto up_of = [&](double pitch, double roll) -> Vector3d {
     return AngleAxisd(roll, axis) * (AngleAxisd(-pitch, right) * level_up_c);
   };

@@ -29,7 +29,7 @@ Eigen::Vector3d PhotographMatcher::place_of(const Guess& guess) const {
   return p;
 }
 
-/// The model's roof line from a guess's place; its `up` counts to first order in the fit.
+/// Computes the model's roof line at a guess's place; the fit treats the guess's `up` to first order.
 void PhotographMatcher::look(const Guess& guess) {
   city_.quick_horizon(place_of(guess), horizon_, winners_);
   line_.set(horizon_, winners_, city_.edges(), p_.roofs);
@@ -43,7 +43,7 @@ double PhotographMatcher::cost_of_prior(const Guess& g) const {
   return 0.5 * (far * far + turned + tilt * tilt + up * up);
 }
 
-/// The likeliest headings of a lattice for a place that was looked at: one alone is the wrong one too often.
+/// The likeliest headings of the current place: a single one is too often wrong.
 void PhotographMatcher::search_place(const Candidate& at) {
   const double yaw_reach = std::min(p_.sigmas * prior_.yaw_sigma_rad, std::numbers::pi);
   const int yaws = static_cast<int>(std::ceil(yaw_reach / p_.yaw_step_rad));
@@ -74,7 +74,7 @@ void PhotographMatcher::search_place(const Candidate& at) {
   }
 }
 
-/// The heading, inclination and height that fit a place best, by ever smaller moves.
+/// The heading, inclination and height that fit a place best, by a pattern search.
 void PhotographMatcher::align(Candidate& at) {
   at.cost = cost_of(at.guess);
   for (double size = 1; size > 0.1; size *= 0.4)
@@ -94,7 +94,7 @@ void PhotographMatcher::align(Candidate& at) {
     }
 }
 
-/// The same with the place.
+/// The same including the position.
 void PhotographMatcher::move(Candidate& at) {
   for (double size = 0.8; size > 0.15; size *= 0.5)
     for (bool better = true; better;) {
@@ -110,7 +110,7 @@ void PhotographMatcher::move(Candidate& at) {
     }
 }
 
-/// All places of the lattice, tile by tile, so that no edge between them is missed.
+/// All places of the lattice, tile by tile, so that no visible edge is missed between them.
 void PhotographMatcher::search() {
   candidates_.clear(), lines_.clear();
   const double radius = std::clamp(p_.sigmas * prior_.sigma_m, p_.min_m, p_.max_m);
@@ -153,8 +153,8 @@ std::vector<PhotographMatcher::Candidate> PhotographMatcher::surroundings_of(con
   return all;
 }
 
-/// Covariance and the probability of other places out of all that was looked at; false, with the reason, where it is
-/// too large.
+/// Covariance, and the probability of other places over all that were evaluated. False, with the reason, where either
+/// is too large.
 bool PhotographMatcher::judge(const Candidate& best, Match& match) {
   auto places = surroundings_of(best);
   for (const Candidate& c : candidates_)
@@ -170,11 +170,11 @@ bool PhotographMatcher::judge(const Candidate& best, Match& match) {
     const double yaw = std::remainder(c.guess.yaw - best.guess.yaw, 2 * std::numbers::pi);
     turned += w * yaw * yaw;
   }
-  // About the best place, not about the mean: that is what is told.
+  // Spread about the best place, which is the estimate, not about the mean.
   const double cell = p_.fine_step_m * p_.fine_step_m / 12;
   match.covariance = spread / all + (cell + p_.min_sigma_m * p_.min_sigma_m) * Eigen::Matrix2d::Identity();
   const double worst_m = std::sqrt(Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(match.covariance).eigenvalues()[1]);
-  // The heading's own width at the best place, by the fit a degree aside.
+  // The heading's sigma at the best place, from the fit one degree aside.
   Candidate aside = best;
   look(best.guess);
   double curvature = 0;
@@ -183,7 +183,8 @@ bool PhotographMatcher::judge(const Candidate& best, Match& match) {
     curvature += std::max(0.0, cost_of(aside.guess) - best.cost) / (kDegree * kDegree);
   }
   const double own = 1 / std::max(curvature, 1 / (5 * kDegree * 5 * kDegree));
-  // That the model has nothing of the picture, in the same measure: the prior's area, and its headings to the place's.
+  // Likelihood that the model has nothing of the picture, in the same measure: over the prior's area and the ratio of
+  // the prior's headings to the place's.
   const double headings = std::max(1.0, prior_.yaw_sigma_rad / std::sqrt(own + turned / all));
   const double none = 2 * std::numbers::pi * prior_.sigma_m * prior_.sigma_m * headings *
                       std::exp(std::min(50.0, best.cost - fit_.nothing()));
@@ -234,12 +235,12 @@ std::optional<Match> PhotographMatcher::match(const std::vector<SkyEdge>& edges,
   const auto ground = ground_.at(prior.p_n.head<2>());
   terrain_ = ground && ground->terrain;
   search();
-  // Those that may be right by the coarse loss, with all that fits them best.
+  // Refine the candidates that may be correct by the coarse loss.
   std::vector<Candidate> best(
       candidates_.begin(), candidates_.begin() + static_cast<std::ptrdiff_t>(std::min(p_.refined, candidates_.size())));
   for (Candidate& c : best) line_ = lines_[c.line], align(c);
   std::copy(best.begin(), best.end(), candidates_.begin());
-  // What was not looked at closely is at most as likely as the worst that was.
+  // Candidates that are not refined are at most as likely as the worst refined one.
   double last = 0;
   for (const Candidate& c : best) last = std::max(last, c.cost);
   for (size_t i = best.size(); i < candidates_.size(); ++i) candidates_[i].cost = std::max(candidates_[i].cost, last);

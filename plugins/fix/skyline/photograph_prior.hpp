@@ -12,7 +12,7 @@
 
 namespace odograph::skyline {
 
-/// What a pose with its covariance says of where a photograph was taken.
+/// The prior of a photograph from a pose and its covariance.
 inline PhotographPrior photograph_prior(const odo_pose& pose, double height_sigma_m) {
   const auto sigma = [&](size_t a, size_t b) { return std::sqrt(std::max(pose.covariance[a], pose.covariance[b])); };
   return {.p_n = Eigen::Vector3d(pose.p_n),

@@ -12,10 +12,10 @@ namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
 constexpr int kSectors = SkylineDatabase::kSectors;
-constexpr double kLevels = 255 / (0.5 * std::numbers::pi);  // of a signature for a radian
-constexpr size_t kSlice = 200;                              // places of the signatures' search between two spends
+constexpr double kLevels = 255 / (0.5 * std::numbers::pi);  // levels of a signature per radian
+constexpr size_t kSlice = 200;                              // places of the signature search between two spends
 
-/// What a picture says of each sector: its mean elevation, and whether a model above or below it speaks against it.
+/// A picture's sectors: the mean elevation, and whether a model above or below it is a loss.
 struct Sectors {
   std::array<uint8_t, kSectors> seen{}, above{}, below{};
   explicit Sectors(const SeenSkyline& skyline) {
@@ -26,7 +26,7 @@ struct Sectors {
     }
     constexpr double kHalf = SkylineDatabase::kSectorSize / 2.0;
     for (size_t s = 0; s < kSectors; ++s) {
-      if (n[s] < kHalf) continue;  // little of it is seen
+      if (n[s] < kHalf) continue;  // little of the sector is visible
       seen[s] = static_cast<uint8_t>(std::clamp(std::lround(sum[s] / n[s] * kLevels), 0l, 255l));
       above[s] = up[s] > 0.5 * n[s] ? 255 : 0, below[s] = down[s] > 0.5 * n[s] ? 255 : 0;
     }
@@ -49,7 +49,7 @@ bool PlaceFinder::same(const Hypothesis& a, const Hypothesis& b) const {
          std::abs(std::remainder(a.yaw - b.yaw, 2 * std::numbers::pi)) < p_.same_rad;
 }
 
-/// All places by their signatures, each with its best heading: the best of them, good to a sector's width.
+/// The best places by signature, each with its best heading, accurate to a sector's width.
 std::vector<PlaceFinder::Hypothesis> PlaceFinder::coarse(const SeenSkyline& seen, const Spend& spend) const {
   const Sectors sectors(seen);
   const auto most = static_cast<uint8_t>(std::lround(p_.sector_max_rad * kLevels));
@@ -69,7 +69,7 @@ std::vector<PlaceFinder::Hypothesis> PlaceFinder::coarse(const SeenSkyline& seen
     for (size_t rotation = 0; rotation < kSectors; ++rotation) {
       uint16_t cost = 0;
       for (size_t s = 0; s < kSectors; ++s) {
-        // In bytes throughout, so that compilers find the vectors.
+        // Bytes throughout, so that compilers vectorise the loop.
         const uint8_t m = twice[s + rotation], v = sectors.seen[s], high = std::max(m, v);
         const auto over = static_cast<uint8_t>(static_cast<uint8_t>(high - v) & sectors.above[s]);
         const auto under = static_cast<uint8_t>(static_cast<uint8_t>(high - m) & sectors.below[s]);
@@ -115,7 +115,7 @@ PlaceFinder::Hypothesis PlaceFinder::look_closely(const SeenSkyline& seen, const
   return best;
 }
 
-/// The skyline at any point between places: of the edges that are seen from the nearest of them.
+/// The skyline at any point between places, from the edges that are visible at the nearest of them.
 bool PlaceFinder::horizon_at(const Eigen::Vector3d& p, Horizon& out) const {
   const size_t i = database_.nearest(p.x(), p.y());
   const double reach_m = p_.reach * std::max(1.0, database_.spacing_m());
@@ -128,7 +128,7 @@ bool PlaceFinder::horizon_at(const Eigen::Vector3d& p, Horizon& out) const {
   return true;
 }
 
-/// Horizontally: of an odometry that nobody corrects the height is the first to go astray, by a tenth of the path.
+/// Horizontal only: the height of an uncorrected odometry drifts most, by a tenth of the path.
 Eigen::Vector3d PlaceFinder::moved(const Hypothesis& h, const Eigen::Vector3d& odometry) const {
   return Eigen::AngleAxisd(h.yaw, Eigen::Vector3d::UnitZ()) *
          (h.scale * Eigen::Vector3d(odometry.x(), odometry.y(), 0));
@@ -138,7 +138,8 @@ Eigen::Vector3d PlaceFinder::place_of(const Hypothesis& h, const Picture& pictur
   return h.p + moved(h, picture.p - pictures_.back().p);
 }
 
-/// Mean loss of a direction, rad, over all pictures but the worst of several: one against the sun tells nothing.
+/// Mean loss of a direction, rad, over all pictures but the worst of several, since one against the sun has no
+/// information.
 double PlaceFinder::joint_cost(const Hypothesis& h, const Spend& spend) const {
   double sum = 0, worst = 0;
   Horizon horizon;
@@ -160,7 +161,7 @@ double PlaceFinder::joint_cost(const Hypothesis& h, const Spend& spend) const {
   return (sum + prior) / n;
 }
 
-/// To where the hypothesis is best nearby: place, height, heading and scale, by ever smaller moves.
+/// Refines position, height, heading and scale of a hypothesis by a pattern search.
 PlaceFinder::Hypothesis PlaceFinder::refine(Hypothesis h, const Spend& spend) const {
   h.cost = joint_cost(h, spend);
   for (double size = 1; size > 0.2; size *= 0.5)
@@ -182,7 +183,7 @@ PlaceFinder::Hypothesis PlaceFinder::refine(Hypothesis h, const Spend& spend) co
   return h;
 }
 
-/// Part of the directions in which picture and model agree, in the mean of all pictures but the worst of several.
+/// Fraction of the directions in which picture and model agree, mean of all pictures but the worst of several.
 double PlaceFinder::agreement(const Hypothesis& h) const {
   double sum = 0, worst = 1;
   Horizon horizon;
@@ -229,7 +230,7 @@ std::optional<PlaceFinder::Found> PlaceFinder::add(const std::vector<SkyEdge>& e
   const auto by_cost = [](const Hypothesis& a, const Hypothesis& b) { return a.cost < b.cost; };
   std::stable_sort(all.begin(), all.end(), by_cost);
   if (all.size() > p_.kept) all.resize(p_.kept);
-  // Those that may matter are taken to where they are best; the others come back with a later picture if they do.
+  // Refine only the best; others return with a later picture if they fit it.
   for (size_t k = 0; k < std::min(p_.refined, all.size()); ++k) all[k] = refine(all[k], spend);
   std::stable_sort(all.begin(), all.end(), by_cost);
   hypotheses_.clear();
@@ -237,7 +238,7 @@ std::optional<PlaceFinder::Found> PlaceFinder::add(const std::vector<SkyEdge>& e
     if (std::none_of(hypotheses_.begin(), hypotheses_.end(), [&](const Hypothesis& o) { return same(o, h); }))
       hypotheses_.push_back(h);
   const Hypothesis best = hypotheses_.front();
-  // The likelihood of the next one, from the losses of directions and pictures that err apart.
+  // Likelihood ratio of the second-best, from the losses of independent directions and pictures.
   double directions = 0;
   for (const Picture& picture : pictures_) directions += picture.seen.total_weight();
   const double scale =

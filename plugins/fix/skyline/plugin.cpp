@@ -33,7 +33,7 @@ using namespace odograph::skyline;
 constexpr double kDegree = std::numbers::pi / 180;
 constexpr FixerParameters kParameters;
 
-/// Fixes from the skyline around an upward camera and a 3D city model: section 3.2 of Gakne & O'Keefe 2018.
+/// Fixes from the skyline around a camera and a 3D city model: section 3.2 of Gakne & O'Keefe 2018.
 class Skyline : public FixerConfig {
  public:
   static constexpr odo::Description description{
@@ -95,8 +95,8 @@ class Skyline : public FixerConfig {
     window_.correct(q, p), path_judge_.correct(q, p), look_.correct(q, p);
   }
 
-  /// A frame waits for its pose where the front-end tells it later, having waited for the IMU itself. While a picture
-  /// is worked on no other is taken; its fix comes with the frame at which the work is done.
+  /// A frame waits for its pose where the front-end, which waits for the IMU, emits it later. While a picture is
+  /// processed no other is accepted; its fix is emitted at the frame by which the work is done.
   void on(const odo_frame& frame, odo::Output& output) {
     const double passed_s = frame_ns_ == INT64_MIN ? 0 : odograph::seconds(frame.header.t_ns - frame_ns_);
     frame_ns_ = frame.header.t_ns;
@@ -125,13 +125,13 @@ class Skyline : public FixerConfig {
     const double variance = std::max(pose_->covariance[21], pose_->covariance[28]);
     if (placed_ && std::sqrt(variance) > kParameters.nowhere_m)
       return refuse(kPrior, "the pose is not placed yet", output);
-    // Without a metre the position stays where it was: the scale itself waits for fixes.
+    // Without metric scale the position does not change: the scale itself needs fixes.
     const bool metric = (pose_->header.flags & ODO_POSE_METRIC) != 0;
     const double sigma = metric ? std::sqrt(variance) : std::max(std::sqrt(variance), kParameters.unscaled_m);
     const double yaw_sigma =
         std::clamp(std::sqrt(pose_->covariance[14]), kParameters.min_yaw_rad, kParameters.max_yaw_rad);
-    // Since the last fix the track may have gone astray by its heading, and more where its own doubt says so. Who may
-    // be farther off than is searched would be placed where it only looks alike.
+    // Possible drift since the last fix, by the heading's sigma or by the pose's own covariance. A pose that is farther
+    // off than the search radius would be matched to a similar place.
     const double driven_m = pose_->distance_m - fixed_at_m_;
     const double astray_m = std::max(driven_m * std::min(kParameters.max_off, 3 * yaw_sigma), 3 * sigma);
     const auto slack_m = displacement_from_start(yaw_sigma, sigma, metric);
@@ -170,7 +170,7 @@ class Skyline : public FixerConfig {
     worker_.start([this](const Spend& spend) { look(spend); }, slice_);
   }
 
-  /// At once, on this thread: nothing waits for a photograph.
+  /// Synchronous, on this thread: a photograph has no frame-time limit.
   void place_photograph(const Picture& picture, odo::Output& output) {
     const auto answer = photograph_fixer_->place(picture, photograph_prior(*pose_, height_sigma));
     if (!answer.match)
@@ -186,19 +186,19 @@ class Skyline : public FixerConfig {
 
   static Eigen::Quaterniond orientation_of(const odo_pose& pose) { return odograph::raw_quaternion(pose.q_n); }
 
-  /// Before the first fix, without a heading: how well the distance from the start is known, m; else none.
+  /// Before the first fix, without a heading: the uncertainty of the distance from the start, m; otherwise none.
   std::optional<double> displacement_from_start(double yaw_sigma, double sigma, bool metric) const {
     if (!start_known || fixed_once_ || !metric || !start_n_ || yaw_sigma < kParameters.no_heading_rad)
       return std::nullopt;
     const double far_m = (Eigen::Vector3d(pose_->p_n) - *start_n_).head<2>().norm();
     const double slack_m = kParameters.slack_m + kParameters.slack_of_path * pose_->distance_m;
-    // An unknown heading is a doubt as large as the path; a larger one says that the path itself is lost.
+    // An unknown heading gives a sigma as large as the path; a larger one means that the odometry has failed.
     const double max_sigma = kParameters.max_off * (far_m + slack_m);
     if (far_m < slack_m || far_m > kParameters.farthest_from_start_m || sigma > max_sigma) return std::nullopt;
     return slack_m;
   }
 
-  /// On the worker's thread.
+  /// Thread: the worker's.
   void look(const Spend& spend) {
     if (inclination == "vanishing_point") align_with_gravity(look_.prior, look_.picture, tilt_sigma);
     const auto& edges = eye_.find(look_.picture, look_.prior.q_n_c.conjugate(), sky == "flood_fill");
@@ -214,7 +214,7 @@ class Skyline : public FixerConfig {
     look_.match = matcher_->match(edges, prior, spend, look_.older);
   }
 
-  /// The prior's pitch and roll are replaced by those of the upright lines in the picture, where these tell any.
+  /// Replaces the prior's pitch and roll by those of the vertical lines in the picture, where there are enough.
   static void align_with_gravity(Prior& prior, const Picture& picture, double min_sigma_rad) {
     const VanishingPointParameters p;
     const Eigen::Vector3d up_c = prior.q_n_c.conjugate() * -Eigen::Vector3d::UnitZ();
@@ -224,7 +224,7 @@ class Skyline : public FixerConfig {
     prior.tilt_sigma_rad = std::max(zenith->sigma_rad, min_sigma_rad);
   }
 
-  /// The place that several pictures agree on, of all in the database; then the match of this picture there.
+  /// Searches the database for the place on which several pictures agree, then matches this picture there.
   void look_anywhere(const std::vector<SkyEdge>& edges, const Spend& spend) {
     if (!Matcher::tells_enough(edges)) {
       look_.sky_seen = false;
@@ -265,7 +265,7 @@ class Skyline : public FixerConfig {
     follow_road(*look_.match);
     odo_fix fix = fix_of(*look_.match, look_.picture.t_ns);
     if (pose_->header.t_ns - look_.picture.t_ns >
-        kParameters.late_ns) {  // too late for estimators: told of the newest pose
+        kParameters.late_ns) {  // too late for estimators: refer it to the newest pose
       fix = fix_of(look_.carried_to(Eigen::Vector3d(pose_->p_n), orientation_of(*pose_), kParameters.drift),
                    pose_->header.t_ns);
       fix.header.flags &= ~ODO_FIX_SLANT;
@@ -291,7 +291,7 @@ class Skyline : public FixerConfig {
     return why;
   }
 
-  /// From the database's n to ours.
+  /// From the database's n to the pipeline's.
   Eigen::Vector3d database_offset() const {
     const Eigen::Vector3d d = database_.origin() - Eigen::Vector3d(model_origin.data());
     return {d.y(), d.x(), -d.z()};
@@ -302,7 +302,7 @@ class Skyline : public FixerConfig {
     return edges;
   }
 
-  /// Counts a frame without a fix, and says why.
+  /// Counts a frame without a fix and reports the reason.
   void refuse(Reason reason, const std::string& text, odo::Output& output) {
     ++refused_[reason];
     std::string all = text + "; refused so far:";
@@ -311,10 +311,10 @@ class Skyline : public FixerConfig {
     output.report(ODO_SEVERITY_INFO, std::string("no_fix_") + kReasonNames[reason], all);
   }
 
-  /// The height over n's origin follows the road, which the odometry does not.
+  /// Tracks the road's height above n's origin, which the odometry does not observe.
   void follow_road(const Match& match) {
     const double measured = look_.p_n.z() - match.p_n.z();
-    // The match has the prior in it already: its sigma is the sum's.
+    // The match includes the prior: its sigma is the posterior's.
     up_m_ = measured;
     up_variance_ = std::max(match.height_sigma_m * match.height_sigma_m,
                             kParameters.min_height_sigma_m * kParameters.min_height_sigma_m) +
@@ -327,7 +327,7 @@ class Skyline : public FixerConfig {
     fix.header.flags = ODO_FIX_NORTH | ODO_FIX_EAST | ODO_FIX_COVARIANCE | ODO_FIX_ORIENTATION |
                        ODO_FIX_ORIENTATION_COVARIANCE | ODO_FIX_SLANT | ODO_FIX_LEVER | ODO_FIX_INTEGRITY |
                        ODO_FLAG_QUALITY;
-    Eigen::Vector3d::Map(fix.lever_b) = p_b_c_;  // it is the camera's position
+    Eigen::Vector3d::Map(fix.lever_b) = p_b_c_;  // the fix is the camera's position
     fix.header.quality = static_cast<float>(match.agreement);
     Eigen::Vector3d::Map(fix.p_n) = match.p_n;
     const Eigen::Matrix2d covariance = match.covariance + Eigen::Matrix2d::Identity() * (min_sigma * min_sigma);
@@ -346,17 +346,17 @@ class Skyline : public FixerConfig {
   SkylineDatabase database_;
   std::optional<PlaceFinder> place_finder_;
   bool placed_ = true, fixed_once_ = false;
-  std::optional<Eigen::Vector3d> start_n_;  // where the pose was at first
+  std::optional<Eigen::Vector3d> start_n_;  // first position of the pose
   std::optional<DatabaseExtension> extension_;
   std::optional<Matcher> matcher_;
   std::optional<PhotographFixer> photograph_fixer_;
   SkyEye eye_;
   ViewWindow window_;
   PathJudge path_judge_;
-  bool joins_ = false;  // the latest picture saw too little alone
+  bool joins_ = false;  // the latest picture saw too little to be matched alone
   std::array<uint64_t, kReasons> refused_{};
-  double fixed_at_m_ = 0;              // of the path
-  double up_m_ = 0, up_variance_ = 1;  // of the camera over the pose's height
+  double fixed_at_m_ = 0;              // distance along the path at the last fix
+  double up_m_ = 0, up_variance_ = 1;  // the camera's height above the pose's
   std::optional<odo_pose> pose_;
   std::optional<Picture> waiting_;
   Look look_;
@@ -366,8 +366,8 @@ class Skyline : public FixerConfig {
   odograph::ToldCamera camera_;
   int64_t last_ns_ = INT64_MIN, frame_ns_ = INT64_MIN;
   uint64_t slice_ = kParameters.min_slice;  // of the newest frame
-  int failures_ = 0;                        // in a row; each widens the search by a metre of standard deviation
-  SlicedWorker worker_;                     // last: its thread ends before what it works with
+  int failures_ = 0;                        // consecutive; each adds a metre to the prior's standard deviation
+  SlicedWorker worker_;                     // last member: its thread ends before its data are destroyed
 };
 
 }  // namespace

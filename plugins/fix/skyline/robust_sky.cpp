@@ -14,7 +14,7 @@ namespace {
 
 constexpr int kColumns = SkyFinder::kDirections;
 constexpr float kNever = 1e6f;
-constexpr int kKnots = 4;  // samples from one at which the lens is asked to the next
+constexpr int kKnots = 4;  // samples between two evaluations of the lens model
 
 float bilinear(const cv::Mat& grey, const Eigen::Vector2d& p) {
   const int x = static_cast<int>(p.x()), y = static_cast<int>(p.y());
@@ -40,7 +40,7 @@ const std::vector<SkyEdge>& RobustSkyFinder::find(const cv::Mat& grey, const cv:
   return edges_;
 }
 
-/// The log-odds by direction and angle from the zenith.
+/// Samples the log-odds by direction and angle from the zenith.
 void RobustSkyFinder::sample(const Eigen::Vector3d& up_c, const Eigen::Vector3d& north_c) {
   up_ = up_c;
   step_rad_ = sky_->scale / camera_.focal();
@@ -62,7 +62,7 @@ void RobustSkyFinder::sample(const Eigen::Vector3d& up_c, const Eigen::Vector3d&
     Column column{rows_, rows_};
     float* to = &samples_[static_cast<size_t>(j * rows_)];
     float* edge = &edges_at_[static_cast<size_t>(j * rows_)];
-    // The lens is asked at every fourth sample, which lie two degrees apart at most; between them its pixels do.
+    // The lens model is evaluated at every fourth sample, at most two degrees apart; pixels between are interpolated.
     Eigen::Vector2d knots[2];
     bool known[2] = {false, false};
     const auto knot = [&](int i, Eigen::Vector2d& pixel) {
@@ -83,7 +83,7 @@ void RobustSkyFinder::sample(const Eigen::Vector3d& up_c, const Eigen::Vector3d&
         seen = knot(i, pixel);
       if (seen) {
         const Eigen::Vector2d at = sky_->small_of(pixel);
-        // Rounded; where that is negative nothing is seen.
+        // Rounded; a negative pixel is outside the picture.
         const int x = static_cast<int>(at.x() + 0.5), y = static_cast<int>(at.y() + 0.5);
         seen = x >= 1 && y >= 1 && x + 1 < sky_->log_odds.cols && y + 1 < sky_->log_odds.rows &&
                sky_->valid.at<uint8_t>(y, x) != 0;
@@ -102,7 +102,7 @@ void RobustSkyFinder::sample(const Eigen::Vector3d& up_c, const Eigen::Vector3d&
   }
 }
 
-/// What each place of the line costs in each direction: not sky above it, sky below it.
+/// Cost of each position of the line in each direction: non-sky above it, sky below it.
 void RobustSkyFinder::unary() {
   cost_.create(kColumns, rows_ + 1, CV_32F);
   cost_.setTo(kNever);
@@ -111,7 +111,7 @@ void RobustSkyFinder::unary() {
     const Column& c = columns_[static_cast<size_t>(j)];
     float* to = cost_.ptr<float>(j);
     if (c.first >= c.last) {
-      std::fill(to, to + rows_ + 1, 0.0f);  // nothing is seen there: the line goes where its neighbours want it
+      std::fill(to, to + rows_ + 1, 0.0f);  // outside the picture: the neighbours determine the line
       continue;
     }
     const float* l = &samples_[static_cast<size_t>(j * rows_)];
@@ -128,7 +128,7 @@ void RobustSkyFinder::unary() {
   }
 }
 
-/// Viterbi over the directions, once around and back to where it began.
+/// Viterbi algorithm over the directions, two rounds, for a closed line.
 void RobustSkyFinder::draw_line() {
   const auto slope = static_cast<float>(p_.jump_per_rad * step_rad_), most = static_cast<float>(p_.max_jump);
   const int n = rows_ + 1;
@@ -137,7 +137,7 @@ void RobustSkyFinder::draw_line() {
   for (int t = 1; t < 2 * kColumns; ++t) {
     const float* here = cost_.ptr<float>(t % kColumns);
     auto* from = from_.ptr<int16_t>(t);
-    // Cheapest path from any place of the direction before: along the slope (two sweeps) or by a jump.
+    // Cheapest path from any position in the previous direction: along the slope (two sweeps) or by a jump.
     const auto cheapest = static_cast<int>(std::min_element(best.begin(), best.end()) - best.begin());
     const float jump = best[static_cast<size_t>(cheapest)] + most;
     for (int i = 0; i < n; ++i) {
@@ -156,7 +156,7 @@ void RobustSkyFinder::draw_line() {
   line_.assign(kColumns, 0);
   auto at = static_cast<int>(std::min_element(best.begin(), best.end()) - best.begin());
   for (int t = 2 * kColumns - 1; t >= kColumns / 2; --t) {
-    // The middle of the two rounds has forgotten where it began and does not know yet where it ends.
+    // The middle of the two rounds is independent of the start and of the end.
     if (t < 2 * kColumns - kColumns / 2) line_[static_cast<size_t>(t % kColumns)] = at;
     at = from_.at<int16_t>(t, at);
   }
@@ -185,8 +185,8 @@ void RobustSkyFinder::tell(const cv::Mat& grey) {
     double angle = i * step_rad_;
     if (c.first == 0 && i == 0) continue;  // a roof at the zenith
     if (!edge.open && !edge.above) {
-      // Grey values along the direction, half a pixel apart. From the sky's side the first edge that is not much weaker
-      // than the strongest is the roof's: below it come windows, which are stronger at times.
+      // Grey values along the direction, half a pixel apart. The roof's edge is the first from the sky's side that is
+      // not much weaker than the strongest: windows below it may be stronger.
       profile.clear();
       const int up = std::min(i * 4, static_cast<int>(p_.first_edge_rad / fine_rad));
       bool whole = true;

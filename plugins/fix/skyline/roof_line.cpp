@@ -9,16 +9,16 @@ namespace {
 
 constexpr int kN = RoofLine::kDirections;
 constexpr double kSteps = kN / (2 * std::numbers::pi);
-constexpr double kSteepest = 20;  // tangent of the elevation: towards the zenith an azimuth means nothing
+constexpr double kSteepest = 20;  // max tangent of the elevation: the azimuth is undefined towards the zenith
 constexpr double kMinWeight = 0.1;
-constexpr int kHalfBins = 15;  // of a building's height, of 0.3 m where its sigma is 1.5 m
+constexpr int kHalfBins = 15;  // of the histogram of a building's height; bins of 0.3 m for a sigma of 1.5 m
 constexpr double kVotedSigmas = 3;
 
 }  // namespace
 
 void RoofLine::set(const Horizon& horizon, const City::Winners& winners, const std::vector<Edge>& edges,
                    const RoofErrorParameters& p) {
-  std::array<int, kDirections> known;  // objects of the model by their numbers here
+  std::array<int, kDirections> known;  // object of the model by local number
   objects = 0;
   int last = Edge::kGround, last_number = -1;
   for (size_t j = 0; j < kDirections; ++j) {
@@ -59,15 +59,16 @@ void RoofLineFit::set(const std::vector<SkyEdge>& edges, const Eigen::Quaternion
   }
 }
 
-/// The model's direction that a ray points to, and by how much the guess's inclination lifts the ray.
+/// The model's direction of a ray, and the change of its elevation by the guess's inclination.
 int RoofLineFit::direction_of(const Ray& ray, const Guess& g, double& tilt) const {
   tilt = g.tilt_east * ray.cosine - g.tilt_north * ray.sine;
   const double round = g.yaw + ray.slope * (g.tilt_north * ray.cosine + g.tilt_east * ray.sine);
   return static_cast<int>((ray.azimuth + round) * kSteps + 4 * kN) % kN;
 }
 
-/// By how many metres the roofs of an object are higher than the model has them: the height that most of its directions
-/// vote for (Hough 1962), then iteratively reweighted. A mean would lie between the roof and the tree before it.
+/// Height error of an object's roofs, m, positive where they are higher than in the model: the value for which most of
+/// its directions vote (Hough 1962), refined by iterative reweighting. A mean would lie between the roof and a tree in
+/// front of it.
 double RoofLineFit::offset_of(int first, double& information) const {
   constexpr int kBins = 2 * kHalfBins + 1;
   const double bin_m = kVotedSigmas * p_.building_m / kHalfBins;
@@ -106,7 +107,7 @@ double RoofLineFit::nothing() const {
   return p_.trust * sum;
 }
 
-/// The cheapest division of the line into what the model has and runs of what it has not (Viterbi 1967).
+/// The cheapest division of the line into the model's roofs and runs of objects that the model lacks (Viterbi 1967).
 double RoofLineFit::divided() const {
   double known = 0, unknown = p_.run_loss;
   for (const Direction& d : directions_) {
@@ -154,7 +155,7 @@ double RoofLineFit::cost(const RoofLine& model, const Guess& g, size_t stride) {
       if (r.edge) edge_weight_ += r.weight, agreeing_ += agrees(x / r.inverse_sigma, r.inverse_sigma) ? r.weight : 0;
     }
     heights += 0.5 * offset * offset / (p_.building_m * p_.building_m);
-    heights += 0.5 * std::log(information * p_.building_m * p_.building_m);  // of all that it may have, few fit
+    heights += 0.5 * std::log(information * p_.building_m * p_.building_m);  // Occam's factor
   }
   return p_.trust * (divided() + heights);
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// How well a picture's skyline fits a model's whose roofs are wrong by metres.
+// Fit of a picture's skyline to a model whose roofs have errors of metres.
 #pragma once
 
 #include <algorithm>
@@ -16,52 +16,51 @@
 
 namespace odograph::skyline {
 
-/// What a model's roofs and a picture's sky err by. By hand on rendered pictures of Delft (`odograph city bench`) where
-/// no source is named.
+/// Errors of a model's roofs and of a picture's sky. Unless a source is named, chosen empirically on rendered pictures
+/// of Delft (`odograph city bench`).
 struct RoofErrorParameters {
   static constexpr double kDegree = std::numbers::pi / 180;
-  double line_rad = 0.15 * kDegree;  ///< sigma of a direction of the seen line
+  double line_rad = 0.15 * kDegree;  ///< sigma of a direction of the observed line
   double detail_m = 0.05;            ///< sigma of a roof's form: eaves, chimneys, dormers
-  double building_m = 1.5;           ///< sigma of a building's height in a LoD1 or LoD2 model, the same over all of it
-                                     ///< (Kaartinen et al. 2005: 0.3 to 3 m by method)
-  double above_loss =
-      3.5;  ///< most that a direction costs in which something stands above the model: trees, new houses
-  double below_loss = 4.5;            ///< the same in which the sky is seen where the model has a roof
-  double agrees_rad = 0.3 * kDegree;  ///< of a direction in which picture and model agree, or two sigmas
-  /// A run of directions with something that the model lacks (a new house, a tree) costs this, as its two ends and its
-  /// height may be anything, and so much a direction; more where the sky is seen instead of the model's roof.
+  double building_m = 1.5;  ///< sigma of a building's height in a LoD1 or LoD2 model, common to the building (Kaartinen
+                            ///< et al. 2005: 0.3 to 3 m by method)
+  double above_loss = 3.5;  ///< max cost of a direction where something is above the model: trees, new houses
+  double below_loss = 4.5;  ///< the same where sky is visible instead of the model's roof
+  double agrees_rad = 0.3 * kDegree;  ///< max difference of a direction in which picture and model agree, or two sigmas
+  /// Cost of a run of directions with an object that the model lacks (a new house, a tree), for its free ends and
+  /// height; and cost per direction, higher where sky is visible instead of the model's roof.
   double run_loss = 9, run_above = 0.35, run_below = 0.5;
-  double correlated = 5;  ///< neighbouring directions that err together: two and a half degrees
-  double trust = 1;       ///< of the whole: a power of the likelihood
+  double correlated = 5;  ///< neighbouring directions with a common error: two and a half degrees
+  double trust = 1;       ///< power of the whole likelihood
 };
 
-/// The model's skyline from a place, with whose roof each direction is.
+/// The model's skyline from a place, with the object of each direction.
 struct RoofLine {
   static constexpr int kDirections = Horizon::kDirections;
   std::array<float, kDirections> elevation{};      ///< rad
-  std::array<float, kDirections> per_m{};          ///< rad by which it rises where that roof is a metre higher
-  std::array<float, kDirections> inverse_sigma{};  ///< 1/rad, without the building's
-  std::array<float, kDirections> width{};          ///< logarithm of the sigma over the line's own
-  std::array<int16_t, kDirections> object{};       ///< from 0, numbered here; -1 nothing
+  std::array<float, kDirections> per_m{};          ///< derivative of the elevation by the roof's height, rad/m
+  std::array<float, kDirections> inverse_sigma{};  ///< 1/rad, without the building's height error
+  std::array<float, kDirections> width{};          ///< logarithm of the sigma over the line's
+  std::array<int16_t, kDirections> object{};       ///< local number from 0; -1: none
   int objects = 0;
 
-  /// `objects_of`: by number of an edge.
+  /// `objects_of`: by edge number.
   void set(const Horizon& horizon, const City::Winners& winners, const std::vector<Edge>& edges,
            const RoofErrorParameters& parameters);
 };
 
-/// A picture's skyline, and its fit to roof lines: minus the logarithm of a likelihood.
+/// A picture's skyline and its fit to roof lines: a negative log-likelihood.
 class RoofLineFit {
  public:
   explicit RoofLineFit(const RoofErrorParameters& parameters) : p_(parameters) {}
   void set(const std::vector<SkyEdge>& edges, const Eigen::Quaterniond& q_n_c);
   size_t directions() const { return rays_.size(); }
-  /// With the height of each building that fits best, and what that freedom costs. `stride`: of every so manieth
-  /// direction alone, for a search.
+  /// Cost with the best-fitting height of each building and the cost of that freedom. `stride`: use every n-th
+  /// direction only, for a search.
   double cost(const RoofLine& model, const Guess& guess, size_t stride = 1);
-  /// What it would cost if nothing fitted: a trusted picture with many roofs is worth more than one with few.
+  /// Cost if nothing fitted: the reference for cost(), higher for a picture with many roofs.
   double nothing() const;
-  /// After cost(): part of the directions with a roof's edge that agree.
+  /// After cost(): fraction of the directions with a roof's edge that agree.
   double agreement() const { return edge_weight_ > 0 ? agreeing_ / edge_weight_ : 0; }
 
  private:
@@ -71,16 +70,16 @@ class RoofLineFit {
   };
   struct Residual {
     double value, per_m, inverse_sigma, width, weight;
-    bool edge;         // both sides known
+    bool edge;         // both sides visible
     size_t direction;  // of directions_
-    int next;          // of the same object
+    int next;          // next residual of the same object
   };
   struct Direction {
-    double known, unknown;  // what it costs as the model's roof, and as something that the model lacks
+    double known, unknown;  // cost as the model's roof, and as an object that the model lacks
   };
   int direction_of(const Ray& ray, const Guess& guess, double& tilt) const;
-  /// Minus the logarithm of a density, Student's with two degrees of freedom: some roofs are as the model has them to
-  /// centimetres, others not. A wide one is low everywhere. Never more than `most`.
+  /// Negative logarithm of Student's density with two degrees of freedom, at most `most`: some roofs match the model to
+  /// centimetres, others do not. `width` normalises the density.
   double loss(double x, double width, double most) const {
     return std::min(most, width + 1.5 * std::log1p(0.5 * x * x));
   }
@@ -94,10 +93,10 @@ class RoofLineFit {
   RoofErrorParameters p_;
   std::vector<Ray> rays_;
   std::vector<Residual> residuals_;
-  std::vector<Direction> directions_;  // that tell anything
-  std::vector<int> first_;             // of each object
+  std::vector<Direction> directions_;  // with information
+  std::vector<int> first_;             // first residual of each object
   double agreeing_ = 0, edge_weight_ = 0;
-  double correlated_ = 1;  // directions looked at that err together
+  double correlated_ = 1;  // evaluated directions with a common error
 };
 
 }  // namespace odograph::skyline

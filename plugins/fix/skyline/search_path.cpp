@@ -11,8 +11,8 @@
 
 namespace odograph::skyline {
 
-/// A lattice of places for the newest picture, each with the best of the headings in reach. The others' places turn
-/// with the heading: the city's skylines are looked up by cells of the lattice, each computed once.
+/// A lattice of places for the newest picture, each with the best of the headings in reach. The places of the others
+/// rotate with the heading: the city's skylines are cached by cells of the lattice.
 void Matcher::search_path(double radius_m, double step_m) {
   std::unordered_map<int64_t, SeenSkyline::Twice> cells;
   Horizon horizon;

@@ -10,30 +10,30 @@
 
 namespace odograph::skyline {
 
-/// A picture that was taken earlier on the path: its sky's edge, and where the odometry has its camera.
+/// An earlier picture of the path: its sky edge, and the camera's pose by the odometry.
 struct View {
   std::vector<SkyEdge> edges;
   Eigen::Vector3d p_n;
   Eigen::Quaterniond q_n_c;
 };
 
-/// What one picture, or several along a path, show of the skyline, to be laid over a city's. The path moves as one and
-/// turns as one about its newest place: what the odometry errs by along it is small against what is looked for.
+/// The observed skyline of one picture or of several along a path, for comparison with a city's. The path moves rigidly
+/// and rotates about its newest place: the odometry's error along it is small against the prior's.
 class SeenPath {
  public:
-  /// Chosen by hand, and not tuned.
+  /// Chosen empirically, not tuned.
   struct Parameters {
-    double moved_m = 0.1;      ///< nearer to each other than this two places have the same skyline
-    double correlated = 2;     ///< pictures of a path that count as one: as PlaceFinder's
-    double beside_rad = 0.17;  ///< beyond the headings in reach, for inclination and steps of the refinement
+    double moved_m = 0.1;      ///< places nearer than this have the same skyline
+    double correlated = 2;     ///< pictures of a path with common errors, counted as one: as PlaceFinder's
+    double beside_rad = 0.17;  ///< margin around the headings in reach, for inclination and steps of the refinement
   };
 
   struct Seen {
     SeenSkyline skyline;
     Eigen::Vector3d offset_n;  ///< from the newest place
-    Sector sector;             ///< in which its directions lie whatever the heading in reach
-    Horizon horizon;           ///< of the city, where it was looked at last
-    Eigen::Vector3d looked_n;  ///< the place of that
+    Sector sector;             ///< that contains its directions for all headings in reach
+    Horizon horizon;           ///< of the city, at looked_n
+    Eigen::Vector3d looked_n;  ///< the place of the latest evaluation
 
     Eigen::Vector3d place(const Eigen::Vector3d& newest_n, double yaw_rad) const;
   };
@@ -49,20 +49,21 @@ class SeenPath {
   bool is_path() const { return seen_.size() > 1; }
   size_t directions() const;
   double lowest_rad() const;
-  /// As many directions as count.
+  /// Sum of the directions' weights.
   double total_weight() const;
-  /// How many times that is too many: pictures of a path show the same houses, and err with them.
+  /// The factor by which that overstates the information: pictures of a path show the same houses and have common
+  /// errors.
   double correlated() const;
-  /// The middle of the path against its newest place, and how far from there its places lie.
+  /// The middle of the path relative to its newest place, and the max distance of its places from there.
   Eigen::Vector3d middle_n() const;
   double half_length_m() const;
 
-  /// Looks at the city from all places of the path. Unless `anew`, from those alone that the heading has moved.
+  /// Computes the city's skyline at all places of the path; unless `anew`, only at those that the heading has moved.
   void look(const City& city, const Eigen::Vector3d& newest_n, double yaw_rad, bool anew);
   uint64_t work_to_look(const City& city, const Eigen::Vector3d& newest_n, double yaw_rad, bool anew) const;
-  /// Mean loss of a direction, rad, against what was looked at.
+  /// Mean loss of a direction, rad, against the computed skylines.
   double loss(const Guess& guess, double max_rad) const;
-  /// Part of the directions in which picture and model agree, against what was looked at.
+  /// Fraction of the directions in which picture and model agree, against the computed skylines.
   double agreement(const Guess& guess, double bound_rad) const;
 
  private:

@@ -47,7 +47,7 @@ void SeenSkyline::set(const std::vector<SkyEdge>& edges, const Eigen::Quaternion
   }
 }
 
-/// By how much the model's skyline is above what is seen; a small inclination is taken to first order.
+/// The model's skyline minus the observed one; the inclination is to first order.
 inline double SeenSkyline::difference(const Ray& ray, const Horizon& model, const Guess& g) const {
   const double up = g.tilt_east * ray.cosine - g.tilt_north * ray.sine;
   const double round = g.yaw + ray.slope * (g.tilt_north * ray.cosine + g.tilt_east * ray.sine);
@@ -69,7 +69,7 @@ std::pair<double, double> SeenSkyline::azimuths() const {
   for (const Ray& ray : rays_) all.push_back(ray.azimuth);
   if (all.empty()) return {0, kFullCircle_rad};
   std::sort(all.begin(), all.end());
-  // They begin after the widest gap.
+  // The directions start after the widest gap.
   double widest = all.front() + kFullCircle_rad - all.back();
   std::pair<double, double> ends = {all.front(), all.back()};
   for (size_t i = 1; i < all.size(); ++i)

@@ -8,7 +8,7 @@
 namespace odograph::skyline {
 namespace {
 
-constexpr int kOutputs = 4;  // that are computed together
+constexpr int kOutputs = 4;  // computed together
 
 /// kChunk pixels of kOutputs outputs, from rows of all inputs and taps; compilers keep the sums in registers.
 void chunk(const std::vector<const float*>& taps, const float* weights, int x,
@@ -25,7 +25,7 @@ void chunk(const std::vector<const float*>& taps, const float* weights, int x,
   std::memcpy(sums, local, sizeof local);
 }
 
-/// Even columns, then odd ones: each a plane of its own.
+/// Splits each plane into one of its even columns and one of its odd ones.
 void split_columns(const Volume& in, Volume& split) {
   split.create(2 * in.channels(), in.height(), (in.width() + 1) / 2);
   for (int c = 0; c < in.channels(); ++c)

@@ -6,12 +6,12 @@
 
 namespace odograph::skyline {
 
-/// Planes of floats of one size, each with a border of one zero around it; rows go from -1 to height.
+/// Planes of floats of one size, each with a border of one zero; rows are numbered from -1 to height.
 class Volume {
  public:
-  static constexpr int kChunk = 8;  ///< pixels that are computed together: a row may be read so far beyond its end
+  static constexpr int kChunk = 8;  ///< pixels that are computed together: rows are readable this far beyond their end
 
-  /// All zero.
+  /// Allocates the planes, filled with zeros; the same size again keeps their content.
   void create(int channels, int height, int width);
   int channels() const { return channels_; }
   int height() const { return height_; }
@@ -34,8 +34,8 @@ struct Convolution {
   std::vector<float> weights, biases;
 };
 
-/// `out` has (size + stride - 1) / stride rows and columns. Negative results become 0 where `rectified`. `split` is
-/// room to work in. The order of each pixel's sum does not depend on the machine.
+/// `out` has (size + stride - 1) / stride rows and columns. Negative results become 0 where `rectified`. `split` is a
+/// work buffer. The order of summation does not depend on the machine.
 void convolve(const Convolution& layer, const Volume& in, bool rectified, Volume& split, Volume& out);
 
 /// One filter of 3 x 3 pixels for each plane, at every `stride`-th pixel; negative results become 0. `inputs` of the
@@ -45,7 +45,7 @@ void convolve_each(const Convolution& layer, const Volume& in, Volume& out);
 /// `to` += `other`; negative sums become 0.
 void add(const Volume& other, Volume& to);
 
-/// `fine` += `coarse`, which has every second of its pixels, each four times; negative sums become 0.
+/// `fine` += `coarse`, which is at half its resolution, by nearest neighbour; negative sums become 0.
 void add_doubled(const Volume& coarse, Volume& fine);
 
 }  // namespace odograph::skyline

@@ -10,7 +10,7 @@
 
 namespace odograph::skyline {
 
-/// Finds the sky in pictures as the config chooses, anew for each lens.
+/// Finds the sky in pictures by the configured method; a new lens gives a new finder.
 class SkyEye {
  public:
   const std::vector<SkyEdge>& find(const Picture& picture, const Eigen::Quaterniond& q_c_n, bool flood_fill) {
@@ -26,7 +26,7 @@ class SkyEye {
   }
 
  private:
-  CameraModel lens_;  // that the others were made for
+  CameraModel lens_;  // of the finders
   std::optional<SkyFinder> finder_;
   std::optional<RobustSkyFinder> robust_;
 };

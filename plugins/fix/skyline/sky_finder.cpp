@@ -18,7 +18,7 @@ SkyFinder::SkyFinder(const CameraModel& camera, cv::Size size) : camera_(camera)
   for (const auto& corner : corners) widest_tan_ = std::max(widest_tan_, std::hypot(corner.x, corner.y));
 }
 
-/// Smooth is what has little more contrast than the noise of the sky at the zenith.
+/// Segments the pixels with little more contrast than the noise of the sky at the zenith.
 bool SkyFinder::segment(const cv::Mat& grey, const cv::Point& zenith) {
   cv::resize(grey, small_, {grey.cols / 2, grey.rows / 2}, 0, 0, cv::INTER_AREA);
   cv::blur(small_, small_, {3, 3});
@@ -37,7 +37,7 @@ bool SkyFinder::segment(const cv::Mat& grey, const cv::Point& zenith) {
     return values[static_cast<size_t>(n)];
   };
   const double noise = quantile(0.5);
-  if (noise > p_.max_noise) return false;  // a roof, a tree, a lamp: no sky there
+  if (noise > p_.max_noise) return false;  // a roof, a tree or a lamp at the zenith
   const double most = std::max(p_.min_contrast, p_.contrast_by_noise * noise + 1);
   cv::threshold(contrast_, smooth_, most, 255, cv::THRESH_BINARY_INV);
   // The seed: the smoothest pixel of the patch.
@@ -55,7 +55,7 @@ bool SkyFinder::segment(const cv::Mat& grey, const cv::Point& zenith) {
   cv::floodFill(small_, fill, start, cv::Scalar(0), nullptr, cv::Scalar::all(step), cv::Scalar::all(step),
                 4 | cv::FLOODFILL_MASK_ONLY | (2 << 8));
   cv::compare(fill(cv::Rect(1, 1, small_.cols, small_.rows)), 2, mask_, cv::CMP_EQ);
-  // Contrast reaches one pixel to both sides of an edge, and so does the blur.
+  // Contrast and blur each extend one pixel to both sides of an edge.
   cv::dilate(mask_, mask_, cv::Mat(), {-1, -1}, 2);
   return true;
 }
@@ -90,7 +90,7 @@ const std::vector<SkyEdge>& SkyFinder::find(const cv::Mat& grey, const Eigen::Ve
       if (mask_.at<uint8_t>(at))
         dark = 0, last_sky = angle;
       else if (++dark > p_.max_dark_px)
-        break;  // not a lamp, a wire or a bird
+        break;  // too wide for a lamp, a wire or a bird
     }
     if (!open && dark == 0) continue;
     edges_.push_back({std::cos(last_sky) * up_c + std::sin(last_sky) * horizontal, open});

@@ -16,16 +16,16 @@ namespace {
 constexpr int8_t kWeights[] = {
 #include "plugins/fix/skyline/sky_network_weights.inc"
 };
-/// Of each layer's outputs: what its weights are multiplied by, and its bias.
+/// Scale of the weights and bias of each output, layer by layer.
 constexpr float kOutputs[][2] = {
 #include "plugins/fix/skyline/sky_network_outputs.inc"
 };
-// As the network was taught (docs/sky_network.md).
+// As in the training (docs/sky_network.md).
 constexpr double kMiddle = 128, kUnits[3] = {64, 32, 32};  // of Y, Cb, Cr
 constexpr int kFine = 8, kWidths[4] = {16, 32, 64, 88}, kBlocks[4] = {1, 2, 4, 4};
-constexpr double kContrastUnit = 0.72;  // of a logarithm, so that 255 grey values are four
+constexpr double kContrastUnit = 0.72;  // factor of the logarithm that maps 255 grey values to four
 
-/// Hands out the layers in the order in which they are kept.
+/// Reads the layers in their stored order.
 class Reader {
  public:
   Convolution next(int inputs, int outputs, int side, int stride) {
@@ -107,7 +107,7 @@ SkyNetwork::SkyNetwork(const CameraModel& camera, cv::Size size, double farthest
   last_ = reader.next(kFine, kTerms, 1, 1);
 }
 
-/// The picture made small, what of it is valid, and its contrast with what is next to each pixel.
+/// Computes the reduced picture, its valid area and the contrast of adjacent pixels.
 void SkyNetwork::measure(const cv::Mat& grey, const cv::Mat& mask) {
   cv::resize(grey, image_, small_, 0, 0, cv::INTER_AREA);
   lens_valid_.copyTo(view_.valid);
@@ -193,7 +193,7 @@ void SkyNetwork::log_odds(const cv::Mat& grey, const Chroma& chroma, cv::Size si
   }
 }
 
-/// How much sky there is, and how smooth.
+/// Computes the fraction of sky and its noise.
 void SkyNetwork::summarise() {
   std::array<int, 256> histogram{};
   int valid = 0, sky = 0;

@@ -12,49 +12,49 @@
 
 namespace odograph::skyline {
 
-/// The colour of a picture: Cb and Cr of ITU-R BT.601, 8-bit around 128, both of one size, whichever. Empty: it is
-/// grey.
+/// The colour of a picture: Cb and Cr of ITU-R BT.601, 8-bit around 128, both of the same size, which may differ from
+/// the picture's. Empty for a grey picture.
 struct Chroma {
   cv::Mat cb, cr;
   bool empty() const { return cb.empty(); }
 };
 
-/// What a picture shows of the sky, on a grid of at most SkyNetwork::kLonger_px columns or rows.
+/// Sky segmentation of a picture, on a grid of at most SkyNetwork::kLonger_px columns or rows.
 struct SkyView {
   cv::Mat log_odds;  ///< CV_32F: natural logarithm of the odds that the pixel shows sky
-  cv::Mat contrast;  ///< CV_32F: with the pixels next to it, 0.72 times the logarithm of 1 + grey values
-  cv::Mat valid;     ///< CV_8U, 255 where the lens's calibration means something and no mask forbids
-  double noise = 0;  ///< median of the contrast where there is sky
-  double part = 0;   ///< of the valid pixels that shows sky
-  double scale = 1;  ///< pixels of the picture for one of the grid
+  cv::Mat contrast;  ///< CV_32F: contrast with adjacent pixels: 0.72 times the logarithm of 1 + grey values
+  cv::Mat valid;     ///< CV_8U, 255 where the lens's calibration is valid and the mask allows
+  double noise = 0;  ///< median of the contrast in the sky
+  double part = 0;   ///< fraction of the valid pixels that shows sky
+  double scale = 1;  ///< pixels of the picture per pixel of the grid
 
-  /// Pixel of the grid for one of the picture.
+  /// Pixel of the grid for a pixel of the picture.
   Eigen::Vector2d small_of(const Eigen::Vector2d& pixel) const {
     return (pixel.array() + 0.5).matrix() / scale - Eigen::Vector2d(0.5, 0.5);
   }
 };
 
-/// Tells sky from the rest, in colour and in grey, of cameras that look ahead, up or anywhere between, by one network
-/// with one set of weights: an encoder and a decoder of separable convolutions (Ronneberger et al. 2015, Howard et al.
-/// 2017) on a grid of about 160 x 128. It is told Y, Cb and Cr, where the lens sees and the elevation of each pixel,
-/// and says the log-odds there and how they change with Y, Cb and Cr from a pixel to its neighbours, which makes them
-/// as fine as the picture. How it was taught: docs/sky_network.md. Thread: one at a time.
+/// Segments the sky, in colour and in grey, for cameras that face ahead, up or anywhere between: one network with one
+/// set of weights, an encoder and a decoder of separable convolutions (Ronneberger et al. 2015, Howard et al. 2017) on
+/// a grid of about 160 x 128. Inputs are Y, Cb and Cr, the valid area and the elevation of each pixel. Outputs are the
+/// log-odds of sky and their derivatives by Y, Cb and Cr within a neighbourhood, which give log-odds at the picture's
+/// resolution. Training: docs/sky_network.md. Thread: one at a time.
 class SkyNetwork {
  public:
-  static constexpr int kLonger_px = 320;  ///< of SkyView: half a degree of a wide lens
+  static constexpr int kLonger_px = 320;  ///< of SkyView: half a degree per pixel with a wide lens
   static constexpr int kGrid_px = 160;    ///< of the network's grid; the other side is a multiple of kMultiple
   static constexpr int kMultiple = 16;
   static constexpr int kPlanes = 5, kTerms = 4;
 
-  /// `farthest_rad`: from the optical axis; what lies beyond is the rim of a fisheye lens and shows nothing.
+  /// `farthest_rad`: from the optical axis; beyond is the rim of a fisheye lens.
   SkyNetwork(const CameraModel& camera, cv::Size size, double farthest_rad);
 
-  /// `grey`: 8-bit, of the size given; `mask`: 0 where the picture is not to be used, may be empty; `up_c`: the
-  /// zenith's direction in c, unit, in the picture or out of it; zero where no attitude is known.
+  /// `grey`: 8-bit, of the size given; `mask`: 0 where the picture must not be used, may be empty; `up_c`: the zenith's
+  /// direction in c, unit, inside or outside the picture; zero without an attitude.
   const SkyView& look(const cv::Mat& grey, const cv::Mat& mask, const Chroma& chroma, const Eigen::Vector3d& up_c);
-  /// Log-odds of each pixel of the latest picture, which was this one, CV_32F.
+  /// Log-odds of each pixel of the latest picture, CV_32F; the arguments must be that picture's.
   void log_odds(const cv::Mat& grey, const Chroma& chroma, cv::Size size, cv::Mat& out) const;
-  /// What the network was told and what it said, for tests.
+  /// Inputs and outputs of the network, for tests.
   const Volume& planes() const { return planes_; }
   const Volume& terms() const { return terms_; }
 
@@ -73,7 +73,7 @@ class SkyNetwork {
   cv::Mat lens_valid_;
   std::vector<Eigen::Vector3f> rays_;  // of the grid's pixels, unit; zero where there is none
   Convolution fine_, stem_, last_;
-  std::vector<Separable> down_[4];  // to a half, a fourth, an eighth and a sixteenth
+  std::vector<Separable> down_[4];  // to 1/2, 1/4, 1/8 and 1/16
   struct Up {
     Convolution narrow;
     Separable join;

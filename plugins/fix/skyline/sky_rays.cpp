@@ -38,7 +38,7 @@ bool ray_of(const CameraModel& camera, const Eigen::Vector2d& pixel, double fart
     for (int i = 0; i < 12; ++i) {
       constexpr double h = 1e-4;
       const double slope = (bent(camera, theta + h) - bent(camera, theta - h)) / (2 * h);
-      if (slope < 0.05) return false;  // the polynomial turns back
+      if (slope < 0.05) return false;  // the polynomial is not monotonic
       theta -= (bent(camera, theta) - r) / slope;
       if (!(theta >= 0 && theta < 2.5)) return false;
     }

@@ -21,9 +21,9 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "the file is little-endian");
 constexpr int kN = Horizon::kDirections;
-constexpr double kFarthest_m = 1e7;  // of a place or an edge from n's origin
+constexpr double kFarthest_m = 1e7;  // max distance of a place or an edge from n's origin
 constexpr int kMaxCells = 4'000'000;
-constexpr double kCellsOfPlace = 16, kFewCells = 1024;  // a street leaves most of its rectangle empty
+constexpr double kCellsOfPlace = 16, kFewCells = 1024;  // a street leaves most of its bounding box empty
 
 template <class T>
 T read(const uint8_t* at) {
@@ -34,7 +34,7 @@ T read(const uint8_t* at) {
 
 bool is_near(const Eigen::Vector3d& p) { return p.allFinite() && p.cwiseAbs().maxCoeff() < kFarthest_m; }
 
-/// Where a part of the file lies, if it lies in it.
+/// Start of a part of the file; null where the part exceeds the file.
 const uint8_t* part(const uint8_t* bytes, uint64_t size, uint64_t at, uint64_t count, uint64_t each) {
   if (at % 8 != 0 || at < sizeof(DatabaseHeader) || at > size || count > (size - at) / each) return nullptr;
   return bytes + at;
@@ -64,7 +64,7 @@ void SkylineDatabase::swap(SkylineDatabase& o) noexcept {
 }
 
 SkylineDatabase SkylineDatabase::open(const std::string& file) {
-  const int fd = ::open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);  // a FIFO must not hang
+  const int fd = ::open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);  // a FIFO must not block
   if (fd < 0) throw std::runtime_error(file + ": no such file");
   struct stat what {};
   const bool regular = fstat(fd, &what) == 0 && S_ISREG(what.st_mode);
@@ -189,7 +189,7 @@ std::vector<Edge> SkylineDatabase::edges_seen_from(size_t i) const {
   return edges;
 }
 
-/// Sorts the places into cells of a grid, a few in each.
+/// Sorts the places into cells of a grid with a few places each.
 void SkylineDatabase::index() {
   if (places_ == 0) return;
   Eigen::Vector3d low = place(0), high = low;
@@ -197,7 +197,7 @@ void SkylineDatabase::index() {
   low_north_m_ = low.x(), low_east_m_ = low.y();
   const Eigen::Vector3d extent = high - low;
   cell_m_ = std::max(1.0, 2 * spacing_m_);
-  // Two places far from each other are no reason for millions of empty cells.
+  // Distant places must not lead to millions of empty cells.
   const double max_cells = std::min<double>(kMaxCells, kCellsOfPlace * static_cast<double>(places_) + kFewCells);
   while ((extent.x() / cell_m_ + 1) * (extent.y() / cell_m_ + 1) > max_cells) cell_m_ *= 2;
   rows_ = static_cast<int>(extent.x() / cell_m_) + 1, columns_ = static_cast<int>(extent.y() / cell_m_) + 1;
@@ -219,7 +219,7 @@ size_t SkylineDatabase::nearest(double north_m, double east_m) const {
   const int row = std::clamp(static_cast<int>(std::clamp((north_m - low_north_m_) / cell_m_, -1.0, 1e6)), 0, rows_ - 1);
   const int column =
       std::clamp(static_cast<int>(std::clamp((east_m - low_east_m_) / cell_m_, -1.0, 1e6)), 0, columns_ - 1);
-  // From the point, moved into the grid where it lies outside, a ring of cells is at least so many cells less one away.
+  // A point outside is moved to the grid's border. The k-th ring of cells around it is at least k - 1 cells away.
   const double out_n = north_m - std::clamp(north_m, low_north_m_, low_north_m_ + rows_ * cell_m_);
   const double out_e = east_m - std::clamp(east_m, low_east_m_, low_east_m_ + columns_ * cell_m_);
   const double outside = out_n * out_n + out_e * out_e;

@@ -24,7 +24,7 @@ void SlicedWorker::start(std::function<void(const Spend&)> job, uint64_t slice) 
   }
   changed_.notify_all();
   if (thread_.joinable()) return;
-  sigset_t none_of_ours, before;  // an app's signals are for the app's threads, but for those of a crash here
+  sigset_t none_of_ours, before;  // the app's signals go to its own threads, except those of a crash here
   sigfillset(&none_of_ours);
   for (const int crash : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGTRAP, SIGSYS}) sigdelset(&none_of_ours, crash);
   pthread_sigmask(SIG_SETMASK, &none_of_ours, &before);

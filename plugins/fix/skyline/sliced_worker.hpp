@@ -10,26 +10,26 @@
 
 namespace odograph::skyline {
 
-/// Called with the amount of work that comes next, in directions compared or edges tested (about 5 ns each).
+/// Called with the amount of work that follows, in directions compared or edges tested (about 5 ns each).
 using Spend = std::function<void(uint64_t work)>;
 
-/// A thread on which a long job runs in slices of work. Whoever gave the job asks for it once a frame, advance(): that
-/// waits until the slice before is worked off, at most as long as one slice takes, and hands out the next. After how
-/// many frames a job is done is so a function of its work alone, and never of the wall clock: a replay gives the same
-/// results at the same frames as the live run did, however fast either goes.
+/// A thread on which a long job runs in slices of work. The owner calls advance() once per frame: it waits for the end
+/// of the previous slice, at most for one slice's time, and releases the next. The number of frames until a job is done
+/// therefore depends only on its work and never on the wall clock: a replay gives the same results at the same frames
+/// as the live run, at any speed.
 class SlicedWorker {
  public:
   SlicedWorker() = default;
-  /// Ends a job that has not been asked for any more.
+  /// Cancels an unfinished job.
   ~SlicedWorker();
   SlicedWorker(const SlicedWorker&) = delete;
   SlicedWorker& operator=(const SlicedWorker&) = delete;
 
-  /// Begins a job with its first slice. Not while busy().
+  /// Starts a job with its first slice. Not while busy().
   void start(std::function<void(const Spend&)> job, uint64_t slice);
-  /// A job has begun that advance() has not told to be done.
+  /// Whether a job has started that advance() has not reported as done.
   bool busy() const { return busy_; }
-  /// True once the job is done, otherwise it gets the next slice. What it threw is thrown here.
+  /// True once the job is done; otherwise releases the next slice. Rethrows the job's exception.
   bool advance(uint64_t slice);
 
  private:
@@ -38,14 +38,14 @@ class SlicedWorker {
   void work();
   void spend(uint64_t amount);
 
-  bool busy_ = false;  // of the thread that gives jobs alone
+  bool busy_ = false;  // used by the owner's thread only
   std::mutex mutex_;
   std::condition_variable changed_;
-  std::function<void(const Spend&)> job_;  // that the thread has not finished
+  std::function<void(const Spend&)> job_;  // unfinished
   uint64_t granted_ = 0, spent_ = 0;
-  bool waiting_ = false, cancelled_ = false;  // for the next slice; by the destructor
+  bool waiting_ = false, cancelled_ = false;  // waiting for the next slice; cancelled by the destructor
   std::exception_ptr thrown_;
-  std::thread thread_;  // from the first job on
+  std::thread thread_;  // started with the first job
 };
 
 }  // namespace odograph::skyline

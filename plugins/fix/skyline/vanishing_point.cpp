@@ -63,7 +63,8 @@ std::optional<SeenZenith> vanishing_zenith(const std::vector<SeenLine>& lines, c
     }
     if (last) break;
   }
-  // By the residuals themselves (White 1980), since far and short lines err more than near and long ones.
+  // Sandwich covariance from the residuals (White 1980), since far and short lines have larger errors than near and
+  // long ones.
   const Matrix2d covariance = p.alike * A.inverse() * squares * A.inverse();
   found.sigma_rad = std::sqrt(std::max(covariance(0, 0), covariance(1, 1)));
   if (found.sigma_rad > p.max_sigma_rad) return std::nullopt;

@@ -10,36 +10,36 @@
 
 namespace odograph::skyline {
 
-/// The pictures of the path's end that are matched together, where one alone sees too little.
+/// The latest pictures of the path, which are matched jointly where a single one sees too little.
 class ViewWindow {
  public:
   struct Parameters {
-    double apart_m = 2;       ///< two pictures nearer to each other than this err together,
-    double turned_rad = 0.5;  ///< unless one looks elsewhere: half a narrow picture's width
-    size_t most = 10;         ///< pictures: 20 m of a straight street, two houses and the gaps between them
-    double longest_m = 40;    ///< of the path: an odometry without fixes errs by a metre over it
+    double apart_m = 2;       ///< pictures nearer than this have common errors,
+    double turned_rad = 0.5;  ///< unless their directions differ: half a narrow picture's width
+    size_t most = 10;       ///< max number of pictures: 20 m of a straight street, two houses and the gaps between them
+    double longest_m = 40;  ///< max length of the path: an odometry without fixes drifts by a metre over it
   };
 
   ViewWindow() : ViewWindow(Parameters{}) {}
   explicit ViewWindow(const Parameters& parameters) : p_(parameters) {}
 
-  /// Whether a picture from here would tell more than the newest one.
+  /// Whether a picture from here would add information to the newest one.
   bool wants(const Eigen::Vector3d& p_n, const Eigen::Quaterniond& q_n_c) const;
   /// Adds the newest picture, taken after `path_m` of the path; drops those that lie too far back.
   void add(View view, double path_m);
-  /// What was at x in the old n is at q x + p in the new one.
+  /// A correction of n moves x to q x + p.
   void correct(const Eigen::Quaterniond& q, const Eigen::Vector3d& p);
   void clear() { views_.clear(), path_m_.clear(), fresh_ = 0; }
-  /// What is told of these pictures: the odometry errs by `drift` of the path between them; and since the next match
-  /// has most of them once more, and errs with this one, the information of each is that of the pictures which are new.
+  /// Inflates a match's covariance by the odometry's error, `drift` times the path of the pictures, and limits its
+  /// information to that of the new pictures: consecutive matches share most pictures and therefore errors.
   void doubt(Match& match, double drift);
   const std::vector<View>& views() const { return views_; }
 
  private:
   Parameters p_;
-  std::vector<View> views_;     // the oldest first
-  std::vector<double> path_m_;  // of each
-  size_t fresh_ = 0;            // of them, the newest
+  std::vector<View> views_;     // oldest first
+  std::vector<double> path_m_;  // of each view
+  size_t fresh_ = 0;            // number of new views
 };
 
 }  // namespace odograph::skyline
