@@ -44,7 +44,7 @@ struct FixerParameters {
   double drift = 0.02;              ///< error of the odometry, as a fraction of the path between pictures or since one
   int64_t late_ns = 2'500'000'000;  ///< estimators keep a history for steps, which come up to 3 s late
 
-  // Work, in units of an edge or a direction compared (README, "On a thread of its own").
+  // Work, in units of an edge or a direction compared (README, "Worker thread").
   double work_per_second = 48e6;                        ///< per second of sensor time: a quarter of a core
   uint64_t min_slice = 400'000, max_slice = 3'200'000;  ///< per frame: 2 and 16 ms
   uint64_t sky_work = 10;                               ///< per pixel

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Single photographs in city models whose roofs are wrong, drawn and rendered by seeds: how many are placed, how well,
-// and how often wrongly.
+// Single photographs, rendered by seeds in city models with height errors: fraction that is placed, errors, and rate of
+// overconfident results.
 #include <fstream>
 
 #include <opencv2/imgcodecs.hpp>
@@ -19,7 +19,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double kDegrees = 57.29577951308232;
-constexpr double kThreeSigma2 = 11.829;  // of two numbers, 99.73 %
+constexpr double kThreeSigma2 = 11.829;  // chi-square of two degrees of freedom, 99.73 %
 constexpr size_t kOfAWorld = 10;         // photographs under one sun
 constexpr double kGood_m = 3, kGood_deg = 3;
 
@@ -58,7 +58,7 @@ struct Photographs : Benchmark {
     return all;
   }
 
-  /// A picture that is kept, or is taken now: name and truth.
+  /// A picture, from the cache or rendered: name and truth.
   struct Taken {
     cv::Mat bgr;
     double focal_px;
@@ -85,7 +85,7 @@ struct Photographs : Benchmark {
     return t;
   }
 
-  /// What the photographs of a case came to.
+  /// Results of a case.
   struct Tally {
     std::vector<double> m, deg;
     size_t placed = 0, good = 0, beyond = 0, beyond_heading = 0, wrong = 0;

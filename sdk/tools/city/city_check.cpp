@@ -14,7 +14,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-/// Levels of arrays from a geometry's boundaries to its rings or points; nothing for types that are not known.
+/// Levels of arrays from a geometry's boundaries to its rings or points; nothing for unknown types.
 std::optional<int> depth_of(const std::string& type) {
   if (type == "MultiPoint") return 0;
   if (type == "MultiLineString") return 1;
@@ -247,7 +247,7 @@ Result<CityCheck> check_city_text(const std::string& text, const std::string& na
     } catch (const Json::parse_error& error) {
       byte = error.byte;
     } catch (const Json::exception&) {
-      byte = 0;  // a number beyond all doubles
+      byte = 0;  // a number beyond the range of double
     }
     return false;
   };
@@ -257,7 +257,7 @@ Result<CityCheck> check_city_text(const std::string& text, const std::string& na
     if (const auto done = checker.document(root); !done) return done.failure();
     return checker.take();
   }
-  // One document a line: CityJSONSeq.
+  // CityJSONSeq: one document per line.
   std::istringstream lines(text);
   std::string line;
   size_t number = 0, documents = 0;

@@ -11,26 +11,26 @@
 
 namespace odograph {
 
-/// What a city model's file holds, without making anything of it.
+/// Summary of a city model's file.
 struct CityCheck {
   std::string format;  ///< CityJSON, CityJSONSeq, CityJSONFeature or OBJ
   std::string version, reference_system;
   size_t objects = 0, vertices = 0, surfaces = 0, holes = 0;
-  std::map<std::string, size_t> skipped;  ///< geometries that no reader here makes anything of, by type
+  std::map<std::string, size_t> skipped;  ///< number of geometries that are not supported, by type
   std::vector<std::string> warnings;
 };
 
 struct CityCheckLimits {
-  uintmax_t file_bytes = 64u << 20;  ///< parsed in 20 times as much memory: 1.3 GB
-  double farthest_m = 1e8;           ///< from a reference system's zero: beyond any on Earth
-  CrossingBudget crossings = {};     ///< of the edges of all surfaces, which are to be cut into triangles
+  uintmax_t file_bytes = 64u << 20;  ///< parsing takes 20 times as much memory: 1.3 GB
+  double farthest_m = 1e8;           ///< from a reference system's origin: beyond any on Earth
+  CrossingBudget crossings = {};     ///< of the edges of all surfaces, for triangulation
 };
 
-/// Reads a city model and says what is in it: CityJSON 1.0 to 2.0, CityJSONSeq (a CityJSON line, then a
-/// CityJSONFeature a line), a single CityJSONFeature, Wavefront OBJ. Every failure says file, object and what was
-/// expected: no library's own words. Only regular files are opened, and none beyond the limit. Thread: any.
+/// Reads and summarises a city model: CityJSON 1.0 to 2.0, CityJSONSeq (a line of CityJSON, then a CityJSONFeature per
+/// line), a single CityJSONFeature, Wavefront OBJ. Every failure names file, object and what was expected, without a
+/// library's message. Only regular files within the size limit are opened. Thread: any.
 Result<CityCheck> check_city_model(const std::filesystem::path& file, const CityCheckLimits& limits = {});
-/// The same of a text; `name` stands for the file.
+/// The same for a text; `name` replaces the file in messages.
 Result<CityCheck> check_city_text(const std::string& text, const std::string& name, const CityCheckLimits& limits = {});
 
 }  // namespace odograph

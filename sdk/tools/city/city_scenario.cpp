@@ -10,7 +10,7 @@
 namespace odograph {
 namespace {
 
-/// The lenses of the benchmark: looking up through a fisheye or a phone's wide camera, or forwards.
+/// The benchmark's cameras: a fisheye or a phone's wide camera that faces up, or one that faces ahead.
 const char* camera_of(const std::string& lens) {
   if (lens == "wide") return "{model: kannala_brandt, focal: 200 px, exposure: 3 ms}";
   if (lens == "narrow") return "{focal: 400 px, exposure: 3 ms}";

@@ -24,7 +24,7 @@ struct Release {
   void operator()(ExifData* data) const { exif_data_unref(data); }
 };
 
-/// The entries of a file by tag; numbers as rationals or integers of whatever width.
+/// The entries of a file by tag; numbers are rationals or integers of any width.
 class Exif {
  public:
   explicit Exif(const fs::path& file) : data_(exif_data_new_from_file(file.c_str())) {}
@@ -76,7 +76,7 @@ std::optional<double> angle_of(const Exif& exif, int tag, int reference, char ne
 }
 
 void read_exif(const fs::path& file, Photograph& to) {
-  constexpr int kHPositioningError = 0x1f;  // newer than libexif's list
+  constexpr int kHPositioningError = 0x1f;  // missing in libexif's list
   const Exif exif(file);
   const double diagonal_px = std::hypot(to.bgr.cols, to.bgr.rows);
   if (const auto mm = exif.number(EXIF_IFD_EXIF, EXIF_TAG_FOCAL_LENGTH_IN_35MM_FILM); mm && *mm > 0)

@@ -12,10 +12,10 @@
 
 namespace odograph {
 
-/// A photograph, upright, and what its file says of where and how it was taken (EXIF, as libexif reads it).
+/// An upright photograph and its EXIF position, heading and focal length (by libexif).
 struct Photograph {
   std::filesystem::path file;
-  cv::Mat bgr;  ///< turned as its note of orientation says
+  cv::Mat bgr;  ///< rotated by its EXIF orientation
   std::optional<double> focal_px;
   std::optional<std::array<double, 2>> place_deg;  ///< latitude, longitude
   std::optional<double> place_sigma_m;             ///< GPSHPositioningError
@@ -23,11 +23,11 @@ struct Photograph {
   bool heading_is_magnetic = false;
 };
 
-/// Reads a picture that OpenCV knows; a file without EXIF has none of it. Failures name the file. Thread: any.
+/// Reads a picture in a format that OpenCV supports; EXIF is optional. Failures name the file. Thread: any.
 Result<Photograph> read_photograph(const std::filesystem::path& file);
 
-/// The focal length that a lens in words has on a picture of that size: "26mm" (35 mm equivalent), "70deg" (angle of
-/// the long side), "1500px", else a camera.yaml of this aspect.
+/// The focal length in pixels of a lens on a picture of that size: "26mm" (35 mm equivalent), "70deg" (angle of the
+/// long side), "1500px", else a camera.yaml of this aspect.
 Result<double> focal_of_lens(const std::string& lens, const cv::Size& size);
 
 }  // namespace odograph

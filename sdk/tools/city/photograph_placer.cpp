@@ -20,10 +20,10 @@ namespace fs = std::filesystem;
 using Eigen::Vector3d;
 
 constexpr int64_t kBetween_ns = 1'000'000'000;
-constexpr double kWidest_px = 1280;      // a frame is no larger than 2^24 pixels, and roofs need no more
-constexpr double kHeldLevel_rad = 0.35;  // sigma: nothing has measured the inclination
+constexpr double kWidest_px = 1280;      // a frame has at most 2^24 pixels, and roofs need no more
+constexpr double kHeldLevel_rad = 0.35;  // sigma of the inclination, which is not measured
 
-/// A camera held upright and level that looks there.
+/// Orientation of an upright, horizontal camera with a heading.
 Eigen::Quaterniond level_camera(double heading_rad) {
   Eigen::Matrix3d R;  // x right, y down, z ahead
   R << -std::sin(heading_rad), 0, std::cos(heading_rad), std::cos(heading_rad), 0, std::sin(heading_rad), 0, 1, 0;
@@ -61,7 +61,7 @@ double PlacedPhotograph::sigma_m() const {
   return std::sqrt(Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(covariance).eigenvalues()[1]);
 }
 
-/// Every report of the plugin, none left out for being one of many.
+/// Collects every report of the plugin, without rate limiting.
 class PhotographPlacer::Host : public HostServices {
  public:
   explicit Host(const fs::path& folder) : HostServices(0, {folder}, [](const Report&) {}) {}

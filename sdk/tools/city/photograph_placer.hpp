@@ -17,29 +17,29 @@ struct odo_skylines;
 
 namespace odograph {
 
-/// Where n lies: at a place on the Earth, or in the model's own coordinates.
+/// Origin of n: geodetic, or in the model's own coordinates.
 struct PhotographOrigin {
   std::optional<std::array<double, 2>>
-      geodetic_deg;                                 ///< latitude, longitude; the model's reference system must be known
-  Eigen::Vector3d model = Eigen::Vector3d::Zero();  ///< else easting, northing, height
+      geodetic_deg;  ///< latitude, longitude; needs a supported reference system of the model
+  Eigen::Vector3d model = Eigen::Vector3d::Zero();  ///< otherwise easting, northing, height
 };
 
-/// Where a photograph was taken roughly.
+/// Prior position and heading of a photograph.
 struct PhotographGuess {
   double north_m = 0, east_m = 0, sigma_m = 10;  ///< in n; of each
-  std::optional<double> heading_rad;             ///< none: any
+  std::optional<double> heading_rad;             ///< none: any heading
   double heading_sigma_rad = 0.35;
 };
 
 struct PlacedPhotograph {
   bool placed = false;
-  std::string why;  ///< it is not, in words
+  std::string why;  ///< reason where it is not placed
   Eigen::Vector3d p_n = Eigen::Vector3d::Zero();
   Eigen::Quaterniond q_n_c = Eigen::Quaterniond::Identity();
   Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();  ///< of north and east, m^2
   double heading_sigma_rad = 0, height_sigma_m = 0;
-  double integrity = 1;  ///< probability that it is elsewhere
-  double agreement = 0;  ///< part of the sky's edge that lies on the model's roofs
+  double integrity = 1;  ///< probability that the camera is elsewhere
+  double agreement = 0;  ///< fraction of the sky's edge that lies on the model's roofs
 
   double heading_rad() const;  ///< of the optical axis, from north to the east
   double pitch_rad() const;    ///< of the axis above the horizon
@@ -47,21 +47,21 @@ struct PlacedPhotograph {
   double sigma_m() const;      ///< along the worst axis
 };
 
-/// fix/skyline with `photographs: true`: given a pose with a covariance and a frame, it gives a fix, or reports why
-/// not.
+/// fix/skyline with `photographs: true`: computes a fix from a frame and a pose with its covariance, or reports the
+/// reason why not.
 class PhotographPlacer {
  public:
   static Result<std::unique_ptr<PhotographPlacer>> make(const std::filesystem::path& model,
                                                         const PhotographOrigin& origin);
   ~PhotographPlacer();
 
-  /// 8-bit BGR, upright and square-pixelled, its centre the optical axis.
+  /// `photograph`: 8-bit BGR, upright, square pixels, with the optical axis at its centre.
   Result<PlacedPhotograph> place(const cv::Mat& photograph, double focal_px, const PhotographGuess& guess);
   /// The model's skyline from a place: elevation (rad) of 720 directions from north to the east.
   std::vector<float> skyline(const Eigen::Vector3d& p_n) const;
   struct Ground {
     double down_m;
-    bool terrain;  ///< the model's own, not what lies between its buildings
+    bool terrain;  ///< from the model's terrain; false: from the buildings around
   };
   std::optional<Ground> ground(const Eigen::Vector2d& north_east) const;
   /// Edges of buildings within `radius_m` of a place, pairs of points.

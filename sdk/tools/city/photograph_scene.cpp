@@ -19,7 +19,7 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-/// Places outside of buildings with the ground's height, and how far the next building is.
+/// Places outside buildings with the ground's height, and distances to buildings.
 class Streets {
  public:
   Streets(const CityModel& city, double cell_m) : cell_m_(cell_m), low_(city.low.head<2>()) {
@@ -37,7 +37,7 @@ class Streets {
     if (y < 0 || x < 0 || y >= clearance_.rows || x >= clearance_.cols) return 1e3;
     return cell_m_ * static_cast<double>(clearance_.at<float>(y, x));
   }
-  /// How far the next building is in a direction; `max_m` where there is none so near.
+  /// Distance to the next building in a direction; `max_m` where none is nearer.
   double free_m(const Vector3d& q, double heading, double max_m) const {
     const Vector3d along(std::cos(heading), std::sin(heading), 0);
     for (double d = 1; d < max_m; d += 1)
@@ -60,7 +60,7 @@ class Streets {
   cv::Mat clearance_;
 };
 
-/// The same city with each building's roofs lifted or lowered.
+/// The same city with a random height error of each building's roofs.
 CityModel with_other_roofs(CityModel city, uint64_t seed, const PhotographSceneParameters& p) {
   Random random(seed, 301);
   std::vector<double> foot(city.objects.size(), -1e9), lift;
@@ -89,7 +89,7 @@ Scenario scenario_of(const PhotographSceneParameters& p, const Vector3d& start) 
   return scenario;
 }
 
-/// What a phone makes of the light: exposure, noise, a curve that lifts shadows and rolls off highlights, sharpening,
+/// Image processing of a phone: exposure, noise, a tone curve that lifts shadows and compresses highlights, sharpening,
 /// white balance.
 cv::Mat developed(const cv::Mat& light, Random& random) {
   const double exposure = random.uniform(0.75, 1.35), curve = random.uniform(0.3, 1.0),
@@ -130,9 +130,9 @@ PhotographScene::PhotographScene(const CityModel& city, uint64_t seed, const Pho
     : parts_(new Parts{p, seed, Streets(city, 2), with_other_roofs(city, seed, p), {}, nullptr}) {
   auto& places = parts_->streets.places();
   parts_->scenario = scenario_of(p, places.empty() ? Vector3d::Zero() : places.front());
-  // Trees and cars stand beside the walls, drawn over all of the model.
+  // Trees and cars are placed at random beside walls, all over the model.
   Random random(seed, 302);
-  const double each = 4.0 / 1e4;  // ha of a place of the grid
+  const double each = 4.0 / 1e4;  // area of a grid cell, ha
   for (const Vector3d& q : places) {
     const double aside = parts_->streets.clearance_m(q);
     if (random.uniform() < p.trees_per_ha * each && aside > 2.5 && aside < 9)
@@ -143,7 +143,7 @@ PhotographScene::PhotographScene(const CityModel& city, uint64_t seed, const Pho
   parts_->world = std::make_unique<World>(parts_->scenario, seed, &parts_->city);
 }
 
-/// Whether the line of the roofs lies in most of the picture's width, and is no wall or slope right before the camera.
+/// Whether the roof line is in the picture over most of its width and not formed by a nearby wall or slope.
 bool PhotographScene::sees_roofs(const Vector3d& eye_n, double heading, double pitch, double angle) const {
   constexpr size_t kDirections = 180;
   const PhotographSceneParameters& p = parts_->p;

@@ -12,10 +12,10 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr double kFoot_m = 20;  // of the cells in which the lowest corners of buildings are looked up
+constexpr double kFoot_m = 20;  // of the lookup cells of the buildings' lowest corners
 
-/// Where buildings stand, and how high the ground is: of the terrain where the model has some, otherwise of the lowest
-/// corner of the buildings around, within 20 to 40 m.
+/// Map of buildings and ground height: the terrain where the model has some, otherwise the lowest corner of the
+/// buildings within 20 to 40 m.
 class Ground {
  public:
   Ground(const CityModel& city, double cell_m) : cell_m_(cell_m), low_(city.low.head<2>()) {

@@ -11,15 +11,15 @@ namespace odograph {
 struct StreetPlaceParameters {
   double spacing_m = 2.0;
   double eye_m = 1.5;   ///< above the ground
-  double cell_m = 0.5;  ///< of the map that says where buildings are
+  double cell_m = 0.5;  ///< of the map of buildings
   size_t most = 20'000'000;
 };
 
-/// Places of a grid over a model outside its buildings, north, east and down in its n, m. Fails where there would be
-/// too many.
+/// Places of a grid over a model outside its buildings, north, east and down in its n, m. Fails where there are too
+/// many.
 Result<std::vector<Eigen::Vector3d>> places_of_grid(const CityModel& city,
                                                     const StreetPlaceParameters& parameters = {});
-/// Places along a line through the model, `spacing_m` apart, its ends among them, wherever it leads.
+/// Places along a line through the model, `spacing_m` apart, including its ends, also inside buildings.
 Result<std::vector<Eigen::Vector3d>> places_along(const CityModel& city, const std::vector<Eigen::Vector2d>& north_east,
                                                   const StreetPlaceParameters& parameters = {});
 

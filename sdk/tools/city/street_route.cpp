@@ -15,7 +15,7 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-/// A map of where a model leaves room: rows go north, columns east.
+/// A map of the free space of a model: rows go north, columns east.
 class StreetMap {
  public:
   StreetMap(const CityModel& city, const StreetRouteParameters& p) : p_(p), low_(city.low.head<2>()) {
@@ -58,7 +58,7 @@ class StreetMap {
     return true;
   }
 
-  /// Least-cost paths from a cell to all others that are not `used`: the cell before each, and the length in metres.
+  /// Least-cost paths from a cell to all others that are not `used`: the predecessor of each, and the length in metres.
   void paths(int from, const std::vector<char>& used, std::vector<int>& before, std::vector<float>& length) const {
     const auto n = static_cast<size_t>(cells());
     before.assign(n, -1), length.assign(n, 0);
@@ -96,7 +96,7 @@ class StreetMap {
   cv::Mat clearance_;
 };
 
-/// Fewer points: those that the line needs to stay near the path and clear of walls.
+/// Simplifies a path to the points needed to stay near it and clear of walls.
 std::vector<Vector2d> straightened(const StreetMap& map, const std::vector<Vector2d>& path, double tolerance_m) {
   std::vector<Vector2d> line = {path.front()};
   for (size_t from = 0; from + 1 < path.size();) {
@@ -152,7 +152,7 @@ Result<std::vector<Vector3d>> draw_street_route(const CityModel& city, uint64_t 
         at = cell;
         if (so_far >= p.length_m) break;
       }
-      // The path back would be the path that was come: what lies behind is left out.
+      // Exclude the cells behind, so that the route does not return along itself.
       for (const int cell : streets)
         for (size_t i = 0; i + 12 < path.size(); i += 4)
           if ((map.place(cell) - path[i]).norm() < 6) used[static_cast<size_t>(cell)] = 1;

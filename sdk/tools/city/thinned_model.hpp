@@ -8,8 +8,8 @@
 
 namespace odograph {
 
-/// Writes a CityJSON model once more without about this part of its buildings, drawn by the seed, as if they had been
-/// built later than the model. Parts of a building go with it; nothing else does. Gives how many buildings are left.
+/// Writes a CityJSON model without a random fraction of about `missing` of its buildings, as if they were newer than
+/// the model. Parts of a building are removed with it. Returns the number of buildings left.
 Result<size_t> write_thinned_model(const std::filesystem::path& model, const std::filesystem::path& output,
                                    double missing, uint64_t seed);
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// `odograph city locate`: single photographs placed in a city model.
+// `odograph city locate`: places single photographs in a city model.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -21,7 +21,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double kDegree = 0.017453292519943295;
-constexpr double kSigma_m = 10, kHeadingSigma_deg = 20;  // a phone's GNSS and compass between houses
+constexpr double kSigma_m = 10, kHeadingSigma_deg = 20;  // of a phone's GNSS and compass between houses
 
 struct LocateArguments {
   std::vector<std::string> pictures;
@@ -41,7 +41,7 @@ Result<std::array<double, 2>> place_of(const std::string& option, const std::str
   return place;
 }
 
-/// The pictures that are meant: files, and those of folders.
+/// The picture files, including those in folders.
 Result<std::vector<fs::path>> files_of(const std::vector<std::string>& names) {
   std::vector<fs::path> files;
   for (const std::string& name : names) {
@@ -62,7 +62,7 @@ Result<std::vector<fs::path>> files_of(const std::vector<std::string>& names) {
   return files;
 }
 
-/// Where n lies, and with it how places on the Earth become places in n.
+/// Origin of n, and transformation of geodetic positions to n.
 class Frame {
  public:
   static Result<Frame> of(const LocateArguments& a, const std::vector<Photograph>& photographs) {
@@ -95,7 +95,7 @@ class Frame {
   }
 
   const PhotographOrigin& origin() const { return origin_; }
-  /// A photograph's own place, unless one was given for all.
+  /// The prior of a photograph: from the command line, otherwise from its EXIF data.
   std::optional<PhotographGuess> guess_of(const LocateArguments& a, const Photograph& p) const {
     PhotographGuess guess;
     guess.sigma_m = a.sigma_m > 0 ? a.sigma_m : near_ || in_model_ ? kSigma_m : p.place_sigma_m.value_or(kSigma_m);
@@ -110,7 +110,7 @@ class Frame {
     guess.heading_sigma_rad = a.heading_sigma_deg * kDegree;
     return guess;
   }
-  /// The place as it is said: latitude and longitude, or easting and northing.
+  /// A position for output: latitude and longitude, or easting and northing.
   std::array<double, 2> said(const Eigen::Vector3d& p_n) const {
     if (in_model_) return {origin_.model.x() + p_n.y(), origin_.model.y() + p_n.x()};
     const auto g = geodesy_->to_geodetic({p_n.x(), p_n.y(), 0});
@@ -188,7 +188,7 @@ Result<bool> write_csv(const fs::path& file, const Rows& rows, bool grid) {
   return out.flush() ? Result<bool>(true) : Failure{ODO_E_ERROR, file.string() + ": cannot be written"};
 }
 
-/// Says once what of the model is not as it should be.
+/// Warns about missing buildings or terrain of the model.
 void say_ground(const PhotographPlacer& placer, const PhotographGuess& guess) {
   const auto ground = placer.ground({guess.north_m, guess.east_m});
   if (!ground)
@@ -200,7 +200,7 @@ void say_ground(const PhotographPlacer& placer, const PhotographGuess& guess) {
                  -ground->down_m);
 }
 
-/// The pictures that can be read; `status` is that of the others.
+/// The readable pictures; failures of others set `status`.
 Result<std::vector<Photograph>> read_all(const std::vector<std::string>& names, int& status) {
   const auto files = files_of(names);
   if (!files) return files.failure();

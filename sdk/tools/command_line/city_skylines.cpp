@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Databases of skylines: `odograph city build`, `query` and `show`. The work is the plugin's, which is asked through
-// its extension odo.skylines.
+// Databases of skylines: `odograph city build`, `query` and `show`. The plugin does the work through its extension
+// odo.skylines.
 #include <chrono>
 #include <cmath>
 #include <cstdio>
@@ -27,10 +27,10 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 constexpr size_t kN = ODO_SKYLINE_DIRECTIONS;
 
-/// fix/skyline, asked for its skylines.
+/// Access to fix/skyline's extension odo.skylines.
 class Skylines {
  public:
-  /// With a model, n's origin in it, or with a database that it reads at once.
+  /// Loads a model with n's origin in it, or a database.
   static Result<std::unique_ptr<Skylines>> make(const std::string& key, const std::string& file,
                                                 const Vector3d& origin = Vector3d::Zero()) {
     const std::string yaml = text(
@@ -117,7 +117,7 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-/// A line of eastings and northings, as rows of two numbers.
+/// Reads a line from rows of easting and northing.
 Result<std::vector<Vector2d>> read_line(const std::string& file, const Vector3d& origin) {
   std::ifstream in(file);
   if (!in) return Failure{ODO_E_NOT_FOUND, file + ": no such file"};
@@ -217,7 +217,8 @@ int query(const SkylineArguments& a) {
   return kDone;
 }
 
-/// The skyline over azimuth, north at both ends, and below it a map of the places and of what is seen from this one.
+/// The skyline over azimuth, north at both ends, and below it a map of the places and of the skyline's points from this
+/// one.
 cv::Mat picture_of(const Skylines& skylines, const odo_skyline_database& what, const Skylines::Skyline& s) {
   constexpr int kWidth = 1440, kSky = 360, kMap = 720;
   const cv::Scalar paper(255, 255, 255), sky(250, 236, 218), ink(60, 60, 60), roof(40, 90, 200), grey(205, 205, 205);
@@ -227,7 +228,7 @@ cv::Mat picture_of(const Skylines& skylines, const odo_skyline_database& what, c
   for (size_t j = 0; j < kN; ++j) {
     const int x = static_cast<int>(j) * kWidth / static_cast<int>(kN);
     const int y = kSky - static_cast<int>(static_cast<double>(s.elevation_rad[j]) / max_rad * kSky);
-    const double far = std::min(1.0, static_cast<double>(s.distance_m[j]) / 200);  // what is farther is paler
+    const double far = std::min(1.0, static_cast<double>(s.distance_m[j]) / 200);  // farther is paler
     const double shade = 60 + 140 * far;
     cv::rectangle(picture, {x, y}, {x + kWidth / static_cast<int>(kN) - 1, kSky}, cv::Scalar::all(shade), cv::FILLED);
   }

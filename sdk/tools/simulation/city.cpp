@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The world of a city model: its buildings in facades, its terrain underneath.
+// The simulated world of a city model: buildings with facades, and terrain.
 #include <algorithm>
 #include <cmath>
 
@@ -26,7 +26,7 @@ uint32_t texture_of(Kind kind, uint32_t facade) {
   return Set::kPaving;
 }
 
-/// The faces of a model that a choice takes, to be met from above.
+/// Ray casting from above onto a selection of a model's faces.
 class FromAbove {
  public:
   template <class Choice>
@@ -68,8 +68,8 @@ void World::lay_route_on(const CityModel& city) {
   const auto steps = static_cast<size_t>(std::ceil(route_.length()));
   std::vector<std::optional<double>> found;
   for (size_t i = 0; i <= steps; ++i) found.push_back(terrain.up_at(route_.at(static_cast<double>(i)).north_east));
-  // Where the model has no ground, that of the nearest place which has; then the mean over four metres, since the
-  // surveyed surfaces meet in small ledges.
+  // Where the model has no ground, use that of the nearest place with ground; then average over four metres, since
+  // surveyed surfaces meet in small steps.
   std::vector<double> up;
   for (size_t i = 0; i <= steps; ++i)
     for (size_t d = 0; d <= steps && up.size() == i; ++d) {
@@ -95,7 +95,7 @@ void World::lay_route_on(const CityModel& city) {
 
 void World::build_city(const CityModel& city, uint64_t seed) {
   Mesh& m = meshes_[0];
-  const double margin = 400;  // bare ground beyond, so that the world does not end
+  const double margin = 400;  // of bare ground around the model
   const Vector3d low = city.low - Vector3d(margin, margin, 0), size = city.high - city.low;
   m.add_quad({low.x(), low.y(), city.high.z() + 0.3}, {size.x() + 2 * margin, 0, 0}, {0, size.y() + 2 * margin, 0},
              Set::kPaving);
@@ -110,13 +110,13 @@ void World::build_city(const CityModel& city, uint64_t seed) {
     const Vector3d n = face.normal;
     Mesh::Surface s{n.cast<float>(), {}, {}, {}, texture_of(face.kind, facade), face.kind == Kind::wall ? tone : 1.0f};
     if (face.kind == Kind::water) s.brightness = 0.6f;
-    // Walls: along is level, down follows the wall from the building's top. Others: as a map lies.
+    // Walls: along is horizontal, down follows the wall from the building's top. Others: map orientation.
     const Vector3d along = face.kind == Kind::wall ? Vector3d(n.cross(Vector3d::UnitZ()).normalized())
                                                    : Vector3d(Vector3d::UnitX() - n.x() * n).normalized();
     const Vector3d down =
         face.kind == Kind::wall ? Vector3d((Vector3d::UnitZ() - n.z() * n).normalized()) : Vector3d(n.cross(along));
     s.along = along.cast<float>(), s.down = down.cast<float>();
-    // One origin for all faces of a plane; textures want places that are not negative.
+    // One origin for all faces of a plane; texture coordinates must not be negative.
     const Vector3d top(0, 0, -city.objects[face.object].top_up_m - 1.0);
     const Vector3d shift = face.kind == Kind::wall ? top - 960 * along : Vector3d(-960 * along - 960 * down);
     const double off = n.dot(face.corners[0] - shift);  // into the face's plane
@@ -125,7 +125,7 @@ void World::build_city(const CityModel& city, uint64_t seed) {
   }
 }
 
-/// Trees with round and with high crowns, and parked cars.
+/// Adds trees with round and with high crowns, and parked cars.
 void World::plant(const std::vector<Scenario::World::Planted>& planted, uint64_t seed) {
   Mesh& m = meshes_[0];
   Random random(seed, 63);

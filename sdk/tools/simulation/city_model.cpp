@@ -34,13 +34,13 @@ bool is_built(const std::string& type) {
   return type.starts_with("Building") || type.starts_with("Tunnel") || type == "OtherConstruction";
 }
 
-/// Collects polygons of city objects and turns them into a model.
+/// Collects polygons of city objects and converts them to a model.
 class Collector {
  public:
   Collector(const std::string& name, std::optional<Vector3d> origin) : name_(name), origin_(origin) {}
 
   void begin(const std::string& id, bool is_building) { model_.objects.push_back({id, is_building, -1e9}); }
-  /// A polygon of the object begun last. `ground` without meaning for buildings: there the slope decides.
+  /// Adds a polygon of the current object. `ground` is ignored for buildings: their slope determines the kind.
   Result<bool> add(const std::vector<Ring>& rings, Kind ground) {
     if (!spend_crossings(rings, budget_))
       return Failure{ODO_E_DATA, name_ + ": " + model_.objects.back().id +
@@ -53,7 +53,7 @@ class Collector {
       const double twice_area = normal.norm();
       if (twice_area < 1e-8) continue;
       normal /= twice_area;
-      if (building && normal.z() < -0.7) continue;  // the floor, which nobody sees
+      if (building && normal.z() < -0.7) continue;  // the floor is never visible
       if (!building && normal.z() < 0) normal = -normal;
       const Kind kind = !building ? ground : std::abs(normal.z()) < 0.5 ? Kind::wall : Kind::roof;
       model_.faces.push_back({t, normal, kind, object});
@@ -91,7 +91,7 @@ class Collector {
   CrossingBudget budget_;
 };
 
-/// CityJSON's vertices and how its arrays of indices become polygons.
+/// CityJSON's vertices, and conversion of its index arrays to polygons.
 class CityJson {
  public:
   CityJson(const Json& root, const std::string& name, Collector& to) : root_(root), name_(name), to_(to) {}
@@ -201,7 +201,7 @@ Result<CityModel> read_obj(const fs::path& file, std::optional<Vector3d> origin)
   const std::string name = file.string();
   tinyobj::ObjReader reader;
   tinyobj::ObjReaderConfig config;
-  config.triangulate = false;  // triangulate() knows holes and bent walls
+  config.triangulate = false;  // triangulate() supports holes and bent walls
   if (!reader.ParseFromFile(name, config)) {
     std::string why = reader.Error();
     while (!why.empty() && why.back() == '\n') why.pop_back();
@@ -275,7 +275,7 @@ Result<bool> write_city_json(const fs::path& file, const std::vector<Building>& 
   for (const Building& b : buildings) {
     ++number;
     if (!b.surveyed) continue;
-    auto foot = b.foot;  // around to the left, seen from above, as CityJSON wants it
+    auto foot = b.foot;  // counter-clockwise from above, as CityJSON requires
     if ((foot[1] - foot[0]).cross(foot[2] - foot[1]).z() > 0) std::reverse(foot.begin(), foot.end());
     std::array<size_t, 4> low{}, high{};
     for (size_t i = 0; i < 4; ++i) low[i] = vertex(foot[i]), high[i] = vertex(foot[i] - Vector3d(0, 0, b.height_m));
