@@ -89,7 +89,7 @@ TEST_CASE("a wall with a thousand windows is cut; edges that cross each other ta
   double area = 0;
   for (const auto& t : triangulate(wall)) area += 0.5 * (t[1] - t[0]).cross(t[2] - t[0]).norm();
   CHECK(area == doctest::Approx(100 * 100 - 1000));
-  // A bow tie crosses itself once; 2,000 corners at random do so some 600,000 times.
+  // A bow tie has one crossing; a ring of 2,000 random corners has some 600,000.
   budget = {.crossings = 5};
   CHECK(spend_crossings({{{0, 0, 0}, {3, 3, 0}, {3, 0, 0}, {0, 2, 0}}}, budget));
   CHECK(budget.crossings == 4);
@@ -142,14 +142,14 @@ TEST_CASE("an OBJ model's faces are checked against its vertices") {
   const auto bad = check_city_model(write_text(folder / "b.obj", "v 0 0 0\nf 1 2 3\n"));
   REQUIRE_FALSE(bad);
   CHECK(bad.failure().text.find("b.obj:2: no vertex 2; there are 1") != std::string::npos);
-  // It ends as no number in the reader of OBJ files.
+  // The reader of OBJ files does not parse this to a finite number.
   const auto wild = read_city_model(write_text(folder / "c.obj", "v 0 0 0\nv 0e9010 3 0\nv 0 1 0\nf 1 2 2 1 2 3\n"));
   REQUIRE_FALSE(wild);
   CHECK(wild.failure().text.find("vertex 2 is no three numbers") != std::string::npos);
 }
 
 TEST_CASE("a route drawn through a model's streets keeps clear of its houses") {
-  // Four by four blocks of 30 m with streets of 14 m between them.
+  // Four by four blocks of 30 m, separated by streets of 14 m.
   std::vector<Building> blocks;
   for (int i = 0; i < 4; ++i)
     for (int j = 0; j < 4; ++j) {

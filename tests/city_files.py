@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Runs `odograph city check` over hostile models made here and, where there is one, a copy of 3DGI/cityjson-corpus: each
-valid file must load, each invalid one be refused in words, in at most 2 s of processor time and 500 MB. Prints a table.
+"""Runs `odograph city check` on generated hostile models and, if given, a copy of 3DGI/cityjson-corpus: each
+valid file must load, each invalid one be rejected with a message, in at most 2 s of processor time and 500 MB. Prints a
+table.
 Usage: city_files.py ODOGRAPH [CORPUS]"""
 import json
 import math
@@ -30,7 +31,7 @@ def surface(rings, vertices, **more):
 
 
 def holes(count):
-    """A wall with that many windows."""
+    """A wall with `count` windows."""
     across = math.ceil(math.sqrt(count))
     size = 4 * across + 4
     vertices, rings = [[0, 0, 0], [size, 0, 0], [size, size, 0], [0, size, 0]], [[0, 1, 2, 3]]
@@ -94,7 +95,7 @@ def main():
     program, corpus = sys.argv[1], pathlib.Path(sys.argv[2] if len(sys.argv) > 2 and sys.argv[2] else "/nowhere")
     with tempfile.TemporaryDirectory() as folder:
         failed = judge(program, write_hostile(pathlib.Path(folder)), folder)
-    about = ("case.json", "invariants.json", "profile.json", "acquisition.json")  # of the files, no models
+    about = ("case.json", "invariants.json", "profile.json", "acquisition.json")  # metadata files, not models
     files = sorted(f for f in (corpus / "cases").rglob("*.json*") if f.name not in about)
     if files:
         failed += judge(program, [(f, "invalid" in f.relative_to(corpus).parts) for f in files], corpus / "cases")

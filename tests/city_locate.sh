@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# `odograph city locate` as a person uses it: what it reads of a phone's JPEG, whose EXIF another program (ExifTool)
-# writes, and the reasons it gives. Usage: city_locate.sh ODOGRAPH SOURCE
+# `odograph city locate` from the command line: EXIF data of a phone's JPEG, written by another program (ExifTool), and
+# the reasons for photographs without a position. Usage: city_locate.sh ODOGRAPH SOURCE
 set -u
 odograph=$1 source=$2
 command -v exiftool >/dev/null || { echo "exiftool is not installed"; exit 77; }
@@ -9,7 +9,7 @@ work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 cd "$work" || exit 1
 . "$source/tests/expect.sh"
-# Houses around 52.105 N, 4.275 E, that is 78803.80, 458001.49 of RD New (cs2cs EPSG:4326 EPSG:28992).
+# Houses around 52.105 N, 4.275 E, which is 78803.80, 458001.49 of RD New (cs2cs EPSG:4326 EPSG:28992).
 python3 - <<'PYTHON'
 import json
 vertices, objects = [], {}
@@ -46,21 +46,21 @@ place="-GPSLatitude=52.105 -GPSLatitudeRef=N -GPSLongitude=4.275 -GPSLongitudeRe
   tagged turned.jpg $place -FocalLengthIn35mmFormat=26 -Orientation#=6
 }
 locate="$odograph city locate -o found --model town.city.json"
-# What EXIF says is enough; the picture is another town's, and is not placed.
+# EXIF data suffice; the picture is of another town and is not placed.
 expect 1 "phone.jpg: not placed: " $locate phone.jpg
 expect 1 "0 of 1 placed" $locate phone.jpg
 expect 1 "the model has no terrain there" $locate phone.jpg
 expect 0 'phone.jpg",false' grep phone found/photographs.csv
 expect 0 "PNG" head -c 8 found/map.png
 expect 1 "turned.jpg: not placed: " $locate turned.jpg
-# What EXIF does not say is asked for, by its option; the others of a folder are looked at all the same.
+# Missing EXIF data are requested with their option; the other pictures of a folder are still processed.
 expect 1 "no_lens.jpg: not placed: it does not say its focal length (no 35 mm equivalent in EXIF): give --lens" $locate no_lens.jpg
 expect 2 "where were they taken?" $locate no_place.jpg
 expect 2 "where were they taken?" $locate half.jpg
 expect 1 "no_place.jpg: not placed: it does not say where it was taken (no GPS in EXIF): give --near" $locate phone.jpg no_place.jpg
 
 expect 1 "plain.jpg: not placed: " $locate plain.jpg --near 52.105,4.275 --lens 26mm
-# Words for what cannot be.
+# Error messages.
 expect 3 "nothing.jpg: no such file" $locate nothing.jpg
 expect 3 "town.city.json" $locate town.city.json --near 52.105,4.275 --lens 26mm
 expect 2 "expected latitude,longitude in degrees" $locate plain.jpg --near 95,4 --lens 26mm
@@ -70,7 +70,7 @@ expect 3 "--model-at LAT,LON says where its zero is" "$odograph" city locate -o 
 expect 1 "phone.jpg: not placed: " "$odograph" city locate -o found --model local.city.json phone.jpg --at 78803.8 458001.5
 expect 1 '"placed": false' $locate phone.jpg --json
 python3 -m json.tool out >/dev/null || { echo "FAILED: --json is not one JSON value"; failed=1; }
-# A picture that is cut off says so, and the next one is still looked at.
+# A truncated picture is reported, and the next one is still processed.
 head -c 300 phone.jpg >cut.jpg
 expect 3 "phone.jpg: not placed: " $locate cut.jpg phone.jpg
 exit $failed

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// One photograph against a city model whose roofs are wrong: fix/skyline's `photographs`.
+// One photograph and a city model with height errors: fix/skyline's `photographs`.
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -24,7 +24,7 @@ namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
 
-/// A crossing of two streets: houses of many heights, each an object; `lift` by which their roofs are higher.
+/// A crossing of two streets: houses of various heights, each an object; `lift`: height errors of their roofs, m.
 std::vector<Edge> a_crossing(const std::vector<double>& lift) {
   std::vector<Edge> edges;
   int object = 0;
@@ -56,7 +56,7 @@ Quaterniond camera(double heading, double pitch, double roll = 0) {
   return Quaterniond(R * Eigen::AngleAxisd(pitch, Vector3d::UnitX()) * Eigen::AngleAxisd(roll, Vector3d::UnitZ()));
 }
 
-/// The sky's edge in a picture 70 degrees wide and 54 high.
+/// The sky's edge in a picture of 70 by 54 degrees.
 std::vector<SkyEdge> seen_in(const std::vector<Edge>& houses, const Vector3d& p_n, const Quaterniond& q_n_c) {
   City city(houses);
   city.look_near(p_n, 1, 0.01);
@@ -212,7 +212,7 @@ TEST_CASE("houses that share a wall each have an inside, and the street before t
   CHECK(ground.is_built({15, 5}));
   CHECK_FALSE(ground.is_built({-5, 5}));
   CHECK_FALSE(ground.is_built({25, 5}));
-  // A foot with a gap has no inside, and no street is taken for one.
+  // A foot with a gap has no inside, and the street is not classified as built.
   for (Edge& e : edges) e.also = Edge::kUnknown;
   const Ground open(edges);
   CHECK_FALSE(open.is_built({15, 5}));
@@ -275,7 +275,8 @@ TEST_CASE("CityGML is read as CityJSON is: the finest level, each object's edges
           "</dem:ReliefFeature></core:cityObjectMember>"),
       "town.gml", {});
   CHECK(std::count_if(two.begin(), two.end(), [](const Edge& e) { return e.object == Edge::kGround; }) == 3);
-  // A German survey's reference system, brought to n by its geodetic origin: 9 degrees east is zone 32's middle.
+  // A German survey's reference system, transformed to n by a geodetic origin: 9 degrees east is the central meridian
+  // of zone 32.
   const auto placed =
       parse_city_outline(gml("<core:cityObjectMember><bldg:Building><bldg:lod2Solid>" +
                              polygon("500000 5400000 100 500010 5400000 100 500010 5400010 110 500000 5400000 100") +

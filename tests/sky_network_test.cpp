@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The network that tells sky from the rest: its arithmetic against plain sums, and cameras of every attitude.
+// The sky network: its convolutions against plain sums, and cameras of every attitude.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -41,7 +41,7 @@ Convolution random_layer(int inputs, int outputs, int side, int stride, std::mt1
   return layer;
 }
 
-/// One result by the definition; `own`: the output's own plane alone.
+/// One result by definition; `own`: depthwise, from the output's own plane only.
 double plain(const Convolution& c, const Volume& in, int o, int y, int x, bool own) {
   double sum = static_cast<double>(c.biases[static_cast<size_t>(o)]);
   size_t k = static_cast<size_t>(o * c.inputs * c.side * c.side);
@@ -56,8 +56,8 @@ double plain(const Convolution& c, const Volume& in, int o, int y, int x, bool o
   return sum;
 }
 
-/// A street as a pinhole or a fisheye sees it: clouds over a ring of houses whose roofs are `elevation(azimuth)` high,
-/// walls of windows, a floor.
+/// A street seen by a pinhole or a fisheye: clouds over a ring of houses with roofs at `elevation(azimuth)`, walls with
+/// windows, a floor.
 template <class Elevation>
 cv::Mat street(const CameraModel& camera, cv::Size size, const Eigen::Matrix3d& R_n_c, Elevation&& elevation) {
   cv::Mat picture(size, CV_8UC1), noise(size, CV_32F);
@@ -153,13 +153,13 @@ TEST_CASE("a picture without sky has no skyline, and no picture gives a number t
     finder.find(cv::Mat(480, 640, CV_8U, cv::Scalar(grey)), {}, -Vector3d::UnitY(), Vector3d::UnitZ());
     CHECK(cv::checkRange(finder.log_odds()));
   }
-  // The street of the case above from its ground: below the horizon there is no sky.
+  // The street of the previous case, facing down: there is no sky below the horizon.
   Eigen::Matrix3d R_n_c;
   R_n_c.col(0) = -Vector3d::UnitY(), R_n_c.col(2) = Vector3d(0.6, 0, -0.8);
   R_n_c.col(1) = R_n_c.col(2).cross(R_n_c.col(0));
   const cv::Mat down = street(camera, {640, 480}, R_n_c, [](double) { return 0.2; });
   CHECK(finder.find(down, {}, R_n_c.transpose() * Vector3d::UnitZ(), R_n_c.transpose() * Vector3d::UnitX()).empty());
-  // Nothing of the picture may be used.
+  // The mask excludes the whole picture.
   CHECK(finder.find(down, cv::Mat(480, 640, CV_8U, cv::Scalar(0)), Vector3d::UnitZ(), Vector3d::UnitX()).empty());
 }
 

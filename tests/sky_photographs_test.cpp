@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Sky in real photographs with masks made by hand: how many pixels each of the finders has right.
+// Sky in real photographs with manual masks: fraction of correct pixels of each finder.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -27,7 +27,7 @@ TEST_SUITE_BEGIN("sky_photographs");
 namespace {
 
 CameraModel fisheye(double radius_px, cv::Size size) {
-  // The circle is a hemisphere; the lens's own calibration is not known.
+  // The image circle is treated as a hemisphere: the lens's calibration is unknown.
   const double f = radius_px / (0.5 * std::numbers::pi);
   return {.distortion = CameraModel::Distortion::kannala_brandt,
           .fx = f,
@@ -36,7 +36,7 @@ CameraModel fisheye(double radius_px, cv::Size size) {
           .cy = 0.5 * (size.height - 1)};
 }
 
-// Two per cent below what docs/sky_network.md has.
+// Two per cent below the figures in docs/sky_network.md.
 constexpr double kMinFisheye_percent = 88.5, kMinFisheyeGrey_percent = 86.4, kMinStreet_percent = 93.5,
                  kMinStreetGrey_percent = 91.5;
 
@@ -45,7 +45,7 @@ struct Planes {
   Chroma chroma;
 };
 
-/// As a phone's camera gives them: colour at half the resolution.
+/// As from a phone's camera: chroma at half the resolution.
 Planes planes_of(const cv::Mat& bgr) {
   cv::Mat both, planes[3];
   cv::cvtColor(bgr, both, cv::COLOR_BGR2YCrCb);
@@ -58,13 +58,13 @@ Planes planes_of(const cv::Mat& bgr) {
 
 }  // namespace
 
-/// Pixels that were judged, and those that were right, in colour and in grey; and what was sure.
+/// Numbers of pixels: evaluated, correct in colour and in grey, with confident log-odds, and correct of these.
 struct Score {
   double all = 0, right[2] = {0, 0}, sure = 0, sure_right = 0;
   double percent(int k) const { return 100 * right[k] / std::max(all, 1.0); }
 };
 
-/// `counts`: 255 where a pixel counts.
+/// `counts`: 255 where a pixel is evaluated.
 void judge(const cv::Mat& bgr, const cv::Mat& truth, const cv::Mat& counts, const CameraModel& camera,
            const Vector3d& up_c, Score& score) {
   const Planes planes = planes_of(bgr);
@@ -205,7 +205,7 @@ TEST_CASE("a colour picture of 640x480: its sky, in so much processor time" *
     }
     std::sort(ms.begin(), ms.end());
     MESSAGE(std::string(in_colour ? "in colour, with all pixels: " : "in grey: ") << ms[10] << " ms");
-    CHECK(ms[0] < 60);  // far above what it takes, for builds without optimisation and busy machines
+    CHECK(ms[0] < 60);  // far above the usual time, for builds without optimisation and busy machines
   }
 }
 

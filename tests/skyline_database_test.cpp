@@ -18,7 +18,7 @@ TEST_SUITE_BEGIN("skyline_database");
 
 namespace {
 
-/// The edges of upright boxes, drawn by a seed.
+/// The edges of random upright boxes.
 std::vector<Edge> a_town(int houses, double extent_m, uint64_t seed) {
   cv::RNG random(seed);
   std::vector<std::vector<Vector3d>> rings;
@@ -51,7 +51,7 @@ DatabaseParameters parameters(unsigned threads) {
   return p;
 }
 
-/// Part of the directions, of those above two degrees, in which a database says something else than the model.
+/// Fraction of the directions above two degrees in which a database and the model differ.
 double wrong_part(const SkylineDatabase& database, const std::vector<Edge>& edges) {
   City city(edges);
   Horizon there, exact;
@@ -81,7 +81,7 @@ std::string refusal(const std::string& bytes) {
   return "";
 }
 
-/// Bytes whose header is changed and its checksum right again.
+/// Bytes with a changed header and a valid checksum.
 template <class Change>
 std::string with_header(std::string bytes, Change&& change) {
   DatabaseHeader h;
@@ -110,7 +110,7 @@ TEST_CASE("a database says of each place elevation, height and distance as the m
   CHECK(database.origin() == Vector3d(-199.5, 5.25, 262));
   CHECK(database.spacing_m() == 10);
   CHECK(wrong_part(database, edges) < 0.002);  // where a direction meets a corner
-  // Its edges alone give the same skylines.
+  // The database's edges alone give the same skylines.
   CHECK(wrong_part(database, database.edges()) < 0.002);
   Horizon horizon;
   REQUIRE(database.horizon(7, horizon));
@@ -196,7 +196,7 @@ TEST_CASE("damaged and hostile databases are refused in words, or their places a
   CHECK(refusal(with_header(good, [](H& h) { h.origin[1] = NAN; })).find("origin") != std::string::npos);
   CHECK_THROWS(SkylineDatabase::open("/dev/zero"));
   CHECK_THROWS(SkylineDatabase::open(folder.path()));
-  // Any byte behind the header: nothing is read beyond the file, and what is said is finite.
+  // Any byte behind the header may be corrupt: nothing is read beyond the file, and the results are finite.
   cv::RNG random(8);
   size_t refused = 0;
   for (int k = 0; k < 400; ++k) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Pictures that see little each, matched together along a path.
+// Pictures with a narrow view each, matched jointly along a path.
 #include <doctest/doctest.h>
 
 #include "plugins/fix/skyline/judge_match.hpp"
@@ -22,8 +22,8 @@ const Quaterniond kLevel(0, 1, 0, 0);
 
 Quaterniond about_down(double rad) { return Quaterniond(AngleAxisd(rad, Vector3d::UnitZ())); }
 
-/// A walk of 16 m along the street, the camera's 63 degrees ahead and to the houses by turns; then the whole track is
-/// turned about its newest place and moved, as an odometry with a wrong heading has it.
+/// A walk of 16 m along the street with a camera of 63 degrees that faces ahead and the houses alternately. Then the
+/// whole track is rotated about its newest place and moved, as by an odometry with a heading error.
 struct Walk {
   std::vector<Edge> houses = a_street(16);
   std::vector<View> older;
@@ -128,7 +128,7 @@ TEST_CASE("a path in which few directions agree must be told twice, whatever n i
   PathJudge judge;
   SUBCASE("the same offset again") {
     CHECK(judge.judge(match, thought, kLevel, 0.75));
-    // n is corrected meanwhile: what was thought at x is thought at C x now, and the walker goes on.
+    // n is corrected meanwhile, so that the prior at x is at C x now, and the walker goes on.
     const Quaterniond q = about_down(-0.3);
     const Vector3d p(3, -2, 0), on(4, 1, 0);
     judge.correct(q, p);
@@ -160,14 +160,14 @@ TEST_CASE("a path in which few directions agree must be told twice, whatever n i
 TEST_CASE("a match that comes late is carried on by the odometry's displacement since, with its doubt") {
   Look look;
   look.q_n_c = kLevel;
-  look.prior.q_n_c = about_down(1.2) * kLevel;  // as one that was never placed has it from its database
+  look.prior.q_n_c = about_down(1.2) * kLevel;  // as found in a database without an initial position
   look.p_n = Vector3d(1, 2, -1.5);
   Match match{.landmark_n = Vector3d::Zero()};
   match.p_n = Vector3d(5, 5, -1.5), match.q_n_c = about_down(0.5 * std::numbers::pi) * kLevel;
   match.yaw_sigma_rad = 0.02, match.covariance = 0.01 * Eigen::Matrix2d::Identity();
   look.match = match;
-  look.correct(about_down(0.25), {7, 0, 0});  // of n, since
-  // The walker has gone on by 10 m to where he thought north was, and turned by 0.3.
+  look.correct(about_down(0.25), {7, 0, 0});  // correction of n since the picture
+  // The walker has gone on by 10 m to the estimated north, and has rotated by 0.3 rad.
   const Vector3d now_n = look.corrected(Vector3d(1, 2, -1.5)) + about_down(0.25) * Vector3d(10, 0, 0);
   const Match later = look.carried_to(now_n, about_down(0.25 + 0.3) * kLevel, 0.01);
   CHECK(later.p_n.isApprox(Vector3d(5, 15, -1.5), 1e-9));

@@ -27,7 +27,7 @@ void add_box(std::vector<Edge>& edges, double north, double east, double a, doub
   for (int i = 0; i < 4; ++i) edges.push_back({roof[i], roof[(i + 1) % 4]});
 }
 
-/// Blocks of houses with streets 14 m wide between them; heights by a seed, all alike with seed 0.
+/// Blocks of houses separated by streets 14 m wide; heights by a seed, all equal with seed 0.
 std::vector<Edge> a_town(uint64_t seed, int reach = 4) {
   cv::RNG random(seed);
   std::vector<Edge> edges;
@@ -54,7 +54,7 @@ SkylineDatabase database_of(const std::vector<Edge>& edges, const std::string& f
   return SkylineDatabase::open(file);
 }
 
-/// What a camera that looks up sees of a town; what is lower than five degrees lies beyond the picture's border.
+/// The view of a camera that faces up in a town; the picture's border is five degrees above the horizon.
 std::vector<SkyEdge> seen_from(const std::vector<Edge>& edges, const Vector3d& eye, const Eigen::Quaterniond& q_n_c) {
   City city(edges);
   city.look_near(eye, 0.1, 0);
@@ -74,12 +74,12 @@ std::vector<SkyEdge> seen_from(const std::vector<Edge>& edges, const Vector3d& e
 
 struct Drive {
   std::optional<PlaceFinder::Found> found;
-  Vector3d place;  ///< where it was then
+  Vector3d place;  ///< true position at that time
   int pictures = 0;
 };
 
-/// Drives a street of `real` eastwards, with an odometry that starts at 0 with a heading of its
-/// own and a metre 3 % too short.
+/// Drives east along a street of `real`, with an odometry that starts at 0, has an arbitrary heading and a scale 3 %
+/// too short.
 Drive drive(const std::vector<Edge>& real, const SkylineDatabase& database, double height_m = 0) {
   constexpr double kHeading = 2.1, kMetre = 1 / 1.03;
   PlaceFinder finder({}, database, Vector3d::Zero());
@@ -134,7 +134,8 @@ TEST_CASE("pictures that speak for one place alone count in a row: one of anothe
   const TemporaryFolder folder;
   const auto town = a_town(1), other = a_town(7);
   const auto database = database_of(town, folder / "town");
-  // Of each picture of a drive whether a place is told: by one picture that speaks for it alone, or by two in a row.
+  // For each picture of a drive, whether a place is found with one picture, or two in a row, in which its hypothesis is
+  // the only one.
   const auto found_by = [&](int steady, bool disturbed) {
     PlaceFinder::Parameters p;
     p.pictures = 2, p.min_pictures = 2, p.min_path_m = 0, p.steady = steady;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What the matcher must not tell: places that its search has left, and the wrong one of two beside a wall.
+// Places that the matcher must not return: outside its search, and the wrong one of two beside a wall.
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -86,12 +86,13 @@ TEST_CASE("beside a row of equal gables a narrow lens tells how far the row is, 
                                                                   .farthest_m = 40,
                                                                   .height_sigma_m = 0.3});
     CAPTURE(off_north_m);
-    if (!match) continue;  // ambiguous is right too
+    if (!match) continue;  // ambiguous is correct too
     const Eigen::Vector2d off = (match->p_n - eye).head<2>();
     CHECK(std::abs(off.y()) < 0.5);
-    CHECK(std::sqrt(match->covariance(0, 0)) > 1.1 * kPeriod_m);  // without the sounding 2.90 m, with it 3.29 and 30
+    CHECK(std::sqrt(match->covariance(0, 0)) >
+          1.1 * kPeriod_m);  // without the neighbours 2.90 m, with them 3.29 and 30
     CHECK(off.dot(match->covariance.ldlt().solve(off)) < 11.83);
-    // Across the row it is known all the same.
+    // Across the row the position is still determined.
     CHECK(std::sqrt(match->covariance(1, 1)) < 1.5);
   }
 }

@@ -9,7 +9,7 @@
 #include "plugins/fix/skyline/horizon.hpp"
 #include "plugins/fix/skyline/sky_finder.hpp"
 
-/// Streets of boxes, and what a camera in them would see of their roofs.
+/// Streets of boxes, and the view of their roofs from a camera in them.
 namespace odograph::skyline::test {
 
 inline constexpr double kDegree = std::numbers::pi / 180;
@@ -21,7 +21,7 @@ inline void add_box(std::vector<Edge>& edges, double north, double east, double 
   for (int i = 0; i < 4; ++i) edges.push_back({roof[i], roof[(i + 1) % 4]});
 }
 
-/// Two rows of houses along a street to the north, `between` of which the road is free.
+/// Two rows of houses, `between` apart, along a street to the north.
 inline std::vector<Edge> a_street(double between) {
   std::vector<Edge> edges;
   const double heights[] = {12, 15, 10.5, 14, 9, 13};
@@ -32,8 +32,8 @@ inline std::vector<Edge> a_street(double between) {
   return edges;
 }
 
-/// The model's skyline as a picture shows it that ends `lowest_deg` above the horizon, of the directions from
-/// `first_deg` until before `end_deg`, clockwise from north.
+/// The model's skyline in a picture that ends `lowest_deg` above the horizon, in the directions [first_deg, end_deg)
+/// clockwise from north.
 inline std::vector<SkyEdge> seen_from(const std::vector<Edge>& houses, const Eigen::Vector3d& p_n,
                                       const Eigen::Quaterniond& q_n_c, double lowest_deg = 10, double first_deg = 0,
                                       double end_deg = 360) {

@@ -44,7 +44,7 @@ std::vector<Edge> a_street() {
   return edges;
 }
 
-/// What an upward camera at a place would see, with a border 45 degrees from the zenith.
+/// The view of an upward camera at a place, with a border 45 degrees from the zenith.
 std::vector<SkyEdge> seen_from(const City& city, const Vector3d& p_n, const Eigen::Quaterniond& q_n_c) {
   Horizon horizon;
   city.horizon(p_n, horizon);
@@ -94,7 +94,7 @@ TEST_CASE("a place and a heading are found again, and an inclination is told fro
   CHECK(match->q_n_c.angularDistance(kUp) < 0.3 * kDegree);
   CHECK(match->agreement > 0.97);
   CHECK(match->second_best_ratio < 0.05);
-  // Eq. (4): the highest point is as far as it is.
+  // Eq. (4): the slant distance is that of the highest point.
   CHECK((match->landmark_n - match->p_n).norm() == doctest::Approx(match->slant_distance_m));
   CHECK(match->slant_distance_m > 30);
 }
@@ -203,7 +203,7 @@ TEST_CASE("sky is told from walls in a picture, and where it leaves the picture"
 
 namespace {
 
-/// Elevation of the skyline in one direction by going through all edges: slow and plain.
+/// Reference: elevation of the skyline in one direction, over all edges.
 double elevation_by_all(const std::vector<Edge>& edges, const Vector3d& eye, double azimuth) {
   const double c = std::cos(azimuth), s = std::sin(azimuth);
   double highest = 0;
@@ -219,8 +219,8 @@ double elevation_by_all(const std::vector<Edge>& edges, const Vector3d& eye, dou
   return highest;
 }
 
-/// A fisheye's view upwards: clouds and sun over a ring of houses whose roofs are `elevation(azimuth)` high; walls of
-/// windows, the sunlit half brighter than the sky; the lens's rim grey.
+/// An upward fisheye view: clouds and sun over a ring of houses with roofs at `elevation(azimuth)`; walls with windows,
+/// the sunlit half brighter than the sky; a grey rim of the lens.
 template <class Elevation>
 cv::Mat fisheye_view(const CameraModel& camera, Elevation&& elevation) {
   cv::Mat picture(480, 640, CV_8UC1), noise(480, 640, CV_32F), clouds(15, 20, CV_32F);
@@ -288,8 +288,8 @@ TEST_CASE("roofs are found through a fisheye under clouds, a sun and walls brigh
     right += std::abs(up - roofs(std::atan2(e.ray_c.y(), e.ray_c.x()))) < kDegree;
   }
   CHECK(closed > 650);
-  CHECK(right > 0.65 * closed);  // flood fill: the clouds and the sun leave it none
-  // The picture's bottom masked: nothing is told of directions that are not seen.
+  CHECK(right > 0.65 * closed);  // flood fill finds none because of the clouds and the sun
+  // With the picture's bottom masked, no edge is reported in directions that are not visible.
   cv::Mat mask(picture.size(), CV_8UC1, cv::Scalar(255));
   mask.rowRange(300, 480).setTo(0);
   for (const SkyEdge& e : finder.find(picture, mask, Vector3d::UnitZ(), Vector3d::UnitX())) {

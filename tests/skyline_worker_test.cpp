@@ -60,13 +60,13 @@ TEST_CASE("a frame waits for one slice at most") {
   SlicedWorker worker;
   worker.start(
       [](const Spend& spend) {
-        for (int k = 0; k < 40; ++k) spend(50), sleep_ms(5);  // two of them a slice, 200 ms in all
+        for (int k = 0; k < 40; ++k) spend(50), sleep_ms(5);  // two of them per slice, 200 ms in all
       },
       100);
   double longest_ms = 0;
   for (bool done = false; !done;)
     longest_ms = std::max(longest_ms, milliseconds_of([&] { done = worker.advance(100); }));
-  CHECK(longest_ms < 100);  // 10, on a machine that is not busy
+  CHECK(longest_ms < 100);  // 10 on an idle machine
   CHECK(longest_ms > 5);
 }
 
@@ -119,7 +119,7 @@ void write_street(const std::filesystem::path& file) {
   REQUIRE(write_city_json(file, buildings, {}));
 }
 
-/// Whether a ray from a place meets a house.
+/// Whether a ray from a place hits a house.
 bool meets(const Vector3d& eye, const Vector3d& ray) {
   for (const Box& box : kStreet) {
     const Vector3d low(box.north - 0.5 * box.a, box.east - 0.5 * box.b, -box.height);
@@ -134,7 +134,7 @@ bool meets(const Vector3d& eye, const Vector3d& ray) {
   return false;
 }
 
-/// What a camera that looks up, north at the right, sees from there: walls with windows before a bright sky.
+/// The view of an upward camera with north at the right: walls with windows in front of a bright sky.
 cv::Mat view_upwards(const CameraModel& camera, const Vector3d& eye) {
   cv::Mat picture(480, 640, CV_8UC1, cv::Scalar(70));
   for (int y = 0; y < picture.rows; ++y)
@@ -156,7 +156,8 @@ struct LateFix {
   bool operator==(const LateFix&) const = default;
 };
 
-/// The plugin over frames of a camera that stands still, its pose told with each; `slow_ms` passes between two frames.
+/// Runs the plugin on frames of a camera at rest, each with its pose; `slow_ms` of wall-clock time passes between two
+/// frames.
 std::vector<LateFix> fixes_of(const std::filesystem::path& folder, const Vector3d& place, const Vector3d& prior,
                               double sigma_m, int frames, int slow_ms, double* longest_ms = nullptr) {
   std::string said;
@@ -181,7 +182,7 @@ std::vector<LateFix> fixes_of(const std::filesystem::path& folder, const Vector3
     auto pose = make_message<odo_pose>(ODO_TYPE_POSE, k * kFrame_ns);
     pose.header.flags = ODO_POSE_ORIENTATION | ODO_POSE_POSITION | ODO_POSE_CAMERA | ODO_POSE_METRIC;
     Vector3d::Map(pose.p_n) = prior;
-    pose.q_n[1] = 1;  // x stays, y and z turn round
+    pose.q_n[1] = 1;  // half a revolution about x
     pose.covariance[0] = pose.covariance[7] = 1e-4, pose.covariance[14] = 4e-4;
     pose.covariance[21] = pose.covariance[28] = sigma_m * sigma_m;
     plugin.process(pose.header);

@@ -8,7 +8,7 @@
 extern "C" int LLVMFuzzerTestOneInput(const unsigned char* data, size_t size) {
   using namespace odograph::skyline;
   std::string bytes(reinterpret_cast<const char*>(data), size);
-  if (size >= sizeof(DatabaseHeader)) {  // a checksum hides all that lies behind it
+  if (size >= sizeof(DatabaseHeader)) {  // without a valid checksum nothing behind the header is read
     DatabaseHeader header;
     std::memcpy(&header, bytes.data(), sizeof header);
     header.checksum = checksum_of(header);
@@ -20,7 +20,7 @@ extern "C" int LLVMFuzzerTestOneInput(const unsigned char* data, size_t size) {
     for (size_t i = 0; i < database.size() && i < 100; ++i) (void)database.horizon(i, horizon);
     (void)database.edges();
     if (database.size() > 0) (void)database.nearest(1, 2);
-  } catch (const std::runtime_error&) {  // refused, with a reason
+  } catch (const std::runtime_error&) {  // rejected with a reason
   }
   return 0;
 }

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The factor by which a network's log-odds are what they say, on the views held back, and a reliability table.
+"""Estimates the scale that calibrates a network's log-odds on held-out views, and prints a reliability table.
 
     calibrate.py DATA NETWORK
 """
@@ -13,11 +13,11 @@ import train
 import views
 from network import SkyNet, log_odds
 
-VIEWS = 8  # of each held-back sphere
+VIEWS = 8  # of each held-out sphere
 
 
 def predictions(net, source):
-    """Log-odds and truth of pixels of views that are not those that training was watched by."""
+    """Log-odds and truth of pixels of held-out views other than those of the validation in training."""
     rng = np.random.default_rng(77)
     odds, truth = [], []
     with torch.no_grad():

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Writes what the plugin reads: weights of a byte with one factor for each output, and biases.
+"""Writes the plugin's weights: one byte per weight, one factor and one bias per output.
 
     export.py NETWORK FOLDER [--scale 1.0]      FOLDER: plugins/fix/skyline; --scale: of the log-odds, by calibrate.py
 """
@@ -47,7 +47,7 @@ def quantised(net, scale):
 
 
 def as_kept(net, scale):
-    """The network as the plugin will have it: for judging what the bytes cost."""
+    """The network with the plugin's quantised weights, for evaluation of the quantisation."""
     copy = SkyNet()
     copy.load_state_dict(net.state_dict())
     rows = iter(quantised(net, scale))

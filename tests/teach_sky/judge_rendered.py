@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Pixels right of renderings by the simulator, in grey, by city and lens, with the network as the plugin has it.
+"""Correct pixels on grey renderings by the simulator, by city and lens, with the network quantised as in the plugin.
 
-    judge_rendered.py RENDERED NETWORK [--scale 1.0]    RENDERED: as train.py's DATA/rendered, of routes that were not taught
+    judge_rendered.py RENDERED NETWORK [--scale 1.0]    RENDERED: as train.py's DATA/rendered, of routes outside the training data
 """
 import argparse
 import collections
@@ -19,7 +19,7 @@ GRID = (160, 128)  # of 640 x 480
 
 
 def told(grey, fisheye, focal, pitch):
-    """Planes of the grid, and Y, Cb, Cr of the picture, as fix/skyline has them."""
+    """Planes of the grid, and Y, Cb, Cr of the picture, as in fix/skyline."""
     ray, angle = views.rays_of_rendered(fisheye, focal)
     up = (views.upright(pitch).T @ np.array([0, 0, 1.0])).astype(np.float32)
     valid = (angle < 1.52).astype(np.float32)
@@ -39,7 +39,7 @@ def main():
     net = SkyNet()
     net.load_state_dict(torch.load(a.network))
     net = export.as_kept(net.eval(), a.scale)
-    scores = collections.defaultdict(lambda: [0, 0, 0])  # pictures, pixels, right
+    scores = collections.defaultdict(lambda: [0, 0, 0])  # pictures, pixels, correct
     for city, grey, label, fisheye, focal, pitch in train.read_rendered(a.rendered):
         planes, large, valid = told(grey, fisheye, focal, pitch)
         planes, large = torch.from_numpy(planes)[None].float(), torch.from_numpy(large)[None].float()

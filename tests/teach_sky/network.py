@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The network of fix/skyline: planes of a small picture to four coefficients a pixel (docs/sky_network.md)."""
+"""The network of fix/skyline: from planes of a reduced picture to four coefficients per pixel (docs/sky_network.md)."""
 import torch
 from torch import nn
 from torch.nn import functional as F
 
 PLANES = ("Y", "Cb", "Cr", "valid", "sine of the elevation")
-TERMS = 4  # log-odds; and per unit of Y, Cb, Cr by which a pixel differs from its surroundings
+TERMS = 4  # log-odds, and its derivatives by the difference of a pixel's Y, Cb, Cr from its surroundings
 
 
 def conv(inputs, outputs, side=3, stride=1, groups=1):
@@ -24,7 +24,7 @@ class Separable(nn.Module):
 
 
 class SkyNet(nn.Module):
-    """Down to a sixteenth of the grid and up again, each way up joined by one from the way down."""
+    """Encoder to a sixteenth of the grid and decoder, with a skip connection at each level."""
 
     def __init__(self, widths=(16, 32, 64, 88), fine=8):
         super().__init__()
@@ -51,7 +51,7 @@ class SkyNet(nn.Module):
 
 
 def log_odds(coefficients, small, large):
-    """At the large picture's size: `small` and `large` are Y, Cb, Cr of both."""
+    """Log-odds at the full picture's size; `small` and `large` are Y, Cb, Cr at both sizes."""
     size = large.shape[-2:]
     wide = F.interpolate(coefficients, size, mode="bilinear", align_corners=False)
     detail = large - F.interpolate(small, size, mode="bilinear", align_corners=False)

@@ -1,11 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Labels the photographs that fix/skyline's network is taught on, and writes them and the generated scenes for train.py.
+"""Labels the training photographs of fix/skyline's network, and writes them and the generated scenes for train.py.
 
     panoramas.py photographs SOURCES DATA [NAMES]    SOURCES: the files that docs/sky_network.md lists, NAME.hdr, NAME.exr or NAME/posx.jpg ...
-    panoramas.py scenes DATA FIRST LAST      scenes.py's of these seeds, every sixth a room
+    panoramas.py scenes DATA FIRST LAST      scenes of scenes.py with these seeds; every sixth is a room
 
-Each photograph is a whole sphere. A rule of its brightness and colour says what is sky, found by looking at it; where no rule
-does, GrabCut begins from the horizon; polygons of azimuth and elevation, degrees, say what is not and what is not known.
+Each photograph is a whole sphere. A rule of its brightness and colour, chosen by inspection, labels the sky; where no rule
+does, GrabCut is initialised from the horizon. Polygons of azimuth and elevation, degrees, mark areas without sky and
+unlabelled areas.
 """
 import os
 import sys
@@ -21,7 +22,7 @@ FACES = ("posx", "negx", "posy", "negy", "posz", "negz")
 
 
 def read_cube(folder, height):
-    """Six faces of a cube to one picture, linear light."""
+    """Converts six faces of a cube to one picture in linear light."""
     faces = {face: cv2.imread(f"{folder}/{face}.jpg") for face in FACES}
     elevation, azimuth = scenes.grid(height, 2 * height)
     azimuth = azimuth - np.pi
@@ -39,7 +40,7 @@ def read_cube(folder, height):
 
 
 def read(sources, name):
-    """(linear light, whether its brightness was measured)"""
+    """(linear light, whether it is high dynamic range)"""
     for file in (f"{sources}/{name}.hdr", f"{sources}/{name}.exr"):
         if os.path.exists(file):
             return cv2.imread(file, cv2.IMREAD_ANYDEPTH | cv2.IMREAD_COLOR).clip(0), True
@@ -47,7 +48,7 @@ def read(sources, name):
 
 
 def shown(linear):
-    """8-bit, for GrabCut and for eyes."""
+    """8-bit picture for GrabCut and for display."""
     light = np.log(linear.mean(-1) + 1e-4)
     x = linear / (np.exp(light[int(0.2 * len(light)): int(0.6 * len(light))].mean()) * 2.2)
     return (np.clip(x / (1 + 0.6 * x) * 1.3, 0, 1) ** (1 / 2.2) * 255).astype(np.uint8)
@@ -64,8 +65,8 @@ def grab_cut(picture, elevation):
     return (mask == cv2.GC_FGD) | (mask == cv2.GC_PR_FGD)
 
 
-# Of each: a rule of L (logarithm of the brightness), B (of blue by red) and E (elevation, degrees), or None for GrabCut; the
-# lowest elevation; polygons that are not sky; the largest hole that is closed, pixels; polygons that nothing is known of.
+# For each: a rule of L (logarithm of the brightness), B (logarithm of blue over red) and E (elevation, degrees), or None
+# for GrabCut; the lowest elevation; polygons without sky; the largest hole that is filled, pixels; unlabelled polygons.
 OUTDOORS = {
     "city": (lambda L, B, E: L > -0.7, 0, [], 3, []),
     "forest": (lambda L, B, E: (L > -0.3) & (B > 0.1) & (E > 22), -2, [], 0, []),
@@ -142,7 +143,7 @@ def label(linear, rule, lowest, not_sky, hole):
         sky = grab_cut(shown(large), elevation)
     mask = ((sky & (elevation > lowest)) * 255).astype(np.uint8)
     fill(mask, not_sky, 0)
-    # What is small and low is a window or a pale wall; small holes are lights and stars.
+    # Small, low components are windows or pale walls; small holes are lights and stars.
     count, parts, stats, _ = cv2.connectedComponentsWithStats(mask)
     keep = [False] + [s[4] > 400 or (s[1] + s[3] < HEIGHT * 0.5 and s[4] > 6) for s in stats[1:count]]
     mask = (np.array(keep)[parts] * 255).astype(np.uint8)

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Random streets, rooms and skies as panoramas: what the network of fix/skyline is taught on besides photographs.
+"""Random streets, rooms and skies as panoramas: training data of fix/skyline's network besides photographs.
 
-A panorama is equirectangular, linear light, blue green red, with the part of each pixel that is sky. Rows go from the zenith
-down, columns clockwise. Everything follows from a numpy Generator.
+A panorama is equirectangular, in linear light (blue, green, red), with the sky fraction of each pixel. Rows go from the
+zenith down, columns clockwise. All random numbers come from a numpy Generator.
 """
 import cv2
 import numpy as np
@@ -11,7 +11,7 @@ from skies import HEIGHT, WIDTH, colour, grid, noise, sky, warm
 
 
 class Canvas:
-    """A panorama that is painted from far to near."""
+    """A panorama, painted from far to near."""
 
     def __init__(self, rng, background, eye):
         self.rng, self.eye = rng, eye
@@ -70,7 +70,7 @@ class Canvas:
             self.wall(p, q, z0, z1, texture)
 
     def strokes(self, points, width_px, tone):
-        """A line through directions (azimuth, elevation), of anything thin and dark or bright."""
+        """Draws a thin object, dark or bright, through directions (azimuth, elevation)."""
         xy = np.array([(a / (2 * np.pi) * WIDTH, (0.5 - e / np.pi) * HEIGHT) for a, e in points])
         for i in range(len(xy) - 1):
             low = np.floor(np.minimum(xy[i], xy[i + 1]) - width_px - 2).astype(int)
@@ -84,7 +84,7 @@ class Canvas:
             self.blend(low, high, tone, layer.astype(np.float32) / 255 * min(1.0, width_px))
 
     def blend(self, low, high, paint, part):
-        """As put, of a rectangle of pixels."""
+        """As put, for a rectangle of pixels."""
         block = (slice(low[1], high[1]), slice(low[0], high[0]))
         self.image[block] += (paint - self.image[block]) * part[..., None]
         self.sky[block] *= 1 - part
@@ -95,7 +95,7 @@ def rng_lit(sun, normal):
 
 
 def facade(rng, mirrored):
-    """Texture of a wall: windows in rows, of a random style; `mirrored`: what glass shows, a colour from bottom to top."""
+    """Texture of a wall: windows in rows, of a random style; `mirrored`: the reflection in glass, a colour from bottom to top."""
     style = rng.choice(["punched", "glass", "bands", "plain", "brick"], p=[0.4, 0.17, 0.13, 0.12, 0.18])
     base = warm(rng) if rng.random() < 0.6 else colour(rng, 0.2, 0.06, 0.9)
     if rng.random() < 0.15:
@@ -202,7 +202,7 @@ def roof(rng, canvas, centre, size, turn, z, texture_of_wall):
     """A pitched or stepped roof, chimneys, aerials, panels: smaller boxes and lines on top."""
     tile = warm(rng, 0.05, 0.35) if rng.random() < 0.6 else colour(rng, 0.1, 0.05, 0.5)
     if rng.random() < 0.12:
-        tile = np.array([0.35, 0.25, 0.2], np.float32) * rng.uniform(0.3, 2.5)  # panels that mirror the sky
+        tile = np.array([0.35, 0.25, 0.2], np.float32) * rng.uniform(0.3, 2.5)  # panels that reflect the sky
 
     def plain(s, zz, top, pixel):
         lines = 0.9 + 0.1 * ((zz % 0.6) < 0.3)
@@ -243,7 +243,7 @@ def ground(rng, canvas):
     if rng.random() < 0.5:
         walk = np.abs(across) > rng.uniform(3, 8)
         paint[walk] *= np.exp(rng.uniform(-0.6, 0.6))
-    if rng.random() < 0.1:  # wet: it mirrors
+    if rng.random() < 0.1:  # wet: it reflects
         paint = 0.6 * paint + rng.uniform(0.1, 0.5) * canvas.image[::-1]
     haze = np.clip(-e * 40, 0, 1)[..., None]
     paint = paint * haze + paint.mean((0, 1)) * (1 - haze)
@@ -251,7 +251,7 @@ def ground(rng, canvas):
 
 
 def street(rng):
-    """(image, sky part) of a random place out of doors."""
+    """(image, sky fraction) of a random outdoor place."""
     behind = sky(rng)
     canvas = Canvas(rng, behind, rng.choice([1.2, 1.6, 1.6, 2.0, rng.uniform(2, 12)]))
     up_mean = behind[: HEIGHT // 3].mean((0, 1))
@@ -334,7 +334,7 @@ def wires(rng, canvas):
 
 
 def room(rng):
-    """(image, sky part 0) of a random room: walls, windows that are far too bright, a pale ceiling with lamps."""
+    """(image, sky fraction 0) of a random room: walls, overexposed windows, a pale ceiling with lamps."""
     e, a = grid()
     eye, ceiling = rng.uniform(1.0, 1.7), rng.uniform(2.3, 4.5) if rng.random() < 0.8 else rng.uniform(5, 12)
     bright = np.float32(np.exp(rng.uniform(-0.8, 0.6)))

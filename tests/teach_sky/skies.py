@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Skies as panoramas, and what they and the scenes before them are painted with: noise, colours."""
+"""Skies as panoramas, and the noise and colours of skies and scenes."""
 import cv2
 import numpy as np
 
@@ -13,7 +13,7 @@ def grid(height=HEIGHT, width=WIDTH):
 
 
 def noise(rng, height, width, coarsest=8, octaves=5, gain=0.55):
-    """Sum of octaves around 0, about within -1 and 1; wraps around to the right."""
+    """Sum of octaves with mean 0, about within -1 and 1; periodic in azimuth."""
     out = np.zeros((height, width), np.float32)
     size, weight = coarsest, 1.0
     for _ in range(octaves):
@@ -32,20 +32,20 @@ def colour(rng, saturation=0.25, low=0.05, high=0.8):
 
 
 def warm(rng, low=0.1, high=0.7):
-    """Brick, sandstone, plaster: blue less than red."""
+    """Colour of brick, sandstone or plaster: less blue than red."""
     value = np.exp(rng.uniform(np.log(low), np.log(high)))
     tint = rng.uniform(0, 0.7)
     return (value * np.array([1 - 0.75 * tint, 1 - 0.4 * tint, 1], np.float32)).astype(np.float32)
 
 
 def clouds(rng, elevation, azimuth, size):
-    """Cover from 0 to 1, on a flat layer far above, by looking up a square of noise."""
+    """Cloud cover from 0 to 1, on a flat layer far above, from a square of noise."""
     side = 1024
     texture = noise(rng, side, side, int(rng.integers(3, 9)), 7, rng.uniform(0.45, 0.62))
     up = np.maximum(np.sin(elevation), 0.0) + rng.uniform(0.05, 0.2)
     x = np.cos(elevation) * np.sin(azimuth) / up * size + 7.3
     y = np.cos(elevation) * np.cos(azimuth) / up * size + 5.1
-    # Mirrored at the square's sides, so that it goes on without an edge.
+    # Mirrored at the square's sides for continuity.
     fold = lambda a: np.abs((a % 2) - 1) * (side - 1)
     layer = cv2.remap(texture, fold(x).astype(np.float32), fold(y).astype(np.float32), cv2.INTER_LINEAR)
     level = rng.uniform(-0.5, 0.7)

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Teaches the network of fix/skyline. docs/sky_network.md: what from, with what settings, and what came of it.
+"""Trains the network of fix/skyline. Data, settings and results: docs/sky_network.md.
 
-    train.py DATA OUT --steps 4000      DATA: as panoramas.py and generate.py left it
+    train.py DATA OUT --steps 4000      DATA: panoramas by panoramas.py, renderings in DATA/rendered
 """
 import argparse
 import glob
@@ -18,12 +18,12 @@ from torch.nn import functional as F
 import views
 from network import SkyNet, log_odds
 
-HELD_BACK = ("venetian_crossroads", "park", "lobby", "IceRiver", "spree_bank", "aerodynamics_workshop")  # and every tenth generated scene, for choosing
+HELD_BACK = ("venetian_crossroads", "park", "lobby", "IceRiver", "spree_bank", "aerodynamics_workshop")  # and every tenth generated scene: validation data
 SIZES = (((96, 64), 0.55), ((64, 96), 0.15), ((80, 80), 0.2), ((160, 128), 0.1))
 
 
 def read_panoramas(folder):
-    """From the cache, where there is one: reading and encoding take a while."""
+    """Reads the cache where there is one, since reading and encoding are slow."""
     cache = folder.rstrip("/") + ".cache"
     if not os.path.exists(cache):
         with open(cache, "wb") as f:
@@ -87,7 +87,7 @@ class Source:
 
 
 class Buffer:
-    """Samples of one size, each taught a few times."""
+    """Samples of one size, each used a few times."""
 
     def __init__(self, size, source, capacity):
         self.size, self.source, self.items, self.capacity = size, source, [], capacity
@@ -162,7 +162,7 @@ def main():
     net = SkyNet().to(memory_format=torch.channels_last)
     if a.start:
         net.load_state_dict(torch.load(a.start))
-    mean_net = copy.deepcopy(net)  # of the latest 200 steps: what is judged and kept
+    mean_net = copy.deepcopy(net)  # exponential mean over 200 steps: evaluated and saved
     optimiser = torch.optim.AdamW(net.parameters(), a.rate, weight_decay=1e-3)
     buffers = [Buffer(size, source, 1500 if size[0] < 160 else 300) for size, _ in SIZES]
     sets = validation(source)

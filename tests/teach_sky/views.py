@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Pictures as a phone would take them, cut out of panoramas: any lens, attitude, weather, tone curve and compression."""
+"""Simulated phone pictures from panoramas: any lens, attitude, weather, tone curve and compression."""
 import cv2
 import numpy as np
 
-ENCODED = 60.0  # linear light that a 16-bit square root ends at
+ENCODED = 60.0  # linear light at the maximum of the 16-bit square-root encoding
 
 
 def encode(linear):
@@ -11,14 +11,14 @@ def encode(linear):
 
 
 class Panorama:
-    """image: linear light; sky: 0 to 255; known: 255 where the label is."""
+    """image: linear light; sky: 0 to 255; known: 255 where there is a label."""
 
     def __init__(self, image, sky, known=None, indoors=False, name=""):
         self.image, self.sky, self.indoors, self.name = encode(image), sky, indoors, name
         self.known = np.full(sky.shape, 255, np.uint8) if known is None else known
 
     def sky_alone(self):
-        """The sky, continued downwards where something stood before it: encoded, or None where there is too little."""
+        """The sky, extended downwards over objects in front of it, encoded; None where there is too little."""
         clear = (self.sky > 250) & (self.known > 250)
         if self.indoors or clear[: clear.shape[0] // 2].mean() < 0.5:
             return None
@@ -34,9 +34,9 @@ class Panorama:
 
 
 def lens(rng, width, height):
-    """Unit rays (x right, y down, z ahead) of the pixels, and which of them see."""
+    """Unit rays (x right, y down, z ahead) of the pixels, and the mask of valid pixels."""
     longer = max(width, height)
-    # Small pictures are parts of larger ones at times, so that things are as large as the network will see them.
+    # Small pictures are sometimes crops of larger ones, so that objects have the same size as in the network's use.
     whole = longer * rng.uniform(1, max(1.0, 320 / longer)) if rng.random() < 0.7 else longer
     off = rng.uniform(-0.5, 0.5, 2) * (whole - longer) + rng.uniform(-0.03, 0.03, 2) * longer
     x = np.arange(width, dtype=np.float32) - (width - 1) / 2 + off[0]
@@ -49,7 +49,7 @@ def lens(rng, width, height):
         return ray.astype(np.float32), np.ones((height, width), bool)
     focal = whole * rng.uniform(0.28, 0.5)
     if rng.random() < 0.35:
-        focal = min(width, height) * whole / longer / np.pi * rng.uniform(0.95, 1.1)  # the whole circle in the picture
+        focal = min(width, height) * whole / longer / np.pi * rng.uniform(0.95, 1.1)  # the whole image circle in the picture
     radius = np.hypot(x, y)
     angle = radius / focal
     bend = rng.uniform(-0.02, 0.03)
@@ -77,7 +77,7 @@ def attitude(rng):
     roll = rng.normal(0, 0.08)
     if pitch > 1.0 or rng.random() < 0.2:
         roll += rng.integers(0, 4) * np.pi / 2 + (rng.uniform(-0.8, 0.8) if pitch > 1.0 else 0)
-    upright = np.array([[1, 0, 0], [0, 0, 1], [0, -1, 0]], float)  # x right, y down, z ahead of one that looks north
+    upright = np.array([[1, 0, 0], [0, 0, 1], [0, -1, 0]], float)  # x right, y down, z ahead of a camera that faces north
     return turn([0, 0, 1], rng.uniform(0, 2 * np.pi)) @ turn([1, 0, 0], pitch) @ upright @ turn([0, 0, 1], roll)
 
 
@@ -95,7 +95,7 @@ def linear(encoded):
 
 
 def weather(rng, image, sky, behind):
-    """Another sky behind what stands there, in its own light."""
+    """Replaces the sky by another, lit independently."""
     front = (image * (1 - sky)[..., None]).sum((0, 1)).mean() / max(1.0, (1 - sky).sum())
     back = behind.mean() + 1e-4
     behind = behind * (front + 0.02) / back * np.exp(rng.normal(np.log(3.0), 0.8))
@@ -103,7 +103,7 @@ def weather(rng, image, sky, behind):
 
 
 def develop(rng, image, lit=None):
-    """8-bit blue, green, red from linear light, as some phone does."""
+    """8-bit blue, green, red from linear light, with a phone's image processing."""
     mean = np.exp(np.log(image.mean(-1) + 1e-4).mean()) if rng.random() < 0.5 else image.mean()
     image = image * (np.exp(rng.normal(np.log(0.22), 0.55)) / max(mean, 1e-5))
     image = image * np.exp(rng.normal(0, 0.09, 3)).astype(np.float32)
@@ -133,7 +133,7 @@ def develop(rng, image, lit=None):
 
 
 def planes_of(rng, picture, elevation, valid, small):
-    """What the network is told (docs/sky_network.md), and Y, Cb, Cr in full; 1 is 64 steps of Y, 32 of Cb and Cr."""
+    """Input planes of the network (docs/sky_network.md), and Y, Cb, Cr in full; 1 is 64 steps of Y, 32 of Cb and Cr."""
     y, cr, cb = cv2.split(cv2.cvtColor(picture, cv2.COLOR_BGR2YCrCb))
     large = np.stack([(y.astype(np.float32) - 128) / 64, (cb.astype(np.float32) - 128) / 32, (cr.astype(np.float32) - 128) / 32])
     if rng.random() < 0.35:
@@ -158,7 +158,7 @@ def view(rng, panorama, skies, small, factor=2):
         spin = turn([0, 0, 1], rng.uniform(0, 2 * np.pi)).astype(np.float32)
         behind = linear(look_up(skies[rng.integers(len(skies))], world @ spin))
         image = weather(rng, image, sky, behind)
-    if rng.random() < 0.3:  # what stands there is darker or brighter than the sky made it
+    if rng.random() < 0.3:  # objects are darker or brighter than in the panorama
         image = image * (sky + (1 - sky) * np.float32(np.exp(rng.normal(0, 0.6))))[..., None]
     picture = develop(rng, image)
     if not valid.all():
@@ -179,7 +179,7 @@ def finish(rng, picture, ray, R, valid, sky, weight, small):
 
 
 def rays_of_rendered(fisheye, focal):
-    """Of the simulator's pictures, 640 x 480: unit rays and angles from the optical axis."""
+    """Unit rays and angles from the optical axis of the simulator's pictures, 640 x 480."""
     x = (np.arange(640, dtype=np.float32) - 319.5)[None].repeat(480, 0)
     y = (np.arange(480, dtype=np.float32) - 239.5)[:, None].repeat(640, 1)
     r = np.hypot(x, y)
@@ -189,12 +189,12 @@ def rays_of_rendered(fisheye, focal):
 
 
 def upright(pitch):
-    """Rotation from a camera that looks north and so much up to the world."""
+    """Rotation to the world from a camera that faces north with this pitch."""
     return turn([1, 0, 0], pitch) @ np.array([[1, 0, 0], [0, 0, 1], [0, -1, 0]], float)
 
 
 def sunlight(rng, ray):
-    """What walls are brighter by than the simulator made them: as bright as the sky at times, on one side in half."""
+    """Brightness factor of walls over the simulator's: up to that of the sky, in half of the pictures on one side."""
     walls = rng.uniform(np.log(0.6), np.log(2.6))
     if rng.random() < 0.5:
         to = rng.uniform(0, 2 * np.pi)
@@ -204,7 +204,7 @@ def sunlight(rng, ray):
 
 
 def rendered(rng, grey, label, fisheye, focal, pitch, small, factor=2):
-    """Of a picture of the simulator, 640 x 480, with its label."""
+    """A view from a picture of the simulator, 640 x 480, with its label."""
     size = (small[0] * factor, small[1] * factor)
     ray, angle = rays_of_rendered(fisheye, focal)
     if rng.random() < 0.5:
