@@ -89,8 +89,7 @@ TEST_CASE("beside a row of equal gables a narrow lens tells how far the row is, 
     if (!match) continue;  // ambiguous is correct too
     const Eigen::Vector2d off = (match->p_n - eye).head<2>();
     CHECK(std::abs(off.y()) < 0.5);
-    CHECK(std::sqrt(match->covariance(0, 0)) >
-          1.1 * kPeriod_m);  // without the neighbours 2.90 m, with them 3.29 and 30
+    CHECK(std::sqrt(match->covariance(0, 0)) > 1.1 * kPeriod_m);  // without neighbours 2.90 m, with them 3.29 and 30
     CHECK(off.dot(match->covariance.ldlt().solve(off)) < 11.83);
     // Across the row the position is still determined.
     CHECK(std::sqrt(match->covariance(1, 1)) < 1.5);

@@ -18,9 +18,8 @@ struct FixerParameters {
   double min_yaw_rad = 1 * kDegree, max_yaw_rad = 60 * kDegree;  ///< sigma; three times the latter means any heading
   double max_tilt_rad = 3 * kDegree;                             ///< sigma
   double no_heading_rad = 20 * kDegree;  ///< sigma above which the heading is treated as unknown
-  double max_off = 2;  ///< of the path since the last fix: the error of motion opposite to the estimated heading
-  double path_metre =
-      0.2;  ///< max relative sigma of the scale: beyond it a path of 20 m is too long or short to fit any place
+  double max_off = 2;       ///< of the path since the last fix: the error of motion opposite to the estimated heading
+  double path_metre = 0.2;  ///< max relative sigma of the scale: beyond, a path of 20 m fits no place
 
   // Before the first fix: the ring around the start.
   double slack_m = 6, slack_of_path = 0.05;  ///< its width: a constant, and a fraction of the path

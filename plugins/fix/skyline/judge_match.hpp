@@ -20,8 +20,7 @@ Why reason_of(Refusal refusal);
 
 /// For a match of one picture. Unless a source is named, chosen empirically on drives through a model of Delft.
 struct MatchJudgeParameters {
-  double fewer_agree =
-      0.8;  ///< factor on min_agreement for a place found by several pictures or without a likely alternative:
+  double fewer_agree = 0.8;  ///< factor on min_agreement for a place by several pictures or without an alternative:
   double no_second_best = 1e-20;       ///< a likelihood ratio below this (42 such in Delft: one was 1.1 m off)
   double max_second_best_ratio = 0.2;  ///< of another place's likelihood
 };

@@ -28,13 +28,12 @@ struct MatcherParameters {
   // The refinement.
   double spread_m = 2.5;                  ///< min distance between places that are refined
   size_t starts = 2, starts_of_path = 6;  ///< their number
-  double derivative_step_m = 0.25,
-         derivative_step_rad = 0.5 * kDegree;  ///< step of the numeric derivative of the model's skyline
-  double max_step_m = 2;                       ///< per iteration
-  int last_steps = 2;                          ///< iterations at the best place with the narrowest loss
-  double outside_m = 2;                        ///< max distance of a refined place outside the lattice: a coarse cell
-  double height_sigmas = 3;                    ///< max deviation from the prior's height
-  double climbed_m = 1;                        ///< min sigma of the height: the road's climb since the last fix
+  double derivative_step_m = 0.25, derivative_step_rad = 0.5 * kDegree;  ///< numeric, of the model's skyline
+  double max_step_m = 2;                                                 ///< per iteration
+  int last_steps = 2;        ///< iterations at the best place with the narrowest loss
+  double outside_m = 2;      ///< max distance of a refined place outside the lattice: a coarse cell
+  double height_sigmas = 3;  ///< max deviation from the prior's height
+  double climbed_m = 1;      ///< min sigma of the height: the road's climb since the last fix
   // Other places.
   double apart_m = 4;  ///< places farther apart than this are distinct
   int pictures = 4;    ///< needed before a match is accepted when lost

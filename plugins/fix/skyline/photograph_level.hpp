@@ -12,13 +12,12 @@ struct PhotographLevelParameters {
   static constexpr double kDegree = 3.14159265358979323846 / 180;
   // Judgement: people hold a camera upright to ten degrees, with its axis horizontal or up.
   double lowest_rad = -15 * kDegree, highest_rad = 40 * kDegree, pitch_step_rad = 5 * kDegree;
-  double roll_rad = 8 * kDegree;        ///< start values at this roll to each side
-  double usual_roll_rad = 4 * kDegree;  ///< sigma of the roll
-  double same_rad = 1.5 * kDegree;      ///< zeniths nearer than this are the same
-  double others_part = 0.7;             ///< min number of lines of another zenith over that of the best
-  size_t most = 3;                      ///< max number of inclinations
-  double min_sigma_rad =
-      0.6 * kDegree;  ///< of one from vertical lines, whose error exceeds its stated sigma half of the time
+  double roll_rad = 8 * kDegree;           ///< start values at this roll to each side
+  double usual_roll_rad = 4 * kDegree;     ///< sigma of the roll
+  double same_rad = 1.5 * kDegree;         ///< zeniths nearer than this are the same
+  double others_part = 0.7;                ///< min number of lines of another zenith over that of the best
+  size_t most = 3;                         ///< max number of inclinations
+  double min_sigma_rad = 0.6 * kDegree;    ///< from vertical lines: half of the errors exceed the stated sigma
   double unknown_sigma_rad = 4 * kDegree;  ///< of a guess
   VanishingPointParameters lines{.max_off_rad = 0.12, .min_lines = 10};
 };

@@ -24,15 +24,14 @@ struct PhotographParameters {
   double step_m = 1.5;  ///< of its lattice; 2 m where the radius exceeds 30 m
   double wide_m = 30, wide_step_m = 2;
   double yaw_step_rad = 1.5 * kDegree;
-  double pitch_step_rad = 1.2 * kDegree;  ///< step of the pitches within a sigma and a half
-  size_t stride = 3;                      ///< the search uses every third direction
-  size_t headings = 3;                    ///< number of headings kept for a place
-  double turned_rad = 5 * kDegree;        ///< and their min distance
-  double max_up_m = 1.2;                  ///< max deviation of the camera's height above the ground from eye_m
-  double tile_m = 12;                     ///< half the side of a tile, for which visible edges are selected together
-  size_t refined = 500,
-         modes = 20;   ///< places refined in heading, pitch, roll and height; places refined in position too
-  double apart_m = 4;  ///< places farther apart than this are distinct
+  double pitch_step_rad = 1.2 * kDegree;   ///< step of the pitches within a sigma and a half
+  size_t stride = 3;                       ///< the search uses every third direction
+  size_t headings = 3;                     ///< number of headings kept for a place
+  double turned_rad = 5 * kDegree;         ///< and their min distance
+  double max_up_m = 1.2;                   ///< max deviation of the camera's height above the ground from eye_m
+  double tile_m = 12;                      ///< half the side of a tile, for which visible edges are selected together
+  size_t refined = 500, modes = 20;        ///< places refined in heading, pitch, roll and height; also in position
+  double apart_m = 4;                      ///< places farther apart than this are distinct
   double fine_m = 3.5, fine_step_m = 0.5;  ///< of the lattice around the best place, for its covariance
   // Requirements for a match.
   size_t min_edges = 40;     ///< directions with a roof's edge: 20 degrees

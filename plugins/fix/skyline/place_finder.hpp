@@ -19,20 +19,18 @@ namespace odograph::skyline {
 class PlaceFinder {
  public:
   struct Parameters {
-    double apart_m = 3.0;          ///< min distance between two pictures: nearer ones have common errors
-    size_t pictures = 6;           ///< number of newest pictures in use: the odometry must be valid over them
-    size_t min_pictures = 4;       ///< before a hypothesis is accepted
-    double min_path_m = 15;        ///< min distance between the first and the last of them
-    double sector_max_rad = 0.14;  ///< max loss of a sector of a signature: eight degrees
-    double max_rad = 0.07;         ///< max loss of a direction in the searches: four degrees
-    size_t coarse = 2000;          ///< places of the signature search that are compared closely
-    size_t kept = 40;              ///< number of hypotheses
-    double high_m = 2.5,
-           high_step_m =
-               2.5;  ///< range of the camera's height relative to the database's places: uncertainty of the ground
-    double same_m = 4, same_rad = 0.17;   ///< hypotheses nearer than this are the same
-    double correlated = 2;                ///< pictures with common errors, counted as one
-    double max_second_best_ratio = 1e-4;  ///< max likelihood of the second-best hypothesis over that of the best
+    double apart_m = 3.0;                    ///< min distance between two pictures: nearer ones have common errors
+    size_t pictures = 6;                     ///< number of newest pictures in use: the odometry must be valid over them
+    size_t min_pictures = 4;                 ///< before a hypothesis is accepted
+    double min_path_m = 15;                  ///< min distance between the first and the last of them
+    double sector_max_rad = 0.14;            ///< max loss of a sector of a signature: eight degrees
+    double max_rad = 0.07;                   ///< max loss of a direction in the searches: four degrees
+    size_t coarse = 2000;                    ///< places of the signature search that are compared closely
+    size_t kept = 40;                        ///< number of hypotheses
+    double high_m = 2.5, high_step_m = 2.5;  ///< of the camera's height relative to the database's places
+    double same_m = 4, same_rad = 0.17;      ///< hypotheses nearer than this are the same
+    double correlated = 2;                   ///< pictures with common errors, counted as one
+    double max_second_best_ratio = 1e-4;     ///< max likelihood of the second-best hypothesis over that of the best
     double agrees_rad = 0.026;   ///< max difference of a direction in which picture and model agree: 1.5 degrees
     double min_agreement = 0.7;  ///< of the directions with a roof's edge, mean of the pictures
     double scale_sigma = 0.05;   ///< relative, of the odometry's scale

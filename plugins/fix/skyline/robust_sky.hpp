@@ -19,22 +19,20 @@ class RobustSkyFinder {
  public:
   /// Unless a source is named, chosen empirically on renderings of Delft and photographs (docs/sky_network.md).
   struct Parameters {
-    double farthest_rad =
-        1.52;                 ///< from the optical axis: the last degrees of a fisheye are its rim (observed on phones)
-    double max_odds = 2.5;    ///< limit of a pixel's log-odds: the network is overconfident about reflections
-    double edge_odds = 2.0;   ///< gain of a line for each factor of e by which an edge exceeds the sky's noise
-    double below_rad = 0.14;  ///< range below a line that must not be sky: eight degrees, two storeys
+    double farthest_rad = 1.52;    ///< from the optical axis: a fisheye's last degrees are its rim (seen on phones)
+    double max_odds = 2.5;         ///< limit of a pixel's log-odds: the network is overconfident about reflections
+    double edge_odds = 2.0;        ///< gain of a line for each factor of e by which an edge exceeds the sky's noise
+    double below_rad = 0.14;       ///< range below a line that must not be sky: eight degrees, two storeys
     double jump_per_rad = 40.0;    ///< cost of a step between neighbouring directions,
     double max_jump = 6.0;         ///< its limit: houses end at vertical walls
     double refine_px = 2.5;        ///< max distance of the edge in the full picture from the line
     double first_edge_rad = 0.05;  ///< max distance of a roof's edge above the line: three degrees
     double first_edge_part = 0.5;  ///< min strength of the roof's edge over the strongest there
-    double sure_margin =
-        25.0;                 ///< margin in log-odds of a direction's line over the best alternative for a weight of 1
-    double other_rad = 0.05;  ///< min distance of an alternative line: three degrees
-    double min_sky_part = 0.002;  ///< min fraction of sky in the valid pixels
-    double lowest_rad = 1.75;     ///< max angle of a line from the zenith: ten degrees below the horizon
-    float edge_from = 0.5f;       ///< min contrast (0.72 times its logarithm) of an edge above the sky's noise
+    double sure_margin = 25.0;     ///< log-odds of a line over the best alternative for a weight of 1
+    double other_rad = 0.05;       ///< min distance of an alternative line: three degrees
+    double min_sky_part = 0.002;   ///< min fraction of sky in the valid pixels
+    double lowest_rad = 1.75;      ///< max angle of a line from the zenith: ten degrees below the horizon
+    float edge_from = 0.5f;        ///< min contrast (0.72 times its logarithm) of an edge above the sky's noise
     float min_fall = 30;  ///< min difference of an edge in grey values over three pixels: above a phone's noise by day
   };
 

@@ -22,10 +22,10 @@ struct RoofErrorParameters {
   static constexpr double kDegree = std::numbers::pi / 180;
   double line_rad = 0.15 * kDegree;  ///< sigma of a direction of the observed line
   double detail_m = 0.05;            ///< sigma of a roof's form: eaves, chimneys, dormers
-  double building_m = 1.5;  ///< sigma of a building's height in a LoD1 or LoD2 model, common to the building (Kaartinen
-                            ///< et al. 2005: 0.3 to 3 m by method)
-  double above_loss = 3.5;  ///< max cost of a direction where something is above the model: trees, new houses
-  double below_loss = 4.5;  ///< the same where sky is visible instead of the model's roof
+  double building_m =
+      1.5;  ///< sigma of a building's height in a LoD1 or LoD2 model (Kaartinen et al. 2005: 0.3 to 3 m by method)
+  double above_loss = 3.5;            ///< max cost of a direction where something is above the model: trees, new houses
+  double below_loss = 4.5;            ///< the same where sky is visible instead of the model's roof
   double agrees_rad = 0.3 * kDegree;  ///< max difference of a direction in which picture and model agree, or two sigmas
   /// Cost of a run of directions with an object that the model lacks (a new house, a tree), for its free ends and
   /// height; and cost per direction, higher where sky is visible instead of the model's roof.
@@ -44,7 +44,7 @@ struct RoofLine {
   std::array<int16_t, kDirections> object{};       ///< local number from 0; -1: none
   int objects = 0;
 
-  /// `objects_of`: by edge number.
+  /// `winners`: indices into `edges`.
   void set(const Horizon& horizon, const City::Winners& winners, const std::vector<Edge>& edges,
            const RoofErrorParameters& parameters);
 };

@@ -81,8 +81,7 @@ class SeenSkyline {
 
  private:
   struct Ray {
-    double azimuth, elevation, slope, cosine,
-        sine;      // slope: slope: tangent of the elevation; cosine and sine of the azimuth
+    double azimuth, elevation, slope, cosine, sine;  // slope: tangent of the elevation; cosine and sine of the azimuth
     double below;  // weight where the observed edge is above the model's: 0 where the picture ends, else 1
     double above;  // weight where the observed edge is below the model's: 0 where the picture begins below the edge
     double weight;

@@ -19,11 +19,10 @@ struct PhotographSceneParameters {
   double trees_per_ha = 10, cars_per_ha = 15;  ///< beside walls; no tree nearer than 5 m to the camera
   double nearest_wall_m = 2.5, farthest_wall_m = 12;  ///< of the camera, from the next building
   double view_m = 12;                                 ///< min distance to buildings ahead: no photographs of walls
-  double built_part = 0.7,
-         built_m = 60;      ///< min fraction of the width with a building within built_m: no photographs of fields
-  double roofs_from_m = 8;  ///< min distance of the roofs against the sky, which are
-  double below_top_rad = 0.035, roofs_part = 0.6;    ///< this far below the upper edge in this fraction of the width
-  double narrowest_rad = 1.047, widest_rad = 1.309;  ///< angle of the long side: 60 to 75 degrees
+  double built_part = 0.7, built_m = 60;              ///< min fraction of the width with a building so near: no fields
+  double roofs_from_m = 8;                            ///< min distance of the roofs against the sky, which are
+  double below_top_rad = 0.035, roofs_part = 0.6;     ///< this far below the upper edge in this fraction of the width
+  double narrowest_rad = 1.047, widest_rad = 1.309;   ///< angle of the long side: 60 to 75 degrees
   double lowest_pitch_rad = 0.05, highest_pitch_rad = 0.35, roll_sigma_rad = 0.035;
   int width = 1024, height = 768;
 };
