@@ -124,10 +124,6 @@ def validation(source):
     for panorama in source.held:
         kind = "generated" if panorama.name.startswith(("street_", "room_")) else panorama.name
         sets.setdefault(kind, []).extend(views.view(rng, panorama, source.skies, (160, 128)) for _ in range(5 if kind != "generated" else 2))
-    for city in ("linz", "denhaag_01"):
-        of = [r for r in source.rendered if r[0] == city]
-        if of:
-            sets[city] = [views.rendered(rng, *of[rng.integers(len(of))][1:], (160, 128)) for _ in range(24)]
     return sets
 
 
