@@ -358,4 +358,20 @@ TEST_CASE("the next record is found behind damage of any length, also if its mar
   }
 }
 
+TEST_CASE("a file that another program still writes is read as it was when it was opened") {
+  const TemporaryFolder folder;
+  const std::string bytes = read_text(recording_of(folder, 20));
+  for (const size_t at : {bytes.size() / 2, bytes.size() - 28}) {  // within a record; before the end mark
+    const auto path = write_text(folder / "growing.odo", bytes.substr(0, at));
+    auto reader = RecordReader::open(path);
+    REQUIRE(reader.ok());
+    write_text(path, bytes);
+    size_t records = 0;
+    while (reader->next() && records < 1000) ++records;
+    CHECK(records < 101);  // of 101
+    CHECK(records > 30);
+    CHECK(reader->loss().cut);
+  }
+}
+
 TEST_SUITE_END();

@@ -108,6 +108,7 @@ Result<RecordReader> RecordReader::open(const std::filesystem::path& file) {
 }
 
 RecordReader::Found RecordReader::read_here(uint32_t& type) {
+  if (offset_ >= size_) return Found::end;  // what a file has gained since it was opened is not read
   RecordHead head{};
   in_.read(reinterpret_cast<char*>(&head), sizeof head);
   if (in_.gcount() == 0) return Found::end;
