@@ -41,6 +41,9 @@ expect process_works__abort "odograph: aborted in plugin zoo/animal in process"
 expect process_works__stack_overflow "odograph: segmentation fault in plugin zoo/animal in process"
 expect life_create_destroy__crash_in_destroy "in plugin zoo/animal in destroy"
 [ -s out/summary.json ] || { echo "FAILED: a crash in destroy took the results"; failed=1; }
+run events_numbers__nan
+[ $status -eq 4 ] || { echo "FAILED: invalid events are status $status, expected 4"; cat said; failed=1; }
+[ -s out/summary.json ] || { echo "FAILED: invalid events took the results"; failed=1; }
 run process_works__throws
 grep -qF "an exception was thrown by process: the fortieth sample is unlucky" said || { echo "FAILED: an exception was not told"; cat said; failed=1; }
 exit $failed

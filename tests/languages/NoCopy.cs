@@ -46,6 +46,13 @@ static unsafe class NoCopy {
     using (var session = new Session(Config)) {
       session.Listen(Take, Abi.ODO_TYPE_POSE);
       for (int i = 0; i < Warm; ++i) Push(session, i);
+      var tall = new Frame(0) {format = Abi.ODO_FORMAT_GREY8, width = Width, height = Height + 1};
+      try {
+        session.PushFrame(ref tall, pictures[0]);
+        Console.Error.WriteLine("a frame larger than its picture was taken");
+        return 1;
+      } catch (ArgumentException) {
+      }
       foreign = 0;
       GC.Collect();
       collections = GC.CollectionCount(0);
