@@ -67,7 +67,7 @@ python() {
     cp -r "$work/python" "$work/site"
   fi
   PYTHONPATH=$work/site compare Python "$python" "$walk/walk.py" || return
-  PYTHONPATH=$work/site LD_PRELOAD=$work/count.so "$python" "$here/no_copy.py" || failed=1
+  PYTHONPATH=$work/site LD_PRELOAD=$work/count.so "$python" "$here/no_copy.py" || { echo "FAILED: Python copies, keeps or allocates for a frame"; failed=1; }
   PYTHONPATH=$work/site say Python "$python" "$here/python_package.py" "$config" "$work/walk.odo" "$work"
   "$python" -c 'import matplotlib' 2>/dev/null && MPLBACKEND=Agg PYTHONPATH=$work/site say Python "$python" "$walk/plot.py" "$source/samples/configs/phone_walk.yaml" "$work/walk.odo" "$work/walk.png"
   missing "Python's types" mypy || say Python mypy --strict --no-warn-return-any --ignore-missing-imports --no-error-summary "$work/site/odograph"
@@ -77,7 +77,7 @@ csharp() {
   missing 'C#' mcs mono && return
   say 'C#' mcs -unsafe -warnaserror -out:"$work/Walk.exe" "$source"/abi/bindings/csharp/*.cs "$walk/Walk.cs" && compare 'C#' mono "$work/Walk.exe"
   say 'C#' mcs -unsafe -warnaserror -out:"$work/NoCopy.exe" "$source"/abi/bindings/csharp/*.cs "$here/NoCopy.cs" || return
-  LD_PRELOAD=$work/count.so mono "$work/NoCopy.exe" || failed=1
+  LD_PRELOAD=$work/count.so mono "$work/NoCopy.exe" || { echo "FAILED: C# copies, keeps or allocates for a frame"; failed=1; }
   say Unity mcs -unsafe -out:"$work/Unity.exe" "$source"/abi/bindings/csharp/*.cs "$source/samples/unity/OdographProvider.cs" "$here/unity.cs" && say Unity mono "$work/Unity.exe"
 }
 
