@@ -60,7 +60,12 @@ for kind in attitude step_estimator vo_frontend scale_source absolute_fixer; do
 done
 # As a repository: the commands of its CI, and the report; a failing plugin is reported in red.
 (cd "$work" && "$work/prefix/bin/odograph" plugin new absolute_fixer acme/fix_it --repository > /dev/null)
+if command -v openssl >/dev/null; then # signed too
+  openssl genpkey -algorithm ed25519 -out "$work/key.pem"
+  export ODOGRAPH_KEY="$work/key.pem"
+fi
 (cd "$work/fix_it" && PATH="$work/prefix/bin:$PATH" sh ci/check -DCMAKE_PREFIX_PATH="$work/prefix" > said) || { cat "$work/fix_it/said"; exit 1; }
+[ -z "${ODOGRAPH_KEY:-}" ] || grep -q 'signers: \[{ids: acme/fix_it, key: [0-9a-f]*}\]' "$work/fix_it/said"
 grep -q '^# acme/fix_it 0.1.0 conforms to odo.absolute_fixer/' "$work/fix_it/build/conformance.md"
 grep -q ' cases passed' "$work/fix_it/build/conformance.svg"
 python3 -c 'import sys, xml.dom.minidom as m; m.parse(sys.argv[1]); m.parse(sys.argv[2])' "$work/fix_it/build/conformance.svg" "$work/fix_it/build/check.xml"

@@ -30,7 +30,20 @@ sign vendor.pem
 check "the vendor's signature" 0 ""
 config "$(by 'attitude/*' stranger.pem), $(by '*' vendor.pem)"
 check "one signer of two" 0 ""
+# what, expected status, words, arguments of `plugin check`
+signer() {
+  what=$1 expected=$2 words=$3
+  shift 3
+  "$odograph" plugin check mine/attitude_vqf.so --only file.signature "$@" >said 2>&1
+  status=$?
+  [ $status -eq "$expected" ] && grep -qF -- "$words" said || { echo "FAILED: $what: status $status"; cat said; failed=1; }
+}
+signer "no --signer" 0 "1 do not apply"
+signer "--signer of the vendor" 0 "1 passed" --signer "$(key vendor.pem)"
+signer "--signer of a stranger" 4 "is no signature of its manifest" --signer "$(key stranger.pem)"
+signer "--signer that is no key" 2 "64 hexadecimal digits" --signer "$(key vendor.pem)0"
 printf ' ' >>mine/attitude_vqf.odoplugin.json
+signer "--signer with a manifest that was changed" 4 "is no signature of its manifest" --signer "$(key vendor.pem)"
 check "a manifest that was changed" 2 "is no signature of its manifest"
 cp "$plugins/attitude_vqf.odoplugin.json" mine/
 printf 'x' >>mine/attitude_vqf.so

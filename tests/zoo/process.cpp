@@ -57,6 +57,23 @@ TABLE(scale) {
   t.process = [](odo_instance*, const odo_batch*) -> int32_t { return 77; };
 }
 GOOD_ENTRY
+#elif defined(ZOO_process_flags__gnss_height)
+INPUT(fixer) {
+  if (m.type != ODO_TYPE_GNSS) return ODO_OK;
+  Event event;
+  event.fix.header.flags = ODO_FIX_DOWN | ODO_FIX_COVARIANCE;
+  event.fix.p_n[2] = -reinterpret_cast<const odo_gnss&>(m).height_m;
+  for (int i = 0; i < 3; ++i) event.fix.covariance_n[4 * i] = 1;
+  emit(s, event, ODO_TYPE_FIX, sizeof(odo_fix), m.t_ns);
+  return ODO_OK;
+}
+GOOD_ENTRY
+#elif defined(ZOO_process_flags__heading)
+INPUT(scale) {
+  if (m.type == ODO_TYPE_STEP) s.gain = 1 + 1e-3 * std::cos(reinterpret_cast<const odo_step&>(m).heading_rad);
+  return ODO_OK;
+}
+GOOD_ENTRY
 
 // ---- faults and cost -----------------------------------------------------------------------------------------------
 #elif defined(ZOO_faults_huge__index)

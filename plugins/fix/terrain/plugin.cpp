@@ -78,7 +78,9 @@ class TerrainFixer {
     double down = 0;
     if (!placement_->ground_at(*terrain_, north, east, pose.p_n[2] + held_m, down)) return;
     const double horizontal =
-        std::min(max_horizontal_sigma, std::sqrt(std::max({0.0, pose.covariance[21], pose.covariance[28]})));
+        pose.header.flags & ODO_POSE_COVARIANCE
+            ? std::min(max_horizontal_sigma, std::sqrt(std::max({0.0, pose.covariance[21], pose.covariance[28]})))
+            : max_horizontal_sigma;
     const double by_place = rise_within(north, east, down, horizontal);
     auto fix = odo::make<odo_fix>(pose.header.t_ns);
     fix.header.flags = ODO_FIX_DOWN | ODO_FIX_COVARIANCE | ODO_FIX_INTEGRITY;

@@ -15,13 +15,13 @@ struct Toolchain {
   const char *packages, *build, *ignored;
 };
 
-constexpr Toolchain kCMake = {"cmake g++ libodograph-dev ninja-build", R"(cmake -B build "$@"
+constexpr Toolchain kCMake = {"cmake g++ libodograph-dev ninja-build openssl", R"(cmake -B build "$@"
 cmake --build build
 ctest --test-dir build --output-on-failure
 )",
                               "/build/\n"};
 
-constexpr Toolchain kCargo = {"cargo", R"(program=$(command -v odograph)
+constexpr Toolchain kCargo = {"cargo openssl", R"(program=$(command -v odograph)
 [ -e odograph ] || ln -s "${program%/bin/odograph}/share/odograph/bindings/rust" odograph
 cargo build --release
 mkdir -p build
@@ -34,6 +34,7 @@ odograph config check pipeline.yaml
 
 constexpr char kCheck[] = R"(#!/bin/sh
 # Builds and tests the plugin on Debian 12, and writes its conformance statement: build/conformance.md, build/conformance.svg.
+# ODOGRAPH_KEY: the Ed25519 key, as a PEM file, that signs the manifest (openssl genpkey -algorithm ed25519); without it, it is unsigned.
 # If Odograph is not installed, ODOGRAPH_REPOSITORY must be the address of an apt repository with it and odograph.asc.
 set -eu
 if ! command -v odograph > /dev/null; then
@@ -45,7 +46,13 @@ if ! command -v odograph > /dev/null; then
   apt-get update -qq
   apt-get install -y -qq odograph @PACKAGES@ > /dev/null
 fi
-@BUILD@cat build/conformance.md
+@BUILD@if [ -n "${ODOGRAPH_KEY:-}" ]; then
+  openssl pkeyutl -sign -rawin -inkey "$ODOGRAPH_KEY" -in build/@FILE@.odoplugin.json -out build/@FILE@.odoplugin.sig
+  key=$(openssl pkey -in "$ODOGRAPH_KEY" -pubout -outform DER | tail -c 32 | od -An -v -tx1 | tr -d ' \n')
+  odograph plugin check build/@FILE@.so --only file --signer "$key"
+  echo "for a user's config: plugins: {signers: [{ids: @ID@, key: $key}]}"
+fi
+cat build/conformance.md
 )";
 
 constexpr char kGitHub[] = R"(name: check
@@ -58,24 +65,34 @@ jobs:
       ODOGRAPH_REPOSITORY: ${{ vars.ODOGRAPH_REPOSITORY }}
     steps:
       - uses: actions/checkout@v4
-      - run: sh ci/check
+      - run: |  # the secret ODOGRAPH_KEY, if there is one, is the PEM text of the key that signs
+          if [ -n "$KEY" ]; then
+            (umask 077; printf '%s\n' "$KEY" > "$RUNNER_TEMP/key.pem")
+            export ODOGRAPH_KEY="$RUNNER_TEMP/key.pem"
+          fi
+          sh ci/check
+        env:
+          KEY: ${{ secrets.ODOGRAPH_KEY }}
       - run: cat build/conformance.md >> "$GITHUB_STEP_SUMMARY"
       - uses: actions/upload-artifact@v4
         if: always()
         with:
           name: conformance
           path: |
+            build/*.so
+            build/*.odoplugin.*
             build/conformance.*
             build/check.xml
 )";
 
-constexpr char kGitLab[] = R"(# ODOGRAPH_REPOSITORY: set it as a variable of the project (Settings, CI/CD).
+constexpr char kGitLab[] =
+    R"(# ODOGRAPH_REPOSITORY: set it as a variable of the project (Settings, CI/CD); ODOGRAPH_KEY, to sign, as one of type File, protected.
 check:
   image: debian:12
   script: sh ci/check
   artifacts:
     when: always
-    paths: [build/conformance.md, build/conformance.svg]
+    paths: [build/*.so, build/*.odoplugin.*, build/conformance.md, build/conformance.svg]
     reports:
       junit: build/check.xml
 )";
@@ -93,8 +110,8 @@ Result<bool> write_plugin_repository(const std::string& id, const std::filesyste
   namespace fs = std::filesystem;
   std::error_code error;
   const Toolchain& tools = language == "rust" ? kCargo : kCMake;
-  const std::string check = with(with(with(kCheck, "@BUILD@", tools.build), "@PACKAGES@", tools.packages), "@FILE@",
-                                 id.substr(id.find('/') + 1));
+  std::string check = with(with(kCheck, "@BUILD@", tools.build), "@PACKAGES@", tools.packages);
+  check = with(with(check, "@FILE@", id.substr(id.find('/') + 1)), "@ID@", id);
   for (const auto& [name, text] : {std::pair<const char*, std::string>{"ci/check", check},
                                    {".github/workflows/check.yml", kGitHub},
                                    {".gitlab-ci.yml", kGitLab},
@@ -109,11 +126,13 @@ Result<bool> write_plugin_repository(const std::string& id, const std::filesyste
   fs::permissions(folder / "ci/check", fs::perms::owner_exec | fs::perms::group_exec | fs::perms::others_exec,
                   fs::perm_options::add, error);
   std::ofstream readme(folder / "README.md", std::ios::binary | std::ios::app);
-  readme << "\n`ci/check` builds and tests " << id
-         << " and writes its conformance statement, `build/conformance.md`, with the badge `build/conformance.svg`. "
-            "GitHub and GitLab run it "
-            "(`.github`, `.gitlab-ci.yml`);\n"
-            "set `ODOGRAPH_REPOSITORY` there to the address of an apt repository of Odograph.\n";
+  readme
+      << "\n`ci/check` builds and tests " << id
+      << " and writes its conformance statement, `build/conformance.md`, with the badge `build/conformance.svg`. "
+         "GitHub and GitLab run it "
+         "(`.github`, `.gitlab-ci.yml`);\n"
+         "set `ODOGRAPH_REPOSITORY` there to the address of an apt repository of Odograph, and `ODOGRAPH_KEY` to the "
+         "key that signs the plugin, if it is to be signed.\n";
   if (!readme.flush()) return Failure{ODO_E_NOT_FOUND, (folder / "README.md").string() + ": cannot be written"};
   return true;
 }

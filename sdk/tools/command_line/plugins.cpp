@@ -47,7 +47,7 @@ int plugins(const std::string& id, const std::string& folder) {
 }
 
 struct CheckWish {
-  std::string file, format = "text", output, recording, statement;
+  std::string file, format = "text", output, recording, statement, signer;
   std::vector<std::string> set, only;
   bool list = false, times = false;
 };
@@ -94,6 +94,7 @@ int check(const CheckWish& wish) {
     return complain({ODO_E_ARGUMENT, "--statement covers all cases; omit --only"});
   CheckOptions options;
   options.only = wish.only;
+  options.signer = wish.signer;
   for (const std::string& one : wish.set) {
     const auto equals = one.find('=');
     if (equals == std::string::npos) return complain({ODO_E_ARGUMENT, "--set " + one + ": expected NAME=VALUE"});
@@ -185,6 +186,16 @@ void add_plugins(CLI::App& app, int& status) {
                             "folder for the conformance statement, conformance.md, and its badge conformance.svg");
   check_command->add_option("--recording", wish->recording,
                             "also run the plugin on this recording; its events are counted and checked");
+  check_command
+      ->add_option("--signer", wish->signer,
+                   "public key that must have signed the manifest, as in plugins.signers of a config")
+      ->check(
+          [](const std::string& key) {
+            return key.size() == 64 && key.find_first_not_of("0123456789abcdefABCDEF") == std::string::npos
+                       ? ""
+                       : "expected an Ed25519 public key, 64 hexadecimal digits";
+          },
+          "KEY");
   check_command->add_flag("--times", wish->times, "print the time of each case");
   check_command->add_flag("--list", wish->list, "list the cases");
   check_command->callback([=, &status] { status = check(*wish); });

@@ -27,6 +27,7 @@ class Bench {
   HostServices host;
   std::vector<std::string> reports;  ///< the plugin's reports
   std::shared_ptr<PluginLibrary> library;
+  std::string signer;  ///< public key that must have signed the manifest, in hex; empty: any or none
   std::string interface_id;
   PluginChoice choice;  ///< the parameters, which `values` points into
   std::vector<odo_value> values;
@@ -73,6 +74,7 @@ std::vector<Case> life_cases();
 std::vector<Case> event_cases();
 std::vector<Case> meaning_cases();
 std::vector<Case> repeat_cases();
+std::vector<Case> flag_cases();
 std::vector<Case> frame_cases();
 std::vector<Case> fault_cases();
 

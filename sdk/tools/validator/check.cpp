@@ -5,6 +5,7 @@
 #include <cstdio>
 
 #include "sdk/host/base/json_text.hpp"
+#include "sdk/host/base/nearest.hpp"
 #include "sdk/host/plugin_host/instance.hpp"
 #include "sdk/tools/validator/bench.hpp"
 #include "sdk/tools/validator/child.hpp"
@@ -91,7 +92,7 @@ std::string difference(const std::vector<std::vector<unsigned char>>& one,
 
 std::vector<Case> all_cases() {
   std::vector<Case> all;
-  for (const auto& part : {entry_cases(), parameter_cases(), life_cases(), event_cases(), meaning_cases(),
+  for (const auto& part : {entry_cases(), parameter_cases(), life_cases(), event_cases(), flag_cases(), meaning_cases(),
                            repeat_cases(), frame_cases(), fault_cases()})
     all.insert(all.end(), part.begin(), part.end());
   return all;
@@ -114,6 +115,7 @@ PluginCheck run_case(const Case& one, const std::filesystem::path& library, cons
   const ChildResult result =
       run_in_child(options.limit_s > 0 ? std::min(options.limit_s, one.limit_s) : one.limit_s, [&]() -> std::string {
         Bench bench(library, options.settings, one.input_s);
+        bench.signer = options.signer;
         if (one.loaded)
           if (const std::string why = bench.load(); !why.empty()) return why;
         return one.test(bench);
@@ -191,16 +193,36 @@ std::vector<std::pair<std::string, std::string>> plugin_check_cases() {
   return list;
 }
 
+std::vector<std::string> cases_with_fault_of(const std::vector<PluginCheck>& checks, const PluginCheck& check) {
+  std::vector<std::string> ids;
+  const bool failed = check.outcome == PluginCheck::Outcome::failed;
+  for (const PluginCheck& other : checks)
+    if (other.id == check.id || (failed && other.outcome == check.outcome && other.detail == check.detail))
+      ids.push_back(other.id);
+  return ids;
+}
+
+std::string further_cases(const std::vector<std::string>& same, const std::string& indent) {
+  if (same.size() < 2) return "";
+  constexpr size_t kNamed = 6;  // fits on a line
+  const size_t more = same.size() - 1, named = std::min(more, kNamed);
+  return indent + "the same fault in " + std::to_string(more) + (more == 1 ? " further case: " : " further cases: ") +
+         join({same.begin() + 1, same.begin() + 1 + static_cast<std::ptrdiff_t>(named)}) +
+         (more > named ? ", ... (--format json lists them)" : "") + "\n";
+}
+
 std::string check_as_text(const std::vector<PluginCheck>& checks, bool with_times) {
   std::string text;
   double seconds = 0;
   for (const PluginCheck& check : checks) {
     char line[160];
+    seconds += check.seconds;
+    const auto same = cases_with_fault_of(checks, check);
+    if (same.front() != check.id) continue;
     std::snprintf(line, sizeof line, "%-4s %-30s ", word(check.outcome), check.id.c_str());
     text += line + (with_times ? seconds_text(check.seconds) + " s  " : std::string()) + check.what;
     if (!check.detail.empty()) text += ": " + check.detail;
-    text += '\n';
-    seconds += check.seconds;
+    text += '\n' + further_cases(same, "     ");
   }
   return text + std::to_string(checks.size()) +
          " cases: " + std::to_string(count(checks, PluginCheck::Outcome::passed)) + " passed, " +

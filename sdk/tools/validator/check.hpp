@@ -27,6 +27,8 @@ using Messages = std::function<void(const std::function<void(const odo_header&)>
 struct CheckOptions {
   /// Parameters, name and value, for plugins without good defaults.
   std::vector<std::pair<std::string, std::string>> settings;
+  /// Ed25519 public key that must have signed the manifest, 64 hexadecimal digits; empty: not checked.
+  std::string signer;
   /// Only cases whose id has one of these prefixes; empty: all.
   std::vector<std::string> only;
   /// Upper bound for the time limit of a case, s; 0: each case's own.
@@ -45,7 +47,13 @@ std::vector<PluginCheck> check_plugin(const std::filesystem::path& library, cons
 /// All cases in order of execution: id and required behaviour.
 std::vector<std::pair<std::string, std::string>> plugin_check_cases();
 
-/// The results as text, as JSON, and as a JUnit test suite for CI systems.
+/// The ids of all cases that failed with the same fault as `check`, in order; of a case that did not fail its own
+/// alone.
+std::vector<std::string> cases_with_fault_of(const std::vector<PluginCheck>& checks, const PluginCheck& check);
+/// A line with the number and names of all of them but the first; empty if there is one.
+std::string further_cases(const std::vector<std::string>& same, const std::string& indent);
+
+/// The results as text, in which each fault is printed once, as JSON, and as a JUnit test suite for CI systems.
 std::string check_as_text(const std::vector<PluginCheck>& checks, bool with_times);
 std::string check_as_json(const std::string& library, const std::vector<PluginCheck>& checks);
 std::string check_as_junit(const std::string& library, const std::vector<PluginCheck>& checks);

@@ -10,6 +10,7 @@
 #include <dlfcn.h>
 
 #include "sdk/host/base/printable.hpp"
+#include "sdk/host/config/signature.hpp"
 #include "sdk/host/plugin_host/instance.hpp"
 #include "sdk/tools/validator/bench.hpp"
 #include "sdk/tools/validator/child.hpp"
@@ -81,6 +82,14 @@ std::string manifest_has_hash(Bench& bench) {
   if (!manifest) return "~there is no manifest to compare with";
   const auto hash = sha256_of(bench.path);
   return hash && *hash == manifest->sha256 ? "" : "the library is not the one of the manifest: write a new manifest";
+}
+
+std::string is_signed(Bench& bench) {
+  if (bench.signer.empty()) return "~no --signer is given";
+  const auto manifest = read_manifest(manifest_of(bench.path));
+  if (!manifest) return manifest.failure().text;
+  const auto verified = verify_signature(*manifest, {bench.signer});
+  return verified ? "" : verified.failure().text;
 }
 
 std::string manifest_says_the_same(Bench& bench) {
@@ -264,6 +273,7 @@ std::vector<Case> entry_cases() {
       {"file.library", "is a shared library for this machine", 10, 0, false, file_is_library},
       {"file.manifest", "has a manifest beside it", 10, 0, false, manifest_is_there},
       {"file.hash", "is the library of its manifest", 20, 0, false, manifest_has_hash},
+      {"file.signature", "has a manifest signed by the key of --signer", 10, 0, false, is_signed},
       {"entry.loads", "loads and exports the entry", 10, 0, false, loads},
       {"entry.fills_table", "fills a table that the host accepts", 10, 0, false, fills_table},
       {"entry.quick", "loads and returns in less than 2 s", 10, 0, false, is_quick},

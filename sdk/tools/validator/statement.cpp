@@ -40,9 +40,13 @@ std::string table_row(const std::string& name, const std::string& value) {
 
 std::string listed(const std::vector<PluginCheck>& checks, Outcome outcome, const std::string& title) {
   std::string text;
-  for (const PluginCheck& check : checks)
-    if (check.outcome == outcome)
-      text += "* `" + check.id + "` " + check.what + (check.detail.empty() ? "" : ": " + check.detail) + "\n";
+  for (const PluginCheck& check : checks) {
+    if (check.outcome != outcome) continue;
+    const auto same = cases_with_fault_of(checks, check);
+    if (same.front() != check.id) continue;
+    text += "* `" + check.id + "` " + check.what + (check.detail.empty() ? "" : ": " + check.detail) + "\n" +
+            further_cases(same, "  ");
+  }
   return text.empty() ? "" : "\n## " + title + "\n\n" + text;
 }
 

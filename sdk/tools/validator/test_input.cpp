@@ -88,7 +88,7 @@ void TestInput::add_slow(int i, double t, int64_t t_ns) {
   fix.slant_distance_m = std::hypot(100 - kSpeed_mps * t, 20.0);
   add(fix);
   auto pose = make_message<odo_pose>(ODO_TYPE_POSE, t_ns);
-  pose.header.flags = ODO_POSE_ORIENTATION | ODO_POSE_POSITION | ODO_POSE_METRIC;
+  pose.header.flags = ODO_POSE_ORIENTATION | ODO_POSE_POSITION | ODO_POSE_METRIC | ODO_POSE_COVARIANCE;
   pose.q_n[1] = 1.0;
   pose.p_n[0] = kSpeed_mps * t;
   pose.state = ODO_TRACKING;
