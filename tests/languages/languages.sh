@@ -68,7 +68,8 @@ python() {
   fi
   PYTHONPATH=$work/site compare Python "$python" "$walk/walk.py" || return
   PYTHONPATH=$work/site LD_PRELOAD=$work/count.so "$python" "$here/no_copy.py" || { echo "FAILED: Python copies, keeps or allocates for a frame"; failed=1; }
-  PYTHONPATH=$work/site say Python "$python" "$here/python_package.py" "$config" "$work/walk.odo" "$work"
+  PATH=$build/bin:$PATH PYTHONPATH=$work/site say Python "$python" "$here/python_package.py" "$config" "$work/walk.odo" "$work"
+  PATH=$build/bin:$PATH PYTHONPATH=$work/site say Python "$python" "$walk/evaluate.py" "$config" "$work/walk.odo" "$work/sample.tum"
   "$python" -c 'import matplotlib' 2>/dev/null && MPLBACKEND=Agg PYTHONPATH=$work/site say Python "$python" "$walk/plot.py" "$source/samples/configs/phone_walk.yaml" "$work/walk.odo" "$work/walk.png"
   missing "Python's types" mypy || say Python mypy --strict --no-warn-return-any --ignore-missing-imports --no-error-summary "$work/site/odograph"
 }

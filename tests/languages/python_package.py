@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """python_package.py CONFIG RECORDING FOLDER: further features of the package: error texts, arrays without copies, recordings written and read."""
 import ctypes
+import json
 import os
+import subprocess
 import sys
 
 import numpy as np
@@ -67,6 +69,20 @@ assert [bytes(a) for a in Recording(copy)] == [bytes(a) for a in first]
 # A run's arrays, and its plot.
 run = odograph.run(config, copy)
 assert run.poses["p_n"].shape == (len(run.poses), 3) and run.statistics.frames == len(frames) and len(run.steps) == run.statistics.steps
+
+# Its track and its errors are the command line's.
+track = os.path.join(folder, "python.tum")
+run.save(track)
+with open(track, encoding="utf-8") as ours, open(os.path.join(folder, "run", "trajectory.tum"), encoding="utf-8") as theirs:
+    assert ours.read() == theirs.read()
+truth = odograph.truth(recording)
+assert len(truth) > 50 and np.allclose(np.linalg.norm(truth["q_n"], axis=1), 1) and (np.diff(truth["t_ns"]) > 0).all()
+errors = odograph.evaluate(recording, run, align="se3", rpe_unit="metres")
+by_hand = subprocess.run(["odograph", "eval", "--ref", path, "--est", os.path.join(folder, "run"), "--align", "se3", "--rpe-unit", "metres", "--json"],
+                         capture_output=True, check=True).stdout
+assert errors == json.loads(by_hand) and 0 < errors["ape_m"]["rmse"] < 1, errors["ape_m"]
+refused(lambda: odograph.evaluate("missing.odo", run), "missing.odo")
+refused(lambda: odograph.evaluate(recording, run, align="upwards"), "upwards", "sim3")
 
 
 class Axes:

@@ -6,6 +6,9 @@
     run = odograph.run("walk.yaml", "walk.odo", progress=True)
     run.poses["p_n"]                                    # N x 3, metres in North-East-Down
     odograph.plot(run)
+    run.save("walk.tum")                                # for evo and others
+    odograph.evaluate("walk.odo", run)["ape_m"]["rmse"] # against the recording's truth
+    odograph.truth("walk.odo")["p_n"]
 
     with odograph.Session("walk.yaml", live=True) as session:
         session.push_imu(t_ns, gyro, accel)             # rad/s, m/s^2, every sample
@@ -14,15 +17,16 @@
 
 Messages have the names and fields of the C headers, which state units, frames of reference and validity; constants keep
 their C names. An array field is NumPy's without a copy: np.asarray(pose.p_n). Recordings are `*.odo`; `odograph convert`
-makes them of other formats, and `odograph convert walk.odo truth.tum` writes the truth. docs/languages.md has examples.
+makes them of other formats. `evaluate` and `truth` need the command line. docs/languages.md has examples.
 """
 from . import abi
 from .abi import *  # noqa: F401,F403  pylint: disable=wildcard-import
+from ._evaluation import evaluate, truth
 from ._library import OdographError, library, mode_text, reason_text, state_text, status_text, version
 from ._recording import Recorder, Recording
 from ._run import Run, decode, plot, run
 from ._session import Session
 
-__all__ = ["run", "Run", "plot", "decode", "Recording", "Recorder", "Session", "OdographError", "library", "version",
+__all__ = ["run", "Run", "plot", "decode", "evaluate", "truth", "Recording", "Recorder", "Session", "OdographError", "library", "version",
            "status_text", "state_text", "reason_text", "mode_text"]
 __all__ += [name for name in vars(abi) if name.startswith(("ODO_", "odo_")) or isinstance(getattr(abi, name), type)]

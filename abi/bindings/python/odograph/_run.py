@@ -44,7 +44,7 @@ def _row_type(kind: type[abi.Message]) -> np.dtype[Any]:
 class Run:
     """The events of a run: structured arrays, one row per event, with the fields of the C struct.
 
-    run.poses: p_n (N x 3, metres, North-East-Down), q_n (N x 4: x, y, z, w, from the camera's or the body's axes to n), covariance, state, and
+    run.poses: p_n (N x 3, metres, North-East-Down), q_n (N x 4: w, x, y, z, from the camera's or the body's axes to n), covariance, state, and
     header: t_ns and flags. Only rows with flags & ODO_POSE_METRIC are in metres.
     """
 
@@ -58,6 +58,20 @@ class Run:
     @property
     def poses(self) -> Array:
         return self.of(abi.Pose)
+
+    def save(self, path: Path) -> None:
+        """Writes the poses as published, from the first in metres on (all if none is), as TUM: t x y z qx qy qz qw. The same file as trajectory.tum
+        of `odograph run`, except that it is not moved to a recording's first waypoint."""
+        poses = self.poses
+        waiting = np.isin(poses["reason"], (abi.ODO_REASON_INITIALISING, abi.ODO_REASON_NO_SCALE)) | (poses["header"]["flags"] & abi.ODO_POSE_METRIC == 0)
+        rows: dict[int, str] = {}  # by time: a fix may correct the newest pose
+        for pose in poses[0 if waiting.all() else int(np.argmin(waiting)):]:
+            t_ns = int(pose["header"]["t_ns"])
+            w, *xyz = pose["q_n"]
+            rows[t_ns] = " ".join(f"{value:.12g}" for value in (*pose["p_n"], *xyz, w))
+        with open(path, "w", encoding="utf-8") as file:
+            for t_ns, row in rows.items():
+                file.write(f"{'-' if t_ns < 0 else ''}{abs(t_ns) // 10**9}.{abs(t_ns) % 10**9:09d} {row}\n")
 
     @property
     def steps(self) -> Array:
