@@ -43,6 +43,7 @@ static unsafe class NoCopy {
     for (int i = 0; i < pictures.Length; ++i) pictures[i] = new Picture(Width * Height);
     ulong all, large, frames, counted;
     long managed, collections;
+    using (new Session("{odograph: 1, attitude: {plugin: attitude/vqf}}")) {}  // a text of one line
     using (var session = new Session(Config)) {
       session.Listen(Take, Abi.ODO_TYPE_POSE);
       for (int i = 0; i < Warm; ++i) Push(session, i);

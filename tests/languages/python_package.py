@@ -3,6 +3,7 @@
 import ctypes
 import json
 import os
+import pathlib
 import subprocess
 import sys
 
@@ -24,6 +25,8 @@ def refused(call, *words):
 
 # Errors name the cause.
 error = refused(lambda: Session("odograph: 1\nattitude: {plugin: attitude/vqf, gain: 3}\n"), ":2:", "gain")
+refused(lambda: Session("{odograph: 1, attitude: {plugin: attitude/vqf, gain: 3}}"), ":1:", "gain")
+refused(lambda: Session(pathlib.Path("no: text")), "no: text", "cannot be opened")
 assert isinstance(error, odograph.OdographError) and error.status == odograph.ODO_E_CONFIG
 refused(lambda: Recording(config), "walk.yaml")
 refused(lambda: Imu(gyro=(0, 0, 0)), "gyro", "gyro_b")

@@ -138,7 +138,7 @@ namespace Odograph {
     Handler handler;
     volatile Exception thrown;
 
-    /// `config`: a YAML file, or its text (which has a line break).
+    /// `config`: a YAML file, or its text. A text has a line break or ": " in it, as every YAML mapping has; a path with either is taken for one.
     public Session(string config, bool live = false, string pluginPath = "", string assetPath = "", ulong seed = 0) {
       byte[] yaml = Encoding.UTF8.GetBytes(config + "\0"), plugins = Encoding.UTF8.GetBytes(pluginPath + "\0"), assets = Encoding.UTF8.GetBytes(assetPath + "\0");
       var options = default(SessionOptions);
@@ -150,7 +150,7 @@ namespace Odograph {
       odo_session* made;
       fixed (byte* y = yaml) fixed (byte* p = plugins) fixed (byte* a = assets) {
         var text = new odo_string {data = y, size = (ulong)yaml.Length - 1};
-        if (config.IndexOf('\n') >= 0) options.config_text = text; else options.config_path = text;
+        if (config.IndexOf('\n') >= 0 || config.Contains(": ")) options.config_text = text; else options.config_path = text;
         options.plugin_path = new odo_string {data = p, size = (ulong)plugins.Length - 1};
         options.asset_path = new odo_string {data = a, size = (ulong)assets.Length - 1};
         OdographException.Check(Abi.odo_session_create(&options, &made, &error), &error);

@@ -13,7 +13,8 @@ export class OdographError extends Error {
 }
 
 export interface SessionOptions {
-  /** A pipeline's YAML text (which has a line break); in Node also its file. A browser has no files that the text could name. */
+  /** A pipeline's YAML text; in Node also its file, whose path has neither a line break nor ": " in it, one of which every YAML mapping has.
+   * A browser has no files that the text could name. */
   config: string;
   /** Folders to look for plugins in before all others, in Node. A browser has those that are linked in. */
   plugins?: string;

@@ -68,7 +68,7 @@ export class Session {
 
   constructor(library, {config, plugins = '', seed = 0n, events = 'all', onEvent = () => {}}) {
     this.library = library;
-    const keeps = [], named = config.includes('\n') ? 'config_text' : 'config_path';
+    const keeps = [], named = /\n|: /.test(config) ? 'config_text' : 'config_path';
     const options = made('session_options', {run: abi.ODO_RUN_REPLAY, seed, ...string(named, config, keeps), ...string('plugin_path', plugins, keeps)});
     this.#session = library.created((handle, error) => library.odo_session_create(bytes(options), handle, error));
     const hold = by => owner => {

@@ -41,8 +41,8 @@ class _Borrowed:
 
 
 class Session:
-    """One pipeline. `config`: a YAML file, or its text (which has a line break). `on_event` is called with each event of the types in
-    `events` (all of them unless given): within push and flush, or on the library's thread when `live`."""
+    """One pipeline. `config`: a YAML file (a pathlib.Path always is one), or its text: a string with a line break or ": ", as every YAML mapping
+    has. `on_event` is called with each event of the types in `events` (all of them unless given): within push and flush, or on the library's thread when `live`."""
 
     def __init__(self, config: Path, *, live: bool = False, on_event: Callable[[Any], None] | None = None, events: Iterable[type[abi.Message]] = (),
                  plugin_path: str = "", asset_path: str = "", seed: int = 0) -> None:
@@ -51,7 +51,7 @@ class Session:
         self._failed: BaseException | None = None
         text, error, options = os.fspath(config), sized(abi.odo_error), sized(abi.odo_session_options)
         options.run, options.seed = abi.ODO_RUN_LIVE if live else abi.ODO_RUN_REPLAY, seed
-        strings = {"config_text" if "\n" in text else "config_path": string(text), "plugin_path": string(plugin_path), "asset_path": string(asset_path)}
+        strings = {"config_text" if isinstance(config, str) and ("\n" in config or ": " in config) else "config_path": string(text), "plugin_path": string(plugin_path), "asset_path": string(asset_path)}
         for name, value in strings.items():
             setattr(options, name, value)
         check(self._odo.odo_session_create(c.byref(options), c.byref(self._session), c.byref(error)), error)

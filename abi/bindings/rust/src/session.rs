@@ -44,7 +44,7 @@ pub fn reason_text(reason: u32) -> String {
 /// What a session is made of.
 #[derive(Clone, Copy, Default)]
 pub struct Options<'a> {
-    /// A YAML file, or its text (which has a line break).
+    /// A YAML file, or its text: it has a line break or ": " in it, as every YAML mapping has. A path with either is taken for one.
     pub config: &'a str,
     /// Samples are processed on a thread of the session's own; otherwise within `push`.
     pub live: bool,
@@ -67,7 +67,7 @@ unsafe impl Sync for Session {}
 impl Session {
     pub fn new(options: &Options<'_>) -> Result<Session> {
         let config = string(options.config);
-        let (config_text, config_path) = if options.config.contains('\n') { (config, string("")) } else { (string(""), config) };
+        let (config_text, config_path) = if options.config.contains('\n') || options.config.contains(": ") { (config, string("")) } else { (string(""), config) };
         let c = SessionOptions {
             struct_size: size_of::<SessionOptions>() as u32,
             run: if options.live { ODO_RUN_LIVE } else { ODO_RUN_REPLAY },

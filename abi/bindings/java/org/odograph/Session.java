@@ -12,14 +12,14 @@ public final class Session implements java.io.Closeable {
     private Consumer<Event> consumer;
     private volatile RuntimeException thrown;
 
-    /** `config`: a YAML file, or its text (which has a line break). */
+    /** `config`: a YAML file, or its text. A text has a line break or ": " in it, as every YAML mapping has; a path with either is taken for one. */
     public Session(String config) { this(config, false, ""); }
 
     /** `live`: samples are processed on a thread of the session's own, otherwise within push. */
     public Session(String config, boolean live, String pluginPath) {
         Abi.SessionOptions options = new Abi.SessionOptions().run(live ? Abi.ODO_RUN_LIVE : Abi.ODO_RUN_REPLAY);
         ByteBuffer yaml = Struct.utf8(config), plugins = Struct.utf8(pluginPath), made = pointer();
-        if (config.indexOf('\n') >= 0) options.config_text_data(Native.address(yaml)).config_text_size(yaml.capacity() - 1);
+        if (config.indexOf('\n') >= 0 || config.contains(": ")) options.config_text_data(Native.address(yaml)).config_text_size(yaml.capacity() - 1);
         else options.config_path_data(Native.address(yaml)).config_path_size(yaml.capacity() - 1);
         options.plugin_path_data(Native.address(plugins)).plugin_path_size(plugins.capacity() - 1);
         OdographException.Text error = new OdographException.Text();

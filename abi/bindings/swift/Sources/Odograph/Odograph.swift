@@ -66,7 +66,7 @@ public final class Session: @unchecked Sendable {
     private let session: OpaquePointer
     private var listener: Listener?
 
-    /// `config`: a YAML file, or its text (which has a line break).
+    /// `config`: a YAML file, or its text. A text has a line break or ": " in it, as every YAML mapping has; a path with either is taken for one.
     public init(config: String, live: Bool = false) throws {
         var made: OpaquePointer?
         var error = odo_error()
@@ -75,7 +75,7 @@ public final class Session: @unchecked Sendable {
         options.struct_size = UInt32(MemoryLayout<odo_session_options>.size)
         options.run = live ? ODO_RUN_LIVE : ODO_RUN_REPLAY
         try withString(config) { text in
-            if config.contains("\n") { options.config_text = text } else { options.config_path = text }
+            if config.contains("\n") || config.contains(": ") { options.config_text = text } else { options.config_path = text }
             let status = odo_session_create(&options, &made, &error)
             try OdographError.check(status, error)
         }
