@@ -15,6 +15,23 @@
 
 namespace odograph {
 
+/// Outcome of a case. Cases return it; helpers throw one that ends the case.
+struct Verdict {
+  PluginCheck::Outcome outcome = PluginCheck::Outcome::passed;
+  std::string detail;  ///< the fault, or why the case does not apply
+  Verdict() = default;
+  Verdict(PluginCheck::Outcome o, std::string d) : outcome(o), detail(std::move(d)) {}
+  /// The case failed with this fault; it passed if the text is empty.
+  Verdict(std::string fault)
+      : outcome(fault.empty() ? PluginCheck::Outcome::passed : PluginCheck::Outcome::failed),
+        detail(std::move(fault)) {}
+  Verdict(const char* fault) : Verdict(std::string(fault)) {}
+};
+inline Verdict not_applicable(std::string reason) { return {PluginCheck::Outcome::not_applicable, std::move(reason)}; }
+/// As text between processes. Any text that encoded() did not write is a fault: what ended the child.
+std::string encoded(const Verdict& verdict);
+Verdict decoded(const std::string& text);
+
 /// Fixture of the cases, in the child process.
 class Bench {
  public:
@@ -39,16 +56,15 @@ class Bench {
   bool gives(uint32_t type) const { return outputs_.has(type); }
   bool serves(const char* interface) const { return interface_id == interface; }
   std::unique_ptr<Subject> subject() const { return std::make_unique<Subject>(table(), host, interface_id); }
-  /// A started instance; null, with the reason in `why`, on failure.
-  std::unique_ptr<Subject> started(std::string& why) const;
-  /// An instance that has processed the walk or, if set, the recording; shared by all cases of this process. Null, with
-  /// the reason in `why`, if it does not start.
-  const Subject* walked(std::string& why);
+  /// A started instance. Throws a Verdict if it does not start.
+  std::unique_ptr<Subject> started() const;
+  /// An instance that has processed the walk or, if set, the recording; shared by all cases of this process. Throws a
+  /// Verdict if it does not start.
+  const Subject* walked();
   /// Makes walked() use the messages of a recording instead of the walk.
   void replay(Messages messages) { recording_ = std::move(messages); }
-  /// The events of a new instance for some input.
-  std::vector<std::vector<unsigned char>> run(const std::vector<AnyMessage>& messages, const Handling& handling,
-                                              std::string& why) const;
+  /// The events of a new instance for some input. Throws a Verdict if it does not start or process fails.
+  std::vector<std::vector<unsigned char>> run(const std::vector<AnyMessage>& messages, const Handling& handling) const;
 
  private:
   std::vector<std::pair<std::string, std::string>> settings_;
@@ -57,15 +73,17 @@ class Bench {
   std::unique_ptr<Subject> walked_;
 };
 
-/// One case: "" passes; a text that starts with '~' states why the case does not apply; any other is the fault.
 struct Case {
   const char* id;
   const char* what;
   double limit_s;
   double input_s;  ///< length of the walk that it needs
   bool loaded;     ///< it requires the loaded library
-  std::string (*test)(Bench&);
+  Verdict (*test)(Bench&);
   bool any_input = false;  ///< it checks the events of any input, including a recording's
+
+  /// The returned or thrown verdict.
+  Verdict run(Bench& bench) const;
 };
 
 std::vector<Case> entry_cases();
@@ -79,9 +97,6 @@ std::vector<Case> frame_cases();
 std::vector<Case> fault_cases();
 
 std::vector<Case> all_cases();
-/// Converts a case's result.
-PluginCheck judged(const Case& one, const std::string& answer);
-
 /// The first difference from the other run's events, or "".
 std::string difference(const std::vector<std::vector<unsigned char>>& one,
                        const std::vector<std::vector<unsigned char>>& other);

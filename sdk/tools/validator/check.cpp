@@ -43,27 +43,24 @@ std::string Bench::load() {
   return "";
 }
 
-std::unique_ptr<Subject> Bench::started(std::string& why) const {
+std::unique_ptr<Subject> Bench::started() const {
   auto made = subject();
   const int32_t status = made->start(values);
   if (status >= 0) return made;
-  why = "it does not start: status " + std::to_string(status) + (reports.empty() ? "" : ", " + reports.back());
-  return nullptr;
+  throw Verdict("it does not start: status " + std::to_string(status) + (reports.empty() ? "" : ", " + reports.back()));
 }
 
-std::vector<std::vector<unsigned char>> Bench::run(const std::vector<AnyMessage>& messages, const Handling& handling,
-                                                   std::string& why) const {
-  const auto made = started(why);
-  if (!made) return {};
+std::vector<std::vector<unsigned char>> Bench::run(const std::vector<AnyMessage>& messages,
+                                                   const Handling& handling) const {
+  const auto made = started();
   if (const int32_t status = made->process(messages, handling); status < 0)
-    why = "process failed with status " + std::to_string(status);
+    throw Verdict("process failed with status " + std::to_string(status));
   return made->bytes();
 }
 
-const Subject* Bench::walked(std::string& why) {
+const Subject* Bench::walked() {
   if (walked_) return walked_.get();
-  walked_ = started(why);
-  if (!walked_) return nullptr;
+  walked_ = started();
   if (!recording_) {
     walked_->process(input);
     return walked_.get();
@@ -98,32 +95,38 @@ std::vector<Case> all_cases() {
   return all;
 }
 
-PluginCheck judged(const Case& one, const std::string& answer) {
-  PluginCheck check{one.id, one.what, PluginCheck::Outcome::failed, answer, 0};
-  if (answer.empty()) check.outcome = PluginCheck::Outcome::passed;
-  if (answer[0] == '~') {
-    check.outcome = PluginCheck::Outcome::not_applicable;
-    check.detail = answer.substr(1);
+Verdict Case::run(Bench& bench) const {
+  try {
+    return test(bench);
+  } catch (const Verdict& verdict) {
+    return verdict;
   }
-  return check;
+}
+
+std::string encoded(const Verdict& verdict) {
+  return static_cast<char>(1 + static_cast<int>(verdict.outcome)) + verdict.detail;
+}
+
+Verdict decoded(const std::string& text) {
+  const int outcome = text.empty() ? -1 : text[0] - 1;
+  if (outcome < 0 || outcome > static_cast<int>(PluginCheck::Outcome::not_applicable))
+    return {PluginCheck::Outcome::failed, text};
+  return {static_cast<PluginCheck::Outcome>(outcome), text.substr(1)};
 }
 
 namespace {
 
 PluginCheck run_case(const Case& one, const std::filesystem::path& library, const CheckOptions& options) {
-  PluginCheck check{one.id, one.what, PluginCheck::Outcome::failed, "", 0};
   const ChildResult result =
       run_in_child(options.limit_s > 0 ? std::min(options.limit_s, one.limit_s) : one.limit_s, [&]() -> std::string {
         Bench bench(library, options.settings, one.input_s);
         bench.signer = options.signer;
         if (one.loaded)
-          if (const std::string why = bench.load(); !why.empty()) return why;
-        return one.test(bench);
+          if (const std::string fault = bench.load(); !fault.empty()) return encoded(fault);
+        return encoded(one.run(bench));
       });
-  if (result.finished) check = judged(one, result.text);
-  check.detail = result.finished ? check.detail : result.text;
-  check.seconds = result.seconds;
-  return check;
+  const Verdict verdict = result.finished ? decoded(result.text) : Verdict(PluginCheck::Outcome::failed, result.text);
+  return {one.id, one.what, verdict.outcome, verdict.detail, result.seconds};
 }
 
 const char* word(PluginCheck::Outcome outcome) {

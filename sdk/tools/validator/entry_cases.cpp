@@ -36,40 +36,41 @@ fs::path manifest_of(const fs::path& library) {
   return path += ".odoplugin.json";
 }
 
-odo_plugin_entry entry_of(const Bench& bench, std::string& why) {
+/// Throws a Verdict if there is none.
+odo_plugin_entry entry_of(const Bench& bench) {
   note_phase("loading");
   void* handle = dlopen(bench.path.c_str(), RTLD_NOW | RTLD_LOCAL);
-  if (!handle) return why = dlerror(), nullptr;
+  if (!handle) throw Verdict(dlerror());
   const auto entry = reinterpret_cast<odo_plugin_entry>(dlsym(handle, ODO_PLUGIN_ENTRY_SYMBOL));
-  if (!entry) why = "symbol missing: " ODO_PLUGIN_ENTRY_SYMBOL;
+  if (!entry) throw Verdict("symbol missing: " ODO_PLUGIN_ENTRY_SYMBOL);
   note_phase("the entry");
   return entry;
 }
 
-/// Calls the entry with a struct of `size` bytes in a buffer of 4096, filled with 0x5A; -1000 without an entry.
+/// Of a call of the entry with a struct of `size` bytes in a buffer of 4096, filled with 0x5A.
 struct Answer {
   alignas(8) unsigned char storage[4096];
-  int32_t status = -1000;
+  int32_t status = 0;
   odo_plugin& table() { return *reinterpret_cast<odo_plugin*>(storage); }
   bool untouched_from(size_t size) const {
     return std::all_of(storage + size, storage + sizeof storage, [](unsigned char c) { return c == 0x5A; });
   }
 };
-Answer ask(const Bench& bench, const odo_host* host, uint32_t size, std::string& why) {
+Answer ask(const Bench& bench, const odo_host* host, uint32_t size) {
   Answer answer;
   std::memset(answer.storage, 0x5A, sizeof answer.storage);
   std::memset(answer.storage, 0, std::min<size_t>(size, sizeof answer.storage));
   answer.table().struct_size = size;
-  if (const auto entry = entry_of(bench, why)) answer.status = entry(host, &answer.table());
+  answer.status = entry_of(bench)(host, &answer.table());
   return answer;
 }
 
-std::string file_is_library(Bench& bench) {
+Verdict file_is_library(Bench& bench) {
   const auto file = check_shared_library(bench.path, bench.path);
   return file ? "" : file.failure().text;
 }
 
-std::string manifest_is_there(Bench& bench) {
+Verdict manifest_is_there(Bench& bench) {
   const auto path = manifest_of(bench.path);
   std::error_code error;
   if (!fs::exists(path, error)) return path.filename().string() + " is missing: `odograph plugin manifest` writes it";
@@ -77,24 +78,24 @@ std::string manifest_is_there(Bench& bench) {
   return manifest ? "" : manifest.failure().text;
 }
 
-std::string manifest_has_hash(Bench& bench) {
+Verdict manifest_has_hash(Bench& bench) {
   const auto manifest = read_manifest(manifest_of(bench.path));
-  if (!manifest) return "~there is no manifest to compare with";
+  if (!manifest) return not_applicable("there is no manifest to compare with");
   const auto hash = sha256_of(bench.path);
   return hash && *hash == manifest->sha256 ? "" : "the library is not the one of the manifest: write a new manifest";
 }
 
-std::string is_signed(Bench& bench) {
-  if (bench.signer.empty()) return "~no --signer is given";
+Verdict is_signed(Bench& bench) {
+  if (bench.signer.empty()) return not_applicable("no --signer is given");
   const auto manifest = read_manifest(manifest_of(bench.path));
   if (!manifest) return manifest.failure().text;
   const auto verified = verify_signature(*manifest, {bench.signer});
   return verified ? "" : verified.failure().text;
 }
 
-std::string manifest_says_the_same(Bench& bench) {
+Verdict manifest_says_the_same(Bench& bench) {
   const auto manifest = read_manifest(manifest_of(bench.path));
-  if (!manifest) return "~there is no manifest to compare with";
+  if (!manifest) return not_applicable("there is no manifest to compare with");
   const odo_plugin& t = bench.table();
   if (manifest->id != text(t.id)) return "id is '" + text(t.id) + "', the manifest says '" + manifest->id + "'";
   if (manifest->version != text(t.version))
@@ -109,66 +110,53 @@ std::string manifest_says_the_same(Bench& bench) {
   return "";
 }
 
-std::string loads(Bench& bench) {
-  std::string why;
-  entry_of(bench, why);
-  return why;
+Verdict loads(Bench& bench) {
+  entry_of(bench);
+  return {};
 }
 
-std::string fills_table(Bench& bench) { return bench.load(); }
+Verdict fills_table(Bench& bench) { return bench.load(); }
 
-std::string is_quick(Bench& bench) {
-  std::string why;
+Verdict is_quick(Bench& bench) {
   const auto before = std::chrono::steady_clock::now();
-  ask(bench, &bench.host, sizeof(odo_plugin), why);
+  ask(bench, &bench.host, sizeof(odo_plugin));
   const double s = std::chrono::duration<double>(std::chrono::steady_clock::now() - before).count();
-  return !why.empty() ? why
-         : s < 2      ? ""
-                      : "loading and the entry took " + std::to_string(s) + " s; expected less than 2 s";
+  return s < 2 ? "" : "loading and the entry took " + std::to_string(s) + " s; expected less than 2 s";
 }
 
-std::string refuses_other_major(Bench& bench) {
+Verdict refuses_other_major(Bench& bench) {
   odo_host future = bench.host;
   future.abi_major_min = future.abi_major_max = ODO_ABI_MAJOR + 7;
-  std::string why;
-  Answer answer = ask(bench, &future, sizeof(odo_plugin), why);
-  if (!why.empty()) return why;
+  Answer answer = ask(bench, &future, sizeof(odo_plugin));
   if (answer.status >= 0) return "it accepted a host of ABI major " + std::to_string(ODO_ABI_MAJOR + 7);
   return answer.table().refusal.size ? "" : "it refused without a reason (odo_plugin.refusal)";
 }
 
-std::string refuses_other_draft(Bench& bench) {
-  if (ODO_ABI_MAJOR != 0) return "~the ABI is no longer a draft";
+Verdict refuses_other_draft(Bench& bench) {
+  if (ODO_ABI_MAJOR != 0) return not_applicable("the ABI is no longer a draft");
   odo_host other = bench.host;
   other.abi_minor = ODO_ABI_MINOR + 1;
-  std::string why;
-  const Answer answer = ask(bench, &other, sizeof(odo_plugin), why);
-  return !why.empty() ? why : answer.status < 0 ? "" : "it accepted a host of another draft of the ABI";
+  const Answer answer = ask(bench, &other, sizeof(odo_plugin));
+  return answer.status < 0 ? "" : "it accepted a host of another draft of the ABI";
 }
 
-std::string survives_null(Bench& bench) {
-  std::string why;
-  const auto entry = entry_of(bench, why);
-  if (!entry) return why;
+Verdict survives_null(Bench& bench) {
+  const auto entry = entry_of(bench);
   odo_plugin table{};
   table.struct_size = sizeof table;
   if (entry(nullptr, &table) >= 0) return "it accepted a null host";
   return entry(&bench.host, nullptr) < 0 ? "" : "it accepted a null table";
 }
 
-std::string refuses_small_table(Bench& bench) {
-  std::string why;
-  const Answer answer = ask(bench, &bench.host, 32, why);
-  if (!why.empty()) return why;
+Verdict refuses_small_table(Bench& bench) {
+  const Answer answer = ask(bench, &bench.host, 32);
   if (answer.status >= 0) return "it filled a table of 32 bytes; expected ODO_E_STRUCT_SIZE";
   return answer.untouched_from(32) ? "" : "it wrote beyond a table of 32 bytes";
 }
 
-std::string keeps_to_table(Bench& bench) {
-  std::string why;
+Verdict keeps_to_table(Bench& bench) {
   for (const uint32_t size : {ODO_PLUGIN_SIZE_MIN, static_cast<uint32_t>(sizeof(odo_plugin)), 1024u}) {
-    Answer answer = ask(bench, &bench.host, size, why);
-    if (!why.empty()) return why;
+    Answer answer = ask(bench, &bench.host, size);
     if (answer.status < 0) return "it refused a table of " + std::to_string(size) + " bytes";
     if (!answer.untouched_from(size)) return "it wrote behind a table of " + std::to_string(size) + " bytes";
     if (answer.table().struct_size > size)
@@ -177,11 +165,8 @@ std::string keeps_to_table(Bench& bench) {
   return "";
 }
 
-std::string same_twice(Bench& bench) {
-  std::string why;
-  Answer one = ask(bench, &bench.host, sizeof(odo_plugin), why),
-         other = ask(bench, &bench.host, sizeof(odo_plugin), why);
-  if (!why.empty()) return why;
+Verdict same_twice(Bench& bench) {
+  Answer one = ask(bench, &bench.host, sizeof(odo_plugin)), other = ask(bench, &bench.host, sizeof(odo_plugin));
   if (one.status != other.status) return "the second call returned another status";
   return text(one.table().id) == text(other.table().id) && one.table().create == other.table().create
              ? ""
@@ -189,18 +174,17 @@ std::string same_twice(Bench& bench) {
 }
 
 /// Only this library is checked: its dependencies may have side effects when loaded.
-std::string starts_nothing(Bench& bench) {
-  std::string why;
-  entry_of(bench, why);
+Verdict starts_nothing(Bench& bench) {
+  entry_of(bench);
   const size_t files = entries_of("/proc/self/fd"), threads = entries_of("/proc/self/task"), here = entries_of(".");
-  ask(bench, &bench.host, sizeof(odo_plugin), why);
+  ask(bench, &bench.host, sizeof(odo_plugin));
   if (entries_of("/proc/self/task") > threads) return "it started a thread";
   if (entries_of("/proc/self/fd") > files) return "it left a file open";
   if (entries_of(".") > here) return "it wrote a file";
-  return why;
+  return {};
 }
 
-std::string id_is_good(Bench& bench) {
+Verdict id_is_good(Bench& bench) {
   const std::string id = text(bench.table().id);
   const auto slash = id.find('/');
   const bool good =
@@ -211,7 +195,7 @@ std::string id_is_good(Bench& bench) {
   return good ? "" : "id = '" + id + "'; expected group/name in lower case";
 }
 
-std::string version_is_good(Bench& bench) {
+Verdict version_is_good(Bench& bench) {
   const std::string version = text(bench.table().version);
   int major, minor, patch, end = 0;
   const bool good = std::sscanf(version.c_str(), "%d.%d.%d%n", &major, &minor, &patch, &end) == 3 && end > 0;
@@ -226,7 +210,7 @@ bool is_plain_utf8(std::string_view text) {
   return text.empty();
 }
 
-std::string texts_are_good(Bench& bench) {
+Verdict texts_are_good(Bench& bench) {
   const odo_plugin& t = bench.table();
   if (text(t.summary).empty()) return "summary is empty; expected one sentence";
   std::vector<std::string> all = {text(t.id), text(t.version), text(t.summary)};
@@ -237,7 +221,7 @@ std::string texts_are_good(Bench& bench) {
   return "";
 }
 
-std::string kinds_are_known(Bench& bench) {
+Verdict kinds_are_known(Bench& bench) {
   const odo_plugin& t = bench.table();
   std::vector<std::string> seen;
   for (uint32_t i = 0; i < t.interface_count; ++i) {
@@ -250,7 +234,7 @@ std::string kinds_are_known(Bench& bench) {
   return "";
 }
 
-std::string types_are_good(Bench& bench) {
+Verdict types_are_good(Bench& bench) {
   const odo_plugin& t = bench.table();
   const auto judge = [&](const uint32_t* types, uint32_t count, const char* list, bool output) -> std::string {
     for (uint32_t i = 0; i < count; ++i) {

@@ -13,27 +13,21 @@
 namespace odograph {
 namespace {
 
-const Subject* walked(Bench& bench, std::string& why) { return bench.walked(why); }
-
-std::string no_breach(Bench& bench, const char* beginning) {
-  std::string why;
-  const auto subject = walked(bench, why);
-  if (!subject) return why;
+Verdict no_breach(Bench& bench, const char* beginning) {
+  const auto subject = bench.walked();
   for (const std::string& breach : subject->breaches)
     if (breach.starts_with(beginning)) return breach;
   return "";
 }
-std::string type(Bench& bench) { return no_breach(bench, "type"); }
-std::string size(Bench& bench) { return no_breach(bench, "size"); }
-std::string numbers(Bench& bench) { return no_breach(bench, "numbers"); }
-std::string count(Bench& bench) { return no_breach(bench, "count"); }
+Verdict type(Bench& bench) { return no_breach(bench, "type"); }
+Verdict size(Bench& bench) { return no_breach(bench, "size"); }
+Verdict numbers(Bench& bench) { return no_breach(bench, "numbers"); }
+Verdict count(Bench& bench) { return no_breach(bench, "count"); }
 
 /// Checks each event; returns the first non-empty result.
 template <class Ask>
-std::string of_each(Bench& bench, Ask&& ask) {
-  std::string why;
-  const auto subject = walked(bench, why);
-  if (!subject) return why;
+Verdict of_each(Bench& bench, Ask&& ask) {
+  const auto subject = bench.walked();
   for (const SeenEvent& event : subject->events) {
     const odo_header& header = event.message.header();
     if (const std::string found = ask(event, header); !found.empty())
@@ -42,10 +36,8 @@ std::string of_each(Bench& bench, Ask&& ask) {
   return "";
 }
 
-std::string works(Bench& bench) {
-  std::string why;
-  const auto subject = walked(bench, why);
-  if (!subject) return why;
+Verdict works(Bench& bench) {
+  const auto subject = bench.walked();
   for (const auto& [status, times] : subject->statuses)
     if (status <= ODO_E_MEMORY || status == ODO_E_STATE || status == ODO_E_ARGUMENT)
       return std::to_string(times) + " times status " + std::to_string(status) + " on good input" +
@@ -53,24 +45,22 @@ std::string works(Bench& bench) {
   return "";
 }
 
-std::string known_status(Bench& bench) {
-  std::string why;
-  const auto subject = walked(bench, why);
-  if (!subject) return why;
+Verdict known_status(Bench& bench) {
+  const auto subject = bench.walked();
   for (const auto& [status, times] : subject->statuses)
     if (status > ODO_NOT_READY || status < ODO_E_FATAL)
       return "process returned the status " + std::to_string(status) + ", which is not defined";
   return "";
 }
 
-std::string reserved(Bench& bench) {
+Verdict reserved(Bench& bench) {
   return of_each(bench, [](const SeenEvent&, const odo_header& h) -> std::string {
     return h.reserved == 0 ? "" : "has header.reserved = " + std::to_string(h.reserved) + "; expected 0";
   });
 }
 
 /// The flags of each type, from its header; a plugin must not set the host's own.
-std::string flags(Bench& bench) {
+Verdict flags(Bench& bench) {
   static const std::map<uint32_t, uint32_t> known = {
       {ODO_TYPE_ATTITUDE, 2 * ODO_ATTITUDE_GYRO_BIAS - 1},
       {ODO_TYPE_STEP, 2 * ODO_STEP_HEADING_SIGMA - 1},
@@ -91,7 +81,7 @@ std::string flags(Bench& bench) {
   });
 }
 
-std::string time_order(Bench& bench) {
+Verdict time_order(Bench& bench) {
   std::map<uint32_t, int64_t> latest;
   return of_each(bench, [&](const SeenEvent&, const odo_header& h) -> std::string {
     const auto [entry, is_new] = latest.try_emplace(h.type, h.t_ns);
@@ -102,8 +92,8 @@ std::string time_order(Bench& bench) {
 }
 
 /// A plugin can only know times up to the newest of its input.
-std::string time_known(Bench& bench) {
-  if (bench.input.empty()) return "~it receives no input";
+Verdict time_known(Bench& bench) {
+  if (bench.input.empty()) return not_applicable("it receives no input");
   int64_t first = INT64_MAX;  // of the samples; sensor descriptions may have any time
   for (const AnyMessage& message : bench.input)
     if (message.header().type != ODO_TYPE_CALIBRATION && message.header().type != ODO_TYPE_IMU_NOISE)
@@ -118,7 +108,7 @@ std::string time_known(Bench& bench) {
 }
 
 /// A variance of zero in a component stated as known claims an exactness that no estimate has.
-std::string uncertainties(Bench& bench) {
+Verdict uncertainties(Bench& bench) {
   return of_each(bench, [](const SeenEvent&, const odo_header& h) -> std::string {
     if (h.type == ODO_TYPE_STEP && as<odo_step>(h).sigma_m <= 0)
       return "has sigma_m = 0; expected the standard deviation of the length";
@@ -130,7 +120,7 @@ std::string uncertainties(Bench& bench) {
   });
 }
 
-std::string lists(Bench& bench) {
+Verdict lists(Bench& bench) {
   return of_each(bench, [](const SeenEvent&, const odo_header& h) -> std::string {
     const auto out_of = [](const char* field, uint32_t value) {
       return std::string("has ") + field + " = " + std::to_string(value) + ", which is not in the list";
@@ -146,14 +136,12 @@ std::string lists(Bench& bench) {
   });
 }
 
-std::string some(Bench& bench) {
-  std::string why;
-  const auto subject = walked(bench, why);
-  if (!subject) return why;
+Verdict some(Bench& bench) {
+  const auto subject = bench.walked();
   if (!subject->events.empty()) return "";
-  return bench.serves(ODO_INTERFACE_ABSOLUTE_FIXER) || bench.serves(ODO_INTERFACE_SCALE_SOURCE)
-             ? "~a fix plugin or a scale source need not emit anything here"
-             : "it emits nothing in a walk of 10 s";
+  if (bench.serves(ODO_INTERFACE_ABSOLUTE_FIXER) || bench.serves(ODO_INTERFACE_SCALE_SOURCE))
+    return not_applicable("a fix plugin or a scale source need not emit anything here");
+  return "it emits nothing in a walk of 10 s";
 }
 
 }  // namespace

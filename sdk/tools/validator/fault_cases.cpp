@@ -22,11 +22,9 @@ constexpr double kImuCall_s = 5e-3, kFrameCall_s = 33e-3;
 constexpr double kMemory_mb = 512;
 
 /// Passes modified input: no crash, no fatal status, no non-finite number.
-std::string survives(Bench& bench, const std::vector<AnyMessage>& messages,
-                     const std::function<void(AnyMessage&)>& change = {}) {
-  std::string why;
-  const auto subject = bench.started(why);
-  if (!subject) return why;
+Verdict survives(Bench& bench, const std::vector<AnyMessage>& messages,
+                 const std::function<void(AnyMessage&)>& change = {}) {
+  const auto subject = bench.started();
   Handling handling;
   handling.change = change;
   subject->process(messages, handling);
@@ -67,32 +65,32 @@ Handling every_tenth(double value) {
   };
   return handling;
 }
-std::string zeros(Bench& bench) { return survives(bench, bench.input, every_tenth(0.0).change); }
-std::string subnormal(Bench& bench) {
+Verdict zeros(Bench& bench) { return survives(bench, bench.input, every_tenth(0.0).change); }
+Verdict subnormal(Bench& bench) {
   return survives(bench, bench.input, every_tenth(std::numeric_limits<double>::denorm_min()).change);
 }
 
-std::string huge(Bench& bench) { return survives(bench, bench.input, every_tenth(1e300).change); }
-std::string not_a_number(Bench& bench) { return survives(bench, bench.input, every_tenth(std::nan("")).change); }
+Verdict huge(Bench& bench) { return survives(bench, bench.input, every_tenth(1e300).change); }
+Verdict not_a_number(Bench& bench) { return survives(bench, bench.input, every_tenth(std::nan("")).change); }
 
-std::string long_steps(Bench& bench) {
-  if (!bench.wants(ODO_TYPE_STEP)) return "~it receives no steps";
+Verdict long_steps(Bench& bench) {
+  if (!bench.wants(ODO_TYPE_STEP)) return not_applicable("it receives no steps");
   return survives(bench, bench.input, [](AnyMessage& message) {
     if (message.header().type == ODO_TYPE_STEP) reinterpret_cast<odo_step&>(message.header()).length_m = 700;
   });
 }
 
-std::string only(Bench& bench, uint32_t type) {
-  if (!bench.wants(type)) return "~it is given no " + message_name(type);
+Verdict only(Bench& bench, uint32_t type) {
+  if (!bench.wants(type)) return not_applicable("it is given no " + message_name(type));
   std::vector<AnyMessage> some;
   for (const AnyMessage& message : bench.input)
     if (message.header().type == type) some.push_back(message);
   return survives(bench, some);
 }
-std::string only_imu(Bench& bench) { return only(bench, ODO_TYPE_IMU); }
+Verdict only_imu(Bench& bench) { return only(bench, ODO_TYPE_IMU); }
 
-std::string without_imu(Bench& bench) {
-  if (!bench.wants(ODO_TYPE_IMU)) return "~it receives no imu";
+Verdict without_imu(Bench& bench) {
+  if (!bench.wants(ODO_TYPE_IMU)) return not_applicable("it receives no imu");
   std::vector<AnyMessage> some;
   for (const AnyMessage& message : bench.input)
     if (message.header().type != ODO_TYPE_IMU) some.push_back(message);
@@ -108,35 +106,35 @@ void shift(AnyMessage& message, int64_t by_ns) {
   reinterpret_cast<odo_step&>(message.header()).t_end_ns += by_ns;
 }
 
-std::string gap(Bench& bench, int64_t gap_ns) {
+Verdict gap(Bench& bench, int64_t gap_ns) {
   const int64_t middle = TestInput::kStart_ns + 2'000'000'000;
   return survives(bench, bench.input, [=](AnyMessage& message) {
     if (message.header().t_ns > middle) shift(message, gap_ns);
   });
 }
-std::string short_gap(Bench& bench) { return gap(bench, 10'000'000'000); }
-std::string long_gap(Bench& bench) { return gap(bench, 3'600'000'000'000); }
-std::string late_clock(Bench& bench) {
+Verdict short_gap(Bench& bench) { return gap(bench, 10'000'000'000); }
+Verdict long_gap(Bench& bench) { return gap(bench, 3'600'000'000'000); }
+Verdict late_clock(Bench& bench) {
   return survives(bench, bench.input, [](AnyMessage& message) { shift(message, INT64_MAX / 2 - 60'000'000'000); });
 }
-std::string early_clock(Bench& bench) {
+Verdict early_clock(Bench& bench) {
   return survives(bench, bench.input, [](AnyMessage& message) { shift(message, INT64_MIN / 2); });
 }
 
-std::string twice(Bench& bench) {
+Verdict twice(Bench& bench) {
   std::vector<AnyMessage> doubled;
   for (const AnyMessage& message : bench.input) doubled.push_back(message), doubled.push_back(message);
   return survives(bench, doubled);
 }
 
-std::string backwards(Bench& bench) {
+Verdict backwards(Bench& bench) {
   auto reversed = bench.input;
   std::reverse(reversed.begin(), reversed.end());
   return survives(bench, reversed);
 }
 
 /// Flips bits anywhere after the header except in pointers; makes numbers finite again, as a host would.
-std::string fuzzed(Bench& bench) {
+Verdict fuzzed(Bench& bench) {
   uint32_t random = 99;
   const SampleGate gate;
   return survives(bench, bench.input, [&](AnyMessage& message) {
@@ -154,7 +152,7 @@ std::string fuzzed(Bench& bench) {
 }
 
 /// The host knows only the size of a vendor's message: a plugin that declares the type must check the rest.
-std::string vendors(Bench& bench) {
+Verdict vendors(Bench& bench) {
   constexpr uint32_t sizes[] = {32, 40, 48, 64, 96, 200, 4096};
   std::vector<AnyMessage> mixed;
   uint32_t random = 7, made = 0;
@@ -172,21 +170,21 @@ std::string vendors(Bench& bench) {
       mixed.emplace_back(*reinterpret_cast<const odo_header*>(bytes));
     }
   }
-  return made == 0 ? "~it declares no vendor messages" : survives(bench, mixed);
+  return made == 0 ? not_applicable("it declares no vendor messages") : survives(bench, mixed);
 }
 
-std::string unknown_flags(Bench& bench) {
+Verdict unknown_flags(Bench& bench) {
   return survives(bench, bench.input, [](AnyMessage& message) { message.header().flags |= 0xFFFF0000; });
 }
 
-std::string no_flags(Bench& bench) {
+Verdict no_flags(Bench& bench) {
   int count = 0;
   return survives(bench, bench.input, [&](AnyMessage& message) {
     if (++count % 5 == 0) message.header().flags = 0;
   });
 }
 
-std::string later_lists(Bench& bench) {
+Verdict later_lists(Bench& bench) {
   return survives(bench, bench.input, [](AnyMessage& message) {
     odo_header& h = message.header();
     if (h.type == ODO_TYPE_STEP) reinterpret_cast<odo_step&>(h).mode = 4711;
@@ -200,13 +198,11 @@ std::string later_lists(Bench& bench) {
 // ---- what it costs -------------------------------------------------------------------------------------------------
 
 /// The median of the best of three runs, so that a busy machine does not fail a good plugin.
-std::string fast_enough(Bench& bench, uint32_t type, double limit_s) {
-  if (!bench.wants(type)) return "~it is given no " + message_name(type);
+Verdict fast_enough(Bench& bench, uint32_t type, double limit_s) {
+  if (!bench.wants(type)) return not_applicable("it is given no " + message_name(type));
   double best = 1e9;
   for (int run = 0; run < 3 && best > limit_s; ++run) {
-    std::string why;
-    const auto subject = bench.started(why);
-    if (!subject) return why;
+    const auto subject = bench.started();
     std::vector<double> of_type;
     for (const AnyMessage& message : bench.input) {
       if (of_type.size() >= 30) break;
@@ -220,18 +216,17 @@ std::string fast_enough(Bench& bench, uint32_t type, double limit_s) {
   return "a call takes " + std::to_string(best * 1e3) + " ms in the median; expected less than " +
          std::to_string(limit_s * 1e3);
 }
-std::string imu_time(Bench& bench) { return fast_enough(bench, ODO_TYPE_IMU, kImuCall_s); }
-std::string frame_time(Bench& bench) { return fast_enough(bench, ODO_TYPE_FRAME, kFrameCall_s); }
-std::string motion_time(Bench& bench) { return fast_enough(bench, ODO_TYPE_VO_MOTION, kImuCall_s); }
+Verdict imu_time(Bench& bench) { return fast_enough(bench, ODO_TYPE_IMU, kImuCall_s); }
+Verdict frame_time(Bench& bench) { return fast_enough(bench, ODO_TYPE_FRAME, kFrameCall_s); }
+Verdict motion_time(Bench& bench) { return fast_enough(bench, ODO_TYPE_VO_MOTION, kImuCall_s); }
 
-std::string memory(Bench& bench) {
-  std::string why;
-  bench.run(bench.input, {}, why);
+Verdict memory(Bench& bench) {
+  bench.run(bench.input, {});
   std::ifstream file("/proc/self/statm");
   double all = 0, resident = 0;
   file >> all >> resident;
   const double mb = resident * static_cast<double>(sysconf(_SC_PAGESIZE)) / 1e6;
-  return !why.empty() ? why : mb < kMemory_mb ? "" : std::to_string(mb) + " MB; expected less than 512";
+  return mb < kMemory_mb ? "" : std::to_string(mb) + " MB; expected less than 512";
 }
 
 }  // namespace

@@ -136,10 +136,8 @@ void clear_invalid(std::vector<unsigned char>& event) {
 }
 
 /// The events if no message has the flag, with the fields as they are or changed.
-std::vector<std::vector<unsigned char>> events_without(Bench& bench, const Optional& row, bool changed,
-                                                       std::string& why) {
-  const auto subject = bench.started(why);
-  if (!subject) return {};
+std::vector<std::vector<unsigned char>> events_without(Bench& bench, const Optional& row, bool changed) {
+  const auto subject = bench.started();
   Handling handling;
   handling.change = [&](AnyMessage& message) {
     odo_header& header = message.header();
@@ -153,21 +151,19 @@ std::vector<std::vector<unsigned char>> events_without(Bench& bench, const Optio
   return events;
 }
 
-std::string validity_flags(Bench& bench) {
-  std::string why;
+Verdict validity_flags(Bench& bench) {
   size_t asked = 0;
   for (const Optional& row : kOptional) {
     const bool always_valid = row.type == ODO_TYPE_IMU && !bench.serves(ODO_INTERFACE_VO_FRONTEND);  // vo_frontend.h
     if (!bench.wants(row.type) || always_valid) continue;
     ++asked;
     note_phase(row.name);
-    const auto as_is = events_without(bench, row, false, why), other = events_without(bench, row, true, why);
-    if (!why.empty()) return why;
+    const auto as_is = events_without(bench, row, false), other = events_without(bench, row, true);
     if (const std::string found = difference(as_is, other); !found.empty())
       return "it uses what is valid only with " + std::string(row.name) + " without that flag: " + found +
              " when the values change";
   }
-  return asked ? "" : "~it receives nothing that has validity flags";
+  return asked ? Verdict() : not_applicable("it receives nothing that has validity flags");
 }
 
 }  // namespace

@@ -14,26 +14,25 @@ constexpr uint32_t kW = TestInput::kWidth, kH = TestInput::kHeight;
 odo_frame& frame_of(AnyMessage& message) { return reinterpret_cast<odo_frame&>(message.header()); }
 bool is_frame(const AnyMessage& message) { return message.header().type == ODO_TYPE_FRAME; }
 
-/// Runs the walk with each frame modified and returns the instance; null, with the reason in `why`, on failure.
-std::unique_ptr<Subject> walked(Bench& bench, std::string& why, const std::function<void(AnyMessage&)>& change) {
-  if (!bench.wants(ODO_TYPE_FRAME)) return why = "~it is given no frames", nullptr;
-  auto subject = bench.started(why);
+/// Runs the walk with each frame modified and returns the instance. Throws a Verdict on failure.
+std::unique_ptr<Subject> walked(Bench& bench, const std::function<void(AnyMessage&)>& change) {
+  if (!bench.wants(ODO_TYPE_FRAME)) throw not_applicable("it is given no frames");
+  auto subject = bench.started();
   if (!subject) return nullptr;
   Handling handling;
   handling.change = [&](AnyMessage& message) {
     if (is_frame(message)) change(message);
   };
   const int32_t status = subject->process(bench.input, handling);
-  if (status < 0) why = "process failed with status " + std::to_string(status);
+  if (status < 0) throw Verdict("process failed with status " + std::to_string(status));
   for (const std::string& breach : subject->breaches)
-    if (breach.starts_with("numbers")) why = breach;
+    if (breach.starts_with("numbers")) throw Verdict(breach);
   return subject;
 }
 
-std::string survives(Bench& bench, const std::function<void(AnyMessage&)>& change) {
-  std::string why;
-  walked(bench, why, change);
-  return why;
+Verdict survives(Bench& bench, const std::function<void(AnyMessage&)>& change) {
+  walked(bench, change);
+  return {};
 }
 
 void lend(AnyMessage& message, FrameLedger& ledger) {
@@ -44,65 +43,55 @@ void lend(AnyMessage& message, FrameLedger& ledger) {
 }
 
 /// Every retained frame must be released by destroy. Pixels stay valid while retained.
-std::string balance(Bench& bench) {
+Verdict balance(Bench& bench) {
   FrameLedger ledger;
-  std::string why;
-  auto subject = walked(bench, why, [&](AnyMessage& message) { lend(message, ledger); });
-  if (!subject) return why;
+  auto subject = walked(bench, [&](AnyMessage& message) { lend(message, ledger); });
   if (ledger.released > ledger.retained) return "released more often than retained";
   subject->destroy();
-  if (!why.empty()) return why;
   if (ledger.released == ledger.retained) return "";
   return "retained " + std::to_string(ledger.retained) + " times, released " + std::to_string(ledger.released) +
          " times";
 }
 
-std::string quota(Bench& bench) {
+Verdict quota(Bench& bench) {
   FrameLedger ledger;
   int most = 0;
-  std::string why;
-  const auto subject = walked(bench, why, [&](AnyMessage& message) {
+  const auto subject = walked(bench, [&](AnyMessage& message) {
     most = std::max(most, ledger.retained - ledger.released);
     lend(message, ledger);
   });
-  if (!subject) return why;
-  return most <= 7 ? why
+  return most <= 7 ? ""
                    : "it holds " + std::to_string(most) +
                          " frames at once; a host provides 8, one of them for the next frame";
 }
 
-std::string exhausted(Bench& bench) {
+Verdict exhausted(Bench& bench) {
   FrameLedger ledger;
   ledger.refuse = true;
-  std::string why;
-  const auto subject = walked(bench, why, [&](AnyMessage& message) { lend(message, ledger); });
-  if (!subject) return why;
-  return ledger.released == 0 ? why : "it released a frame that it could not retain";
+  const auto subject = walked(bench, [&](AnyMessage& message) { lend(message, ledger); });
+  return ledger.released == 0 ? "" : "it released a frame that it could not retain";
 }
 
 /// Read-only pixels at the end of a page that is unmapped after the call.
-std::string gone(Bench& bench) {
-  if (!bench.wants(ODO_TYPE_FRAME)) return "~it is given no frames";
-  std::string why;
+Verdict gone(Bench& bench) {
+  if (!bench.wants(ODO_TYPE_FRAME)) return not_applicable("it is given no frames");
   Handling handling;
   handling.guarded = true;
-  const auto plain = bench.run(bench.input, {}, why), other = bench.run(bench.input, handling, why);
-  return why.empty() ? difference(plain, other) : why;
+  const auto plain = bench.run(bench.input, {}), other = bench.run(bench.input, handling);
+  return difference(plain, other);
 }
 
 /// Larger strides: the padding between rows is not part of the picture.
-std::string strides(Bench& bench) {
-  std::string why;
+Verdict strides(Bench& bench) {
   std::vector<std::vector<uint8_t>> kept;
-  const auto plain = bench.run(bench.input, {}, why);
-  const auto subject = walked(bench, why, [&](AnyMessage& message) {
+  const auto plain = bench.run(bench.input, {});
+  const auto subject = walked(bench, [&](AnyMessage& message) {
     auto& wide = kept.emplace_back((kW + 24) * kH, uint8_t(0xEE));
     odo_frame& frame = frame_of(message);
     for (uint32_t y = 0; y < kH; ++y) std::memcpy(&wide[y * (kW + 24)], frame.planes[0].data + y * kW, kW);
     frame.planes[0].data = wide.data();
     frame.planes[0].row_stride = kW + 24;
   });
-  if (!subject || !why.empty()) return why;
   return difference(plain, subject->bytes());
 }
 
@@ -126,43 +115,40 @@ void as_format(AnyMessage& message, uint32_t format, std::vector<uint8_t>& pixel
   }
 }
 
-std::string format_as_grey(Bench& bench, uint32_t format) {
-  std::string why;
+Verdict format_as_grey(Bench& bench, uint32_t format) {
   std::vector<std::vector<uint8_t>> kept;
-  const auto plain = bench.run(bench.input, {}, why);
-  const auto subject =
-      walked(bench, why, [&](AnyMessage& message) { as_format(message, format, kept.emplace_back()); });
-  if (!subject || !why.empty()) return why;
+  const auto plain = bench.run(bench.input, {});
+  const auto subject = walked(bench, [&](AnyMessage& message) { as_format(message, format, kept.emplace_back()); });
   return difference(plain, subject->bytes());
 }
-std::string nv12(Bench& bench) { return format_as_grey(bench, ODO_FORMAT_NV12); }
-std::string nv21(Bench& bench) { return format_as_grey(bench, ODO_FORMAT_NV21); }
-std::string yuv420(Bench& bench) { return format_as_grey(bench, ODO_FORMAT_YUV420); }
-std::string rgb(Bench& bench) { return format_as_grey(bench, ODO_FORMAT_RGB8); }
-std::string rgba(Bench& bench) { return format_as_grey(bench, ODO_FORMAT_RGBA8); }
-std::string bgra(Bench& bench) { return format_as_grey(bench, ODO_FORMAT_BGRA8); }
+Verdict nv12(Bench& bench) { return format_as_grey(bench, ODO_FORMAT_NV12); }
+Verdict nv21(Bench& bench) { return format_as_grey(bench, ODO_FORMAT_NV21); }
+Verdict yuv420(Bench& bench) { return format_as_grey(bench, ODO_FORMAT_YUV420); }
+Verdict rgb(Bench& bench) { return format_as_grey(bench, ODO_FORMAT_RGB8); }
+Verdict rgba(Bench& bench) { return format_as_grey(bench, ODO_FORMAT_RGBA8); }
+Verdict bgra(Bench& bench) { return format_as_grey(bench, ODO_FORMAT_BGRA8); }
 
-std::string later_format(Bench& bench) {
+Verdict later_format(Bench& bench) {
   return survives(bench, [](AnyMessage& message) { frame_of(message).format = 99; });
 }
 
-std::string other_size(Bench& bench) {
+Verdict other_size(Bench& bench) {
   int count = 0;
   return survives(bench, [&](AnyMessage& message) {
     if (++count % 3 == 0) frame_of(message).width = kW / 2, frame_of(message).height = kH / 2;
   });
 }
 
-std::string tiny(Bench& bench) {
+Verdict tiny(Bench& bench) {
   return survives(bench, [](AnyMessage& message) { frame_of(message).width = frame_of(message).height = 1; });
 }
 
-std::string black(Bench& bench) {
+Verdict black(Bench& bench) {
   static const std::vector<uint8_t> pixels(kW * kH, 0);
   return survives(bench, [](AnyMessage& message) { frame_of(message).planes[0].data = pixels.data(); });
 }
 
-std::string noise(Bench& bench) {
+Verdict noise(Bench& bench) {
   std::vector<std::vector<uint8_t>> kept;
   uint32_t random = 1;
   return survives(bench, [&](AnyMessage& message) {
@@ -172,7 +158,7 @@ std::string noise(Bench& bench) {
   });
 }
 
-std::string masked(Bench& bench) {
+Verdict masked(Bench& bench) {
   static const std::vector<uint8_t> mask(kW * kH, 0);
   return survives(bench, [](AnyMessage& message) {
     frame_of(message).mask = {mask.data(), kW, 1, 0};
@@ -180,12 +166,12 @@ std::string masked(Bench& bench) {
   });
 }
 
-std::string unknown_camera(Bench& bench) {
+Verdict unknown_camera(Bench& bench) {
   return survives(bench, [](AnyMessage& message) { message.header().source = 7; });
 }
 
 /// Varies the focal length by 3 % and back, like autofocus.
-std::string autofocus(Bench& bench) {
+Verdict autofocus(Bench& bench) {
   int count = 0;
   return survives(bench, [&](AnyMessage& message) {
     odo_frame& frame = frame_of(message);
@@ -195,14 +181,12 @@ std::string autofocus(Bench& bench) {
   });
 }
 
-std::string no_calibration(Bench& bench) {
-  if (!bench.wants(ODO_TYPE_FRAME)) return "~it is given no frames";
+Verdict no_calibration(Bench& bench) {
+  if (!bench.wants(ODO_TYPE_FRAME)) return not_applicable("it is given no frames");
   std::vector<AnyMessage> without;
   for (const AnyMessage& message : bench.input)
     if (message.header().type != ODO_TYPE_CALIBRATION) without.push_back(message);
-  std::string why;
-  const auto subject = bench.started(why);
-  if (!subject) return why;
+  const auto subject = bench.started();
   const int32_t status = subject->process(without);
   return status >= 0 ? "" : "process failed with status " + std::to_string(status) + " without a camera description";
 }

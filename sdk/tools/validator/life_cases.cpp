@@ -38,26 +38,25 @@ double resident_mb() {
   return resident * static_cast<double>(sysconf(_SC_PAGESIZE)) / 1e6;
 }
 
-std::string create_and_destroy(Bench& bench) {
+Verdict create_and_destroy(Bench& bench) {
   const auto subject = bench.subject();
   const int32_t status = subject->create();
   return status >= 0 ? "" : status_text("create", status);
 }
 
-std::string starts(Bench& bench) {
-  std::string why;
-  bench.started(why);
-  return why;
+Verdict starts(Bench& bench) {
+  bench.started();
+  return {};
 }
 
-std::string destroyed_before_activate(Bench& bench) {
+Verdict destroyed_before_activate(Bench& bench) {
   const auto subject = bench.subject();
   int32_t status = subject->create();
   if (status >= 0) status = subject->configure(bench.values);
   return status >= 0 ? "" : status_text("configure", status);
 }
 
-std::string other_kind(Bench& bench) {
+Verdict other_kind(Bench& bench) {
   note_phase("create");
   odo_instance* instance = nullptr;
   const std::string strange = "odo.of_a_later_version/7";
@@ -67,7 +66,7 @@ std::string other_kind(Bench& bench) {
   return instance ? "it refused and left an instance behind" : "";
 }
 
-std::string every_kind(Bench& bench) {
+Verdict every_kind(Bench& bench) {
   for (uint32_t i = 0; i < bench.table().interface_count; ++i) {
     const odo_string& kind = bench.table().interfaces[i];
     Subject subject(bench.table(), bench.host, {kind.data, static_cast<size_t>(kind.size)});
@@ -77,7 +76,7 @@ std::string every_kind(Bench& bench) {
   return "";
 }
 
-std::string no_services(Bench& bench) {
+Verdict no_services(Bench& bench) {
   odo_host bare = bench.host;
   bare.get_service = [](const odo_host*, const char*, uint64_t) -> const void* { return nullptr; };
   Subject subject(bench.table(), bare, bench.interface_id);
@@ -89,11 +88,9 @@ std::string no_services(Bench& bench) {
 }
 
 /// Sequentially and in parallel: the output of one instance must not depend on others.
-std::string independent(Bench& bench) {
-  std::string why;
-  const auto alone = bench.run(bench.input, {}, why);
-  const auto one = bench.started(why), other = bench.started(why);
-  if (!why.empty()) return why;
+Verdict independent(Bench& bench) {
+  const auto alone = bench.run(bench.input, {});
+  const auto one = bench.started(), other = bench.started();
   for (const AnyMessage& message : bench.input) {
     one->process({message});
     AnyMessage later = message;
@@ -104,26 +101,21 @@ std::string independent(Bench& bench) {
   return difference(alone, one->bytes());
 }
 
-std::string many(Bench& bench) {
-  std::string why;
+Verdict many(Bench& bench) {
   std::vector<std::unique_ptr<Subject>> all;
-  for (int i = 0; i < 20 && why.empty(); ++i) all.push_back(bench.started(why));
-  return why;
+  for (int i = 0; i < 20; ++i) all.push_back(bench.started());
+  return {};
 }
 
-std::string other_thread(Bench& bench) {
-  std::string why;
-  const auto here = bench.run(bench.input, {}, why);
-  const auto subject = bench.started(why);
-  if (!why.empty()) return why;
+Verdict other_thread(Bench& bench) {
+  const auto here = bench.run(bench.input, {});
+  const auto subject = bench.started();
   std::thread([&] { subject->process(bench.input); }).join();
   return difference(here, subject->bytes());
 }
 
-std::string no_breach_about(Bench& bench, const char* beginning) {
-  std::string why;
-  const auto subject = bench.started(why);
-  if (!subject) return why;
+Verdict no_breach_about(Bench& bench, const char* beginning) {
+  const auto subject = bench.started();
   subject->process(bench.input);
   if (bench.table().reset) subject->reset();
   subject->destroy();
@@ -132,29 +124,23 @@ std::string no_breach_about(Bench& bench, const char* beginning) {
     if (breach.starts_with(beginning)) return breach;
   return "";
 }
-std::string emits_in_process(Bench& bench) { return no_breach_about(bench, "phase"); }
-std::string emits_on_thread(Bench& bench) { return no_breach_about(bench, "thread"); }
+Verdict emits_in_process(Bench& bench) { return no_breach_about(bench, "phase"); }
+Verdict emits_on_thread(Bench& bench) { return no_breach_about(bench, "thread"); }
 
-std::string leaves_no_thread(Bench& bench) {
-  std::string why;
-  bench.run(bench.input, {}, why);  // excludes what a library starts once for all instances
+Verdict leaves_no_thread(Bench& bench) {
+  bench.run(bench.input, {});  // excludes what a library starts once for all instances
   const size_t before = entries_of("/proc/self/task");
-  for (int i = 0; i < 5 && why.empty(); ++i) bench.run(bench.input, {}, why);
+  for (int i = 0; i < 5; ++i) bench.run(bench.input, {});
   const size_t after = entries_of("/proc/self/task");
-  return !why.empty()      ? why
-         : after <= before ? ""
-                           : std::to_string(after - before) + " threads more after five instances";
+  return after <= before ? "" : std::to_string(after - before) + " threads more after five instances";
 }
 
-std::string leaves_no_file(Bench& bench) {
-  std::string why;
-  bench.run(bench.input, {}, why);
+Verdict leaves_no_file(Bench& bench) {
+  bench.run(bench.input, {});
   const size_t before = entries_of("/proc/self/fd");
-  for (int i = 0; i < 5 && why.empty(); ++i) bench.run(bench.input, {}, why);
+  for (int i = 0; i < 5; ++i) bench.run(bench.input, {});
   const size_t after = entries_of("/proc/self/fd");
-  return !why.empty()      ? why
-         : after <= before ? ""
-                           : std::to_string(after - before) + " files more are open after five instances";
+  return after <= before ? "" : std::to_string(after - before) + " files more are open after five instances";
 }
 
 /// Returns freed memory to the system; leaks would hide in it.
@@ -166,11 +152,10 @@ void trim_heap() {
 
 /// A hundred instances to warm up, then four times 250. A leak grows in each round, the allocator's pools only
 /// occasionally; so the smallest growth counts, times four. A leak of 2 kB per instance shows as 2 MB.
-std::string does_not_leak(Bench& bench) {
+Verdict does_not_leak(Bench& bench) {
   constexpr int rounds = 4, instances = 250;
-  std::string why;
   const auto cycle = [&](int count) {
-    for (int i = 0; i < count && why.empty(); ++i) bench.run({}, {}, why);
+    for (int i = 0; i < count; ++i) bench.run({}, {});
     trim_heap();
     return resident_mb();
   };
@@ -179,15 +164,12 @@ std::string does_not_leak(Bench& bench) {
     const double now = cycle(instances);
     smallest = std::min(smallest, now - before), before = now;
   }
-  if (!why.empty()) return why;
   const double more = rounds * smallest;
   return more < 2.0 ? "" : std::to_string(more) + " MB more after 1000 instances; expected less than 2";
 }
 
-std::string does_not_grow(Bench& bench) {
-  std::string why;
-  const auto subject = bench.started(why);
-  if (!subject) return why;
+Verdict does_not_grow(Bench& bench) {
+  const auto subject = bench.started();
   const auto walk = [&](int round) {
     Handling later;
     later.change = [=](AnyMessage& message) {
@@ -212,11 +194,9 @@ std::string does_not_grow(Bench& bench) {
   return more < 16.0 ? "" : std::to_string(more) + " MB more after six walks of 5 s; expected less than 16";
 }
 
-std::string unknown_extension(Bench& bench) {
-  if (!bench.table().get_interface) return "~it has no get_interface";
-  std::string why;
-  const auto subject = bench.started(why);
-  if (!subject) return why;
+Verdict unknown_extension(Bench& bench) {
+  if (!bench.table().get_interface) return not_applicable("it has no get_interface");
+  const auto subject = bench.started();
   note_phase("get_interface");
   return bench.table().get_interface(subject->instance(), "vendor.none/1", 13) ? "it returned a table for an unknown id"
                                                                                : "";
@@ -224,29 +204,28 @@ std::string unknown_extension(Bench& bench) {
 
 // ---- save and load -------------------------------------------------------------------------------------------------
 
-std::vector<uint8_t> saved(const Bench& bench, const Subject& subject, std::string& why) {
+/// Throws a Verdict if saving fails.
+std::vector<uint8_t> saved(const Bench& bench, const Subject& subject) {
   note_phase("save");
   const auto save = bench.table().save;
   const int64_t needed = save(subject.instance(), nullptr, 0);
   if (needed < 0 || needed > int64_t{ODO_LARGEST_STATE})
-    return why = status_text("save", static_cast<int32_t>(needed)), std::vector<uint8_t>();
+    throw Verdict(status_text("save", static_cast<int32_t>(needed)));
   std::vector<uint8_t> bytes(static_cast<size_t>(needed) + 64, 0x5A);
   if (save(subject.instance(), bytes.data(), static_cast<uint64_t>(needed)) != needed)
-    why = "save returned another size when called again";
+    throw Verdict("save returned another size when called again");
   for (size_t i = static_cast<size_t>(needed); i < bytes.size(); ++i)
-    if (bytes[i] != 0x5A) why = "save wrote beyond the capacity";
+    if (bytes[i] != 0x5A) throw Verdict("save wrote beyond the capacity");
   bytes.resize(static_cast<size_t>(needed));
   return bytes;
 }
 
-std::string save_keeps_to_capacity(Bench& bench) {
-  if (!bench.table().save) return "~it saves nothing";
-  std::string why;
-  const auto subject = bench.started(why);
-  if (!subject) return why;
+Verdict save_keeps_to_capacity(Bench& bench) {
+  if (!bench.table().save) return not_applicable("it saves nothing");
+  const auto subject = bench.started();
   subject->process(bench.input);
-  const auto bytes = saved(bench, *subject, why);
-  if (!why.empty() || bytes.empty()) return why;
+  const auto bytes = saved(bench, *subject);
+  if (bytes.empty()) return {};
   std::vector<uint8_t> small(bytes.size(), 0x5A);
   bench.table().save(subject->instance(), small.data(), bytes.size() - 1);
   return std::all_of(small.begin(), small.end(), [](uint8_t b) { return b == 0x5A; })
@@ -254,27 +233,22 @@ std::string save_keeps_to_capacity(Bench& bench) {
              : "save wrote although the capacity was too small";
 }
 
-std::string round_trip(Bench& bench) {
-  if (!bench.table().save || !bench.table().load) return "~it saves nothing";
-  std::string why;
-  const auto one = bench.started(why), other = bench.started(why);
-  if (!why.empty()) return why;
+Verdict round_trip(Bench& bench) {
+  if (!bench.table().save || !bench.table().load) return not_applicable("it saves nothing");
+  const auto one = bench.started(), other = bench.started();
   one->process(bench.input);
-  const auto bytes = saved(bench, *one, why);
-  if (!why.empty()) return why;
-  if (bytes.empty()) return "~it has nothing to save";
+  const auto bytes = saved(bench, *one);
+  if (bytes.empty()) return not_applicable("it has nothing to save");
   note_phase("load");
   if (const int32_t status = bench.table().load(other->instance(), bytes.data(), bytes.size()); status < 0)
     return status_text("loading what it saved", status);
-  return saved(bench, *other, why) == bytes ? why : "after loading, it saves a different state";
+  return saved(bench, *other) == bytes ? "" : "after loading, it saves a different state";
 }
 
-std::string damaged_state(Bench& bench) {
-  if (!bench.table().load) return "~it loads nothing";
-  std::string why;
-  const auto subject = bench.started(why);
-  if (!subject) return why;
-  auto bytes = bench.table().save ? saved(bench, *subject, why) : std::vector<uint8_t>();
+Verdict damaged_state(Bench& bench) {
+  if (!bench.table().load) return not_applicable("it loads nothing");
+  const auto subject = bench.started();
+  auto bytes = bench.table().save ? saved(bench, *subject) : std::vector<uint8_t>();
   uint32_t random = 12345;
   for (int i = 0; i < 300; ++i) {
     auto bad = bytes;
@@ -289,18 +263,16 @@ std::string damaged_state(Bench& bench) {
   if (status <= ODO_E_ERROR) return status_text("after damaged states process", status);
   for (const std::string& breach : subject->breaches)
     if (breach.starts_with("numbers")) return "after damaged states it " + breach.substr(9);
-  return why;
+  return {};
 }
 
-std::string foreign_state(Bench& bench) {
-  if (!bench.table().load || !bench.table().save) return "~it saves nothing";
-  std::string why;
-  const auto subject = bench.started(why);
-  if (!subject) return why;
-  if (saved(bench, *subject, why).empty()) return "~it has nothing to save";
+Verdict foreign_state(Bench& bench) {
+  if (!bench.table().load || !bench.table().save) return not_applicable("it saves nothing");
+  const auto subject = bench.started();
+  if (saved(bench, *subject).empty()) return not_applicable("it has nothing to save");
   const char text[] = "this was saved by somebody else, long ago and in another format";
   note_phase("load");
-  return bench.table().load(subject->instance(), text, sizeof text) < 0 ? why : "it accepted a text as a saved state";
+  return bench.table().load(subject->instance(), text, sizeof text) < 0 ? "" : "it accepted a text as a saved state";
 }
 
 }  // namespace

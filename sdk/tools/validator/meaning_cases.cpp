@@ -37,21 +37,19 @@ std::vector<std::pair<const SeenEvent*, const Event*>> all_of(const Subject& sub
   return found;
 }
 
-/// Runs the walk and checks all events of a type; "~..." if the plugin does not emit it.
+/// Runs the walk and checks all events of a type; not applicable if the plugin does not emit it.
 template <class Event, class Ask>
-std::string of_all(Bench& bench, uint32_t type, Ask&& ask) {
-  if (!bench.gives(type)) return "~it emits no " + message_name(type);
-  std::string why;
-  const Subject* subject = bench.walked(why);
-  if (!subject) return why;
+Verdict of_all(Bench& bench, uint32_t type, Ask&& ask) {
+  if (!bench.gives(type)) return not_applicable("it emits no " + message_name(type));
+  const Subject* subject = bench.walked();
   return ask(all_of<Event>(*subject, type));
 }
 std::string at(const odo_header& h) { return " (t_ns = " + std::to_string(h.t_ns) + ")"; }
 
 // ---- attitude ------------------------------------------------------------------------------------------------------
 
-std::string attitude_each(Bench& bench) {
-  if (!bench.serves(ODO_INTERFACE_ATTITUDE)) return "~it is not an attitude plugin";
+Verdict attitude_each(Bench& bench) {
+  if (!bench.serves(ODO_INTERFACE_ATTITUDE)) return not_applicable("it is not an attitude plugin");
   return of_all<odo_attitude>(bench, ODO_TYPE_ATTITUDE, [&](const auto& all) -> std::string {
     size_t next = 0;
     bool begun = false;
@@ -65,7 +63,7 @@ std::string attitude_each(Bench& bench) {
   });
 }
 
-std::string attitude_up(Bench& bench) {
+Verdict attitude_up(Bench& bench) {
   return of_all<odo_attitude>(bench, ODO_TYPE_ATTITUDE, [](const auto& all) -> std::string {
     if (all.empty()) return "it emitted no attitude";
     const Eigen::Vector3d up_n = raw_quaternion(all.back().second->q_n_b) * Eigen::Vector3d::UnitZ();
@@ -78,7 +76,7 @@ std::string attitude_up(Bench& bench) {
 
 // ---- steps ---------------------------------------------------------------------------------------------------------
 
-std::string step_length(Bench& bench) {
+Verdict step_length(Bench& bench) {
   return of_all<odo_step>(bench, ODO_TYPE_STEP, [](const auto& all) -> std::string {
     for (const auto& [seen, step] : all)
       if (step->length_m < kShortestStep_m || step->length_m > kLongestStep_m)
@@ -87,7 +85,7 @@ std::string step_length(Bench& bench) {
   });
 }
 
-std::string step_frequency(Bench& bench) {
+Verdict step_frequency(Bench& bench) {
   return of_all<odo_step>(bench, ODO_TYPE_STEP, [](const auto& all) -> std::string {
     for (const auto& [seen, step] : all)
       if (step->frequency_hz <= 0 || step->frequency_hz > kFastestStep_hz)
@@ -96,7 +94,7 @@ std::string step_frequency(Bench& bench) {
   });
 }
 
-std::string step_order(Bench& bench) {
+Verdict step_order(Bench& bench) {
   return of_all<odo_step>(bench, ODO_TYPE_STEP, [](const auto& all) -> std::string {
     for (size_t i = 1; i < all.size(); ++i)
       if (all[i].second->t_start_ns < all[i - 1].second->t_end_ns)
@@ -105,7 +103,7 @@ std::string step_order(Bench& bench) {
   });
 }
 
-std::string step_times(Bench& bench) {
+Verdict step_times(Bench& bench) {
   return of_all<odo_step>(bench, ODO_TYPE_STEP, [](const auto& all) -> std::string {
     for (const auto& [seen, step] : all) {
       if (step->t_end_ns > step->header.t_ns) return "t_end_ns is after the step's own time" + at(step->header);
@@ -117,7 +115,7 @@ std::string step_times(Bench& bench) {
 
 /// The first steps of a walk may be held back until the walk is confirmed: they arrive together with a timely one, long
 /// after the previous walk's last step.
-std::string step_late(Bench& bench) {
+Verdict step_late(Bench& bench) {
   return of_all<odo_step>(bench, ODO_TYPE_STEP, [](const auto& all) -> std::string {
     int64_t last_end_ns = INT64_MIN;  // of the earlier calls
     for (size_t i = 0; i < all.size();) {
@@ -140,7 +138,7 @@ std::string step_late(Bench& bench) {
   });
 }
 
-std::string step_index(Bench& bench) {
+Verdict step_index(Bench& bench) {
   return of_all<odo_step>(bench, ODO_TYPE_STEP, [](const auto& all) -> std::string {
     for (size_t i = 0; i < all.size(); ++i)
       if (all[i].second->index != i)
@@ -149,7 +147,7 @@ std::string step_index(Bench& bench) {
   });
 }
 
-std::string mode_changes(Bench& bench) {
+Verdict mode_changes(Bench& bench) {
   return of_all<odo_motion_mode>(bench, ODO_TYPE_MOTION_MODE, [](const auto& all) -> std::string {
     for (size_t i = 1; i < all.size(); ++i)
       if (all[i].second->mode == all[i - 1].second->mode)
@@ -160,8 +158,8 @@ std::string mode_changes(Bench& bench) {
 
 // ---- odometry ------------------------------------------------------------------------------------------------------
 
-std::string motion_each(Bench& bench) {
-  if (!bench.serves(ODO_INTERFACE_VO_FRONTEND)) return "~it is no front-end";
+Verdict motion_each(Bench& bench) {
+  if (!bench.serves(ODO_INTERFACE_VO_FRONTEND)) return not_applicable("it is no front-end");
   return of_all<odo_vo_motion>(bench, ODO_TYPE_VO_MOTION, [&](const auto& all) -> std::string {
     std::vector<int64_t> frames;
     for (const AnyMessage& message : bench.input)
@@ -179,7 +177,7 @@ std::string motion_each(Bench& bench) {
   });
 }
 
-std::string motion_reason(Bench& bench) {
+Verdict motion_reason(Bench& bench) {
   return of_all<odo_vo_motion>(bench, ODO_TYPE_VO_MOTION, [](const auto& all) -> std::string {
     for (const auto& [seen, motion] : all) {
       if (motion->state == ODO_LOST && motion->reason == ODO_REASON_NONE)
@@ -192,7 +190,7 @@ std::string motion_reason(Bench& bench) {
   });
 }
 
-std::string motion_speed(Bench& bench) {
+Verdict motion_speed(Bench& bench) {
   return of_all<odo_vo_motion>(bench, ODO_TYPE_VO_MOTION, [](const auto& all) -> std::string {
     for (const auto& [seen, motion] : all) {
       if (!(motion->header.flags & ODO_VO_METRIC)) continue;
@@ -204,7 +202,7 @@ std::string motion_speed(Bench& bench) {
   });
 }
 
-std::string motion_camera(Bench& bench) {
+Verdict motion_camera(Bench& bench) {
   return of_all<odo_vo_motion>(bench, ODO_TYPE_VO_MOTION, [](const auto& all) -> std::string {
     for (const auto& [seen, motion] : all)
       if (motion->camera != 0)
@@ -213,8 +211,8 @@ std::string motion_camera(Bench& bench) {
   });
 }
 
-std::string refined(Bench& bench) {
-  if (!bench.serves(ODO_INTERFACE_VO_FRONTEND)) return "~it is no front-end";
+Verdict refined(Bench& bench) {
+  if (!bench.serves(ODO_INTERFACE_VO_FRONTEND)) return not_applicable("it is no front-end");
   return of_all<odo_refined>(bench, ODO_TYPE_REFINED, [](const auto& all) -> std::string {
     int64_t last_ns = INT64_MIN / 2;
     for (const auto& [seen, c] : all) {
@@ -229,7 +227,7 @@ std::string refined(Bench& bench) {
 
 // ---- scales and fixes ----------------------------------------------------------------------------------------------
 
-std::string scale_unit(Bench& bench) {
+Verdict scale_unit(Bench& bench) {
   return of_all<odo_scale>(bench, ODO_TYPE_SCALE, [](const auto& all) -> std::string {
     for (const auto& [seen, scale] : all) {
       const double times = scale->scale / (TestInput::kSpeed_mps / TestInput::kUnit_mps);
@@ -240,7 +238,7 @@ std::string scale_unit(Bench& bench) {
   });
 }
 
-std::string scale_group(Bench& bench) {
+Verdict scale_group(Bench& bench) {
   return of_all<odo_scale>(bench, ODO_TYPE_SCALE, [](const auto& all) -> std::string {
     for (const auto& [seen, scale] : all)
       if (scale->scale_group != 3)
@@ -250,7 +248,7 @@ std::string scale_group(Bench& bench) {
   });
 }
 
-std::string scale_interval(Bench& bench) {
+Verdict scale_interval(Bench& bench) {
   return of_all<odo_scale>(bench, ODO_TYPE_SCALE, [&](const auto& all) -> std::string {
     for (const auto& [seen, scale] : all)
       if (scale->valid_from_ns >= scale->valid_to_ns)
@@ -269,7 +267,7 @@ std::string scale_interval(Bench& bench) {
   });
 }
 
-std::string scale_sigma(Bench& bench) {
+Verdict scale_sigma(Bench& bench) {
   return of_all<odo_scale>(bench, ODO_TYPE_SCALE, [](const auto& all) -> std::string {
     for (const auto& [seen, scale] : all)
       if (scale->sigma < 0 || scale->sigma > 1e3 * std::max(scale->scale, 1e-9))
@@ -278,7 +276,7 @@ std::string scale_sigma(Bench& bench) {
   });
 }
 
-std::string fix_says(Bench& bench) {
+Verdict fix_says(Bench& bench) {
   return of_all<odo_fix>(bench, ODO_TYPE_FIX, [](const auto& all) -> std::string {
     for (const auto& [seen, fix] : all)
       if ((fix->header.flags & 127) == 0) return "a fix without a valid component" + at(fix->header);
@@ -286,7 +284,7 @@ std::string fix_says(Bench& bench) {
   });
 }
 
-std::string fix_place(Bench& bench) {
+Verdict fix_place(Bench& bench) {
   return of_all<odo_fix>(bench, ODO_TYPE_FIX, [](const auto& all) -> std::string {
     for (const auto& [seen, fix] : all) {
       for (int i = 0; i < 3; ++i)
@@ -300,7 +298,7 @@ std::string fix_place(Bench& bench) {
 }
 
 /// A terrain height below a pose is new information; a position derived from a pose is not.
-std::string fix_echo(Bench& bench) {
+Verdict fix_echo(Bench& bench) {
   return of_all<odo_fix>(bench, ODO_TYPE_FIX, [&](const auto& all) -> std::string {
     constexpr uint32_t place = ODO_FIX_NORTH | ODO_FIX_EAST;
     size_t echoes = 0;

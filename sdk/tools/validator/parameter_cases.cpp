@@ -15,8 +15,8 @@ namespace {
 
 /// Checks each row; returns the first non-empty result, preceded by the parameter's name.
 template <class Ask>
-std::string of_each(Bench& bench, Ask&& ask) {
-  if (bench.choice.manifest.parameters.empty()) return "~it has no parameters";
+Verdict of_each(Bench& bench, Ask&& ask) {
+  if (bench.choice.manifest.parameters.empty()) return not_applicable("it has no parameters");
   for (const Spec& spec : bench.choice.manifest.parameters)
     if (const std::string found = ask(spec); !found.empty()) return "'" + spec.name + "' " + found;
   return "";
@@ -39,7 +39,7 @@ std::string refusal_of(const Spec& spec, const std::string& text) {
   return checked ? "" : checked.failure().text;
 }
 
-std::string names(Bench& bench) {
+Verdict names(Bench& bench) {
   const auto& all = bench.choice.manifest.parameters;
   return of_each(bench, [&](const Spec& spec) -> std::string {
     const bool good = !spec.name.empty() && std::all_of(spec.name.begin(), spec.name.end(), [](char c) {
@@ -79,7 +79,7 @@ bool is_si_unit(std::string_view text) {
   return text.empty();
 }
 
-std::string units(Bench& bench) {
+Verdict units(Bench& bench) {
   return of_each(bench, [](const Spec& spec) -> std::string {
     if (spec.unit.empty() || !is_number(spec)) return "";
     return !is_si_unit(spec.unit)
@@ -88,11 +88,11 @@ std::string units(Bench& bench) {
   });
 }
 
-std::string helps(Bench& bench) {
+Verdict helps(Bench& bench) {
   return of_each(bench, [](const Spec& spec) -> std::string { return spec.help.empty() ? "has no help" : ""; });
 }
 
-std::string ranges(Bench& bench) {
+Verdict ranges(Bench& bench) {
   return of_each(bench, [](const Spec& spec) -> std::string {
     if (!std::isfinite(spec.min) || !std::isfinite(spec.max)) return "has a bound that is not finite";
     return spec.min <= spec.max ? ""
@@ -100,14 +100,14 @@ std::string ranges(Bench& bench) {
   });
 }
 
-std::string defaults(Bench& bench) {
+Verdict defaults(Bench& bench) {
   return of_each(bench, [](const Spec& spec) -> std::string {
     if (spec.fallback.empty() && !is_number(spec)) return "";
     return refusal_of(spec, spec.fallback);
   });
 }
 
-std::string choices(Bench& bench) {
+Verdict choices(Bench& bench) {
   return of_each(bench, [](const Spec& spec) -> std::string {
     if (spec.type != SpecType::choice) return "";
     const auto all = split(spec.choices, '|');
@@ -118,7 +118,7 @@ std::string choices(Bench& bench) {
   });
 }
 
-std::string counts(Bench& bench) {
+Verdict counts(Bench& bench) {
   return of_each(bench, [](const Spec& spec) -> std::string {
     const bool good = spec.type != SpecType::reals || (spec.count >= 1 && spec.count <= 64);
     return good ? "" : "has count = " + std::to_string(spec.count) + "; expected 1 to 64";
@@ -126,7 +126,7 @@ std::string counts(Bench& bench) {
 }
 
 /// Starts with a value at an end of its range; refusal with ODO_E_CONFIG and a report is also good.
-std::string at_ends(Bench& bench) {
+Verdict at_ends(Bench& bench) {
   bool any = false;
   for (size_t i = 0; i < bench.choice.parameters.size(); ++i) {
     const auto& [spec, value] = bench.choice.parameters[i];
@@ -145,10 +145,10 @@ std::string at_ends(Bench& bench) {
              "; expected ODO_OK, or ODO_E_CONFIG after a report";
     }
   }
-  return any ? "" : "~none of its numbers has bounds";
+  return any ? Verdict() : not_applicable("none of its numbers has bounds");
 }
 
-std::string unknown_name(Bench& bench) {
+Verdict unknown_name(Bench& bench) {
   auto values = bench.values;
   odo_value strange{};
   strange.struct_size = sizeof strange;
@@ -160,17 +160,16 @@ std::string unknown_name(Bench& bench) {
   return "";
 }
 
-std::string any_order(Bench& bench) {
-  if (bench.values.size() < 2) return "~it has less than two parameters";
-  std::string why;
-  const auto straight = bench.run(bench.input, {}, why);
+Verdict any_order(Bench& bench) {
+  if (bench.values.size() < 2) return not_applicable("it has less than two parameters");
+  const auto straight = bench.run(bench.input, {});
   std::reverse(bench.values.begin(), bench.values.end());
-  const auto reversed = bench.run(bench.input, {}, why);
-  return why.empty() ? difference(straight, reversed) : why;
+  const auto reversed = bench.run(bench.input, {});
+  return difference(straight, reversed);
 }
 
 /// Values from a newer host, whose rows are longer.
-std::string larger_rows(Bench& bench) {
+Verdict larger_rows(Bench& bench) {
   struct Later {
     odo_value value;
     uint64_t more[3];
@@ -178,8 +177,7 @@ std::string larger_rows(Bench& bench) {
   std::vector<Later> rows;
   for (const odo_value& value : bench.values) rows.push_back({value, {~0ull, ~0ull, ~0ull}});
   for (Later& row : rows) row.value.struct_size = sizeof(Later);
-  std::string why;
-  const auto plain = bench.run(bench.input, {}, why);
+  const auto plain = bench.run(bench.input, {});
   const auto subject = bench.subject();
   int32_t status = subject->create();
   if (status >= 0)
@@ -188,13 +186,12 @@ std::string larger_rows(Bench& bench) {
   if (status >= 0) status = subject->activate();
   if (status < 0) return "status " + std::to_string(status);
   subject->process(bench.input);
-  return why.empty() ? difference(plain, subject->bytes()) : why;
+  return difference(plain, subject->bytes());
 }
 
 /// The values are unmapped after the call.
-std::string keeps_no_pointer(Bench& bench) {
-  std::string why;
-  const auto plain = bench.run(bench.input, {}, why);
+Verdict keeps_no_pointer(Bench& bench) {
+  const auto plain = bench.run(bench.input, {});
   const auto subject = bench.subject();
   {
     std::vector<std::string> texts;
@@ -217,7 +214,7 @@ std::string keeps_no_pointer(Bench& bench) {
   }
   if (const int32_t status = subject->activate(); status < 0) return "status " + std::to_string(status);
   subject->process(bench.input);
-  return why.empty() ? difference(plain, subject->bytes()) : why;
+  return difference(plain, subject->bytes());
 }
 
 }  // namespace

@@ -20,26 +20,26 @@ std::vector<Case> rows() {
   return rows;
 }
 
-/// "fix 12, step 40", or why the row does not apply. A leading '+' marks it as not a fault.
+/// Passed with the detail "fix 12, step 40", or not applicable.
 template <class Range, class Header>
-std::string counted(const Range& messages, Header&& header) {
+Verdict counted(const Range& messages, Header&& header) {
   std::map<std::string, size_t> counts;
   for (const auto& message : messages) ++counts[message_name(header(message).type)];
   std::string text;
-  for (const auto& [name, count] : counts) text += (text.empty() ? "+" : ", ") + name + " " + std::to_string(count);
-  return text.empty() ? "~nothing" : text;
+  for (const auto& [name, count] : counts) text += (text.empty() ? "" : ", ") + name + " " + std::to_string(count);
+  return text.empty() ? not_applicable("nothing") : Verdict(PluginCheck::Outcome::passed, text);
 }
 
-std::string answers(Bench& bench) {
-  std::string why;
-  const Subject* subject = bench.walked(why);
-  if (!subject) return why;
-  std::string text = counted(bench.input, [](const AnyMessage& m) -> const odo_header& { return m.header(); });
+std::string verdicts(Bench& bench) try {
+  const Subject* subject = bench.walked();
+  std::string text = encoded(counted(bench.input, [](const AnyMessage& m) -> const odo_header& { return m.header(); }));
   text += kBetween;
-  text += counted(subject->events, [](const SeenEvent& e) -> const odo_header& { return e.message.header(); });
+  text += encoded(counted(subject->events, [](const SeenEvent& e) -> const odo_header& { return e.message.header(); }));
   for (const Case& one : rows())
-    if (one.test) text += kBetween + one.test(bench);
+    if (one.test) text += kBetween + encoded(one.run(bench));
   return text;
+} catch (const Verdict& verdict) {
+  return encoded(verdict);
 }
 
 }  // namespace
@@ -47,22 +47,19 @@ std::string answers(Bench& bench) {
 std::vector<PluginCheck> check_on_recording(const std::filesystem::path& library, const CheckOptions& options) {
   const ChildResult result = run_in_child(options.limit_s > 0 ? options.limit_s : kLimit_s, [&]() -> std::string {
     Bench bench(library, options.settings, 0);
-    if (const std::string why = bench.load(); !why.empty()) return why;
+    if (const std::string fault = bench.load(); !fault.empty()) return encoded(fault);
     bench.replay(options.recording);
-    return answers(bench);
+    return verdicts(bench);
   });
   std::vector<PluginCheck> checks;
   std::string left = result.text;
   for (const Case& row : rows()) {
     const size_t end = left.find(kBetween);
     const bool is_last = end == std::string::npos;
-    PluginCheck check = judged(row, left.substr(0, end));
-    if (!check.detail.empty() && check.detail[0] == '+')
-      check.outcome = PluginCheck::Outcome::passed, check.detail.erase(0, 1);
-    check.id = "recording." + check.id;
-    check.seconds = checks.empty() ? result.seconds : 0;
-    if (!result.finished) check.outcome = PluginCheck::Outcome::failed;
-    checks.push_back(std::move(check));
+    Verdict verdict = decoded(left.substr(0, end));
+    if (!result.finished) verdict.outcome = PluginCheck::Outcome::failed;
+    checks.push_back({std::string("recording.") + row.id, row.what, verdict.outcome, verdict.detail,
+                      checks.empty() ? result.seconds : 0});
     if (is_last) break;  // may also be the reason why the child ended or the plugin did not start
     left.erase(0, end + 1);
   }

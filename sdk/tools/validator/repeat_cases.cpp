@@ -9,27 +9,23 @@
 namespace odograph {
 namespace {
 
-std::string run_twice(Bench& bench) {
-  std::string why;
-  const auto one = bench.run(bench.input, {}, why), other = bench.run(bench.input, {}, why);
-  return why.empty() ? difference(one, other) : why;
+Verdict run_twice(Bench& bench) {
+  const auto one = bench.run(bench.input, {}), other = bench.run(bench.input, {});
+  return difference(one, other);
 }
 
-std::string cut(Bench& bench, size_t batch) {
-  std::string why;
+Verdict cut(Bench& bench, size_t batch) {
   Handling handling;
   handling.batch = batch;
-  const auto one = bench.run(bench.input, {}, why), other = bench.run(bench.input, handling, why);
-  return why.empty() ? difference(one, other) : why;
+  const auto one = bench.run(bench.input, {}), other = bench.run(bench.input, handling);
+  return difference(one, other);
 }
-std::string cut_small(Bench& bench) { return cut(bench, 2); }
-std::string cut_odd(Bench& bench) { return cut(bench, 17); }
+Verdict cut_small(Bench& bench) { return cut(bench, 2); }
+Verdict cut_odd(Bench& bench) { return cut(bench, 17); }
 
-std::string after_reset(Bench& bench) {
-  if (!bench.table().reset) return "~it has no reset: the host makes a new instance";
-  std::string why;
-  const auto subject = bench.started(why);
-  if (!subject) return why;
+Verdict after_reset(Bench& bench) {
+  if (!bench.table().reset) return not_applicable("it has no reset: the host makes a new instance");
+  const auto subject = bench.started();
   subject->process(bench.input);
   const auto first = subject->bytes();
   if (const int32_t status = subject->reset(); status < 0) return "reset gave status " + std::to_string(status);
@@ -38,58 +34,52 @@ std::string after_reset(Bench& bench) {
   return difference(first, subject->bytes());
 }
 
-std::string reset_first(Bench& bench) {
-  if (!bench.table().reset) return "~it has no reset: the host makes a new instance";
-  std::string why;
-  const auto plain = bench.run(bench.input, {}, why);
-  const auto subject = bench.started(why);
-  if (!subject) return why;
+Verdict reset_first(Bench& bench) {
+  if (!bench.table().reset) return not_applicable("it has no reset: the host makes a new instance");
+  const auto plain = bench.run(bench.input, {});
+  const auto subject = bench.started();
   for (int i = 0; i < 3; ++i)
     if (const int32_t status = subject->reset(); status < 0) return "reset gave status " + std::to_string(status);
   subject->process(bench.input);
   return difference(plain, subject->bytes());
 }
 
-/// FNV-1a of all events, computed in a child process.
-std::string fingerprint(Bench& bench) {
-  return run_in_child(20,
-                      [&] {
-                        std::string why;
-                        uint64_t hash = 14695981039346656037u;
-                        for (const auto& event : bench.run(bench.input, {}, why))
-                          for (const unsigned char byte : event) hash = (hash ^ byte) * 1099511628211u;
-                        return why + std::to_string(hash);
-                      })
-      .text;
+/// Passed, with the FNV-1a hash of all events of a child process as its detail.
+Verdict fingerprint(Bench& bench) {
+  const auto hashed = [](Bench& b) -> Verdict {
+    uint64_t hash = 14695981039346656037u;
+    for (const auto& event : b.run(b.input, {}))
+      for (const unsigned char byte : event) hash = (hash ^ byte) * 1099511628211u;
+    return {PluginCheck::Outcome::passed, std::to_string(hash)};
+  };
+  const ChildResult result = run_in_child(20, [&] { return encoded(Case{"", "", 20, 0, true, +hashed}.run(bench)); });
+  return result.finished ? decoded(result.text) : Verdict(result.text);
 }
 
-std::string other_process(Bench& bench) {
-  const std::string one = fingerprint(bench), other = fingerprint(bench);
-  return one == other ? "" : "two processes gave different events";
+Verdict other_process(Bench& bench) {
+  const Verdict one = fingerprint(bench), other = fingerprint(bench);
+  if (one.outcome != PluginCheck::Outcome::passed) return one;
+  return one.detail == other.detail ? "" : "two processes gave different events";
 }
 
-std::string shuffled_memory(Bench& bench) {
-  std::string why;
-  const auto one = bench.run(bench.input, {}, why);
+Verdict shuffled_memory(Bench& bench) {
+  const auto one = bench.run(bench.input, {});
   std::vector<std::vector<char>> holes;
   for (size_t i = 1; i < 2000; ++i) holes.emplace_back(i * 37 % 5000, static_cast<char>(0xA5));
   for (size_t i = 0; i < holes.size(); i += 2) holes[i] = {};  // memory that is neither fresh nor zero
-  const auto other = bench.run(bench.input, {}, why);
-  return why.empty() ? difference(one, other) : why;
+  const auto other = bench.run(bench.input, {});
+  return difference(one, other);
 }
 
-std::string guarded(Bench& bench) {
-  std::string why;
+Verdict guarded(Bench& bench) {
   Handling handling;
   handling.guarded = true;
-  const auto one = bench.run(bench.input, {}, why), other = bench.run(bench.input, handling, why);
-  return why.empty() ? difference(one, other) : why;
+  const auto one = bench.run(bench.input, {}), other = bench.run(bench.input, handling);
+  return difference(one, other);
 }
 
-std::string empty_batch(Bench& bench) {
-  std::string why;
-  const auto subject = bench.started(why);
-  if (!subject) return why;
+Verdict empty_batch(Bench& bench) {
+  const auto subject = bench.started();
   note_phase("process of an empty batch");
   const odo_batch batch{sizeof batch, 0, nullptr};
   const int32_t status = subject->call(batch);
@@ -97,9 +87,8 @@ std::string empty_batch(Bench& bench) {
 }
 
 /// Inserts messages of a type, of any size, between the others.
-std::string with_strange(Bench& bench, uint32_t type) {
-  std::string why;
-  const auto plain = bench.run(bench.input, {}, why);
+Verdict with_strange(Bench& bench, uint32_t type) {
+  const auto plain = bench.run(bench.input, {});
   std::vector<AnyMessage> mixed;
   for (const AnyMessage& message : bench.input) {
     alignas(8) unsigned char strange[96] = {};
@@ -110,17 +99,15 @@ std::string with_strange(Bench& bench, uint32_t type) {
     mixed.push_back(message);
     mixed.emplace_back(header);
   }
-  const auto other = bench.run(mixed, {}, why);
-  return why.empty() ? difference(plain, other) : why;
+  const auto other = bench.run(mixed, {});
+  return difference(plain, other);
 }
-std::string newer_type(Bench& bench) { return with_strange(bench, 0x07ED); }
-std::string vendor_type(Bench& bench) { return with_strange(bench, ODO_TYPE_VENDOR(77777, 42)); }
+Verdict newer_type(Bench& bench) { return with_strange(bench, 0x07ED); }
+Verdict vendor_type(Bench& bench) { return with_strange(bench, ODO_TYPE_VENDOR(77777, 42)); }
 
 /// The events and statuses must be the same for original and modified messages.
-std::string same_for(Bench& bench, const Handling& handling) {
-  std::string why;
-  const auto plain = bench.started(why), other = bench.started(why);
-  if (!why.empty()) return why;
+Verdict same_for(Bench& bench, const Handling& handling) {
+  const auto plain = bench.started(), other = bench.started();
   plain->process(bench.input);
   other->process(bench.input, handling);
   for (const auto& [status, times] : other->statuses)
@@ -131,13 +118,13 @@ std::string same_for(Bench& bench, const Handling& handling) {
 }
 
 /// Messages from a host of version 1.0: later members are missing, and no memory is mapped behind them.
-std::string older_messages(Bench& bench) {
+Verdict older_messages(Bench& bench) {
   const auto grown = [](const AnyMessage& m) {
     const MessageInfo* info = message_info(m.header().type);
     return info && info->min_size < info->size;
   };
   if (std::none_of(bench.input.begin(), bench.input.end(), grown))
-    return "~none of its messages has grown since version 1.0";
+    return not_applicable("none of its messages has grown since version 1.0");
   Handling handling;
   handling.guarded = true;
   handling.change = [](AnyMessage& message) {
@@ -149,7 +136,7 @@ std::string older_messages(Bench& bench) {
 }
 
 /// Messages of a later version, with more members at the end.
-std::string newer_messages(Bench& bench) {
+Verdict newer_messages(Bench& bench) {
   Handling handling;
   handling.change = [](AnyMessage& message) {
     const auto bytes = message.bytes();
@@ -163,7 +150,7 @@ std::string newer_messages(Bench& bench) {
 }
 
 /// Compared without services on both sides: they need the real host.
-std::string newer_host(Bench& bench) {
+Verdict newer_host(Bench& bench) {
   struct LaterHost : odo_host {
     uint64_t more[4];
   } host;
@@ -172,7 +159,8 @@ std::string newer_host(Bench& bench) {
   host.get_service = [](const odo_host*, const char*, uint64_t) -> const void* { return nullptr; };
   Subject plain(bench.table(), host, bench.interface_id);
   const int32_t alone = plain.start(bench.values);
-  if (alone == ODO_E_CONFIG || alone == ODO_E_NOT_FOUND) return "~it needs services that only the real host provides";
+  if (alone == ODO_E_CONFIG || alone == ODO_E_NOT_FOUND)
+    return not_applicable("it needs services that only the real host provides");
   plain.process(bench.input);
   host.struct_size = sizeof(LaterHost);
   Subject later(bench.table(), host, bench.interface_id);
@@ -184,11 +172,9 @@ std::string newer_host(Bench& bench) {
 }
 
 /// A batch struct of a later version, in memory that ends with it.
-std::string newer_batch(Bench& bench) {
-  std::string why;
-  const auto plain = bench.run(bench.input, {}, why);
-  const auto subject = bench.started(why);
-  if (!subject) return why;
+Verdict newer_batch(Bench& bench) {
+  const auto plain = bench.run(bench.input, {});
+  const auto subject = bench.started();
   for (const AnyMessage& message : bench.input) {
     const odo_header* messages[] = {&message.header()};
     struct {
