@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The ABI for C#: constants, blittable structs with the offset of each field, the library's functions by P/Invoke. generate.py
-writes what is returned here."""
+"""Generates the C# binding: constants, blittable structs with the offset of each field, functions by P/Invoke. generate.py writes
+the returned text."""
 from c_types import is_event, parse, public_structs, title
 
 SCALARS = {"uint8_t": "byte", "int32_t": "int", "uint32_t": "uint", "int64_t": "long", "uint64_t": "ulong", "float": "float", "double": "double",
            "char": "byte", "void": "void"}
-VECTORS = {("double", 3): "Vector", ("double", 4): "Rotation"}  # Odograph.cs has them
+VECTORS = {("double", 3): "Vector", ("double", 4): "Rotation"}  # defined in Odograph.cs
 PLUGINS_ONLY = {"plugin.h", "terrain.h"}
 HEAD = """// SPDX-License-Identifier: Apache-2.0
 // Written by abi/generate.py; do not edit.
@@ -21,7 +21,7 @@ def struct_name(description, name):
 
 
 def typed(description, text):
-    """Of a parameter, a result or a field that is no array."""
+    """C# type of a parameter, a result or a field other than an array."""
     kind = parse(text)
     if kind.is_function or kind.base in ("odo_callback", "odo_plugin_entry"):
         return "IntPtr"
@@ -53,7 +53,7 @@ def constant(name, value):
 
 
 def methods(description):
-    """What is the same for each message: made with its head filled in, pushed, and taken out of an event."""
+    """Methods for each message: push it, and get it from an event."""
     push, get = [], []
     for name, number in description.messages().items():
         struct = title(name)

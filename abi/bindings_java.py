@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The ABI for Java and Kotlin: constants, messages as views of native memory, the library's functions, and their other end in C (JNI).
-generate.py writes what is returned here."""
+"""Generates the Java and Kotlin binding: constants, messages as views of native memory, functions and their JNI implementation in C.
+generate.py writes the returned text."""
 from c_types import parse, public_structs, title
 
 JAVA = {"uint8_t": "byte", "int32_t": "int", "uint32_t": "int", "int64_t": "long", "uint64_t": "long", "float": "float", "double": "double"}
@@ -10,7 +10,7 @@ SIZES = {"byte": 1, "int": 4, "long": 8, "float": 4, "double": 8}
 
 
 def members(description, name, base=0, prefix=""):
-    """Each number or array of them: its name, Java type, offset and count; structs within structs are taken apart."""
+    """Yields name, Java type, offset and count of each number or array, with embedded structs flattened."""
     for field in description.structs[name].fields:
         kind, at, label = parse(field.type), base + field.offset, prefix + field.name
         if field.is_pointer:
@@ -76,7 +76,7 @@ def java(description):
         result = "String" if parse(f.result).base == "char" else java_type(parse(f.result))
         functions.append(f"    static native {result} {f.name}({parameters});")
     return ("// SPDX-License-Identifier: Apache-2.0\n// Written by abi/generate.py; do not edit.\npackage org.odograph;\n\n"
-            "/** Constants and messages under their C names; the headers state what they mean. Unsigned numbers are Java's signed ones. */\n"
+            "/** Constants and messages with their C names, documented in the C headers. Unsigned numbers are represented as signed ones. */\n"
             "public final class Abi {\n    private Abi() {}\n    static { System.loadLibrary(\"odograph_jni\"); }\n\n" + "\n".join(constants) + "\n\n" +
             "\n".join(functions) + "\n\n" + "\n".join(message(description, name) for name in public_structs(description)) + "\n}\n")
 

@@ -1,16 +1,16 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The ABI for JavaScript and TypeScript: where each number of each message lies in memory, and the messages' types.
-generate.py writes what is returned here. Names are C's; the head of a message is part of it, 64-bit integers are bigints."""
+"""Generates the JavaScript and TypeScript binding: memory layout and types of the messages. generate.py writes the returned text.
+Names are those of C. Header fields are members of each message, and 64-bit integers are bigints."""
 from c_types import CALLS, is_event, parse
 
 CODES = {"uint8_t": "u8", "int32_t": "i32", "uint32_t": "u32", "int64_t": "i64", "uint64_t": "u64", "float": "f32", "double": "f64", "char": "char"}
-STRUCTS = ["odo_string", "odo_error", *CALLS]  # beside the messages
+STRUCTS = ["odo_string", "odo_error", *CALLS]  # in addition to the messages
 HEAD = "// SPDX-License-" "Identifier: Apache-2.0\n// Written by abi/generate.py; do not edit.\n"
-SKIPPED = {"struct_size", "reserved", "type"}  # the length, zeros, and the number that `type` has a name for
+SKIPPED = {"struct_size", "reserved", "type"}  # not visible: size, padding and the type number, which `type` gives by name
 
 
 def members(description, name, base=0, prefix=""):
-    """Each number or array of them: its name, code, offset and count; structs within structs are taken apart. An address is `ptr`."""
+    """Yields name, code, offset and count of each number or array, with embedded structs flattened. Addresses have the code `ptr`."""
     for field in description.structs[name].fields:
         kind, _, count = field.type.replace("struct ", "").partition("[")
         count = int(count[:-1]) if count else 1
@@ -31,7 +31,7 @@ def kept(description, name):
 
 
 def constants(description):
-    """Numbers that a user of messages and sessions compares with."""
+    """Constants for users of messages and sessions."""
     return {name: value for name, value in description.constants.items()
             if not isinstance(value, str) and not name.startswith(("ODO_LARGEST", "ODO_ABI_")) and -2**31 <= value < 2**32}
 
@@ -44,8 +44,8 @@ def javascript(description):
                             for label, code, at, count in kept(description, name))
         rows.append(f"  {name[4:]}: {{size: {description.structs[name].size}, fields: {{\n{fields},\n  }}}}")
     lines = [f"export const {name} = {value};" for name, value in constants(description).items()]
-    return (HEAD + "\n".join(lines) + "\n\n// Numbers of the messages' types.\nexport const TYPES = {\n" + types +
-            ",\n};\n\n// Of each struct the bytes, and of each field its kind, offset and count.\nexport const STRUCTS = {\n" + ",\n".join(rows) + ",\n};\n")
+    return (HEAD + "\n".join(lines) + "\n\n// Type numbers of the messages.\nexport const TYPES = {\n" + types +
+            ",\n};\n\n// Size of each struct in bytes; type, offset and count of each field.\nexport const STRUCTS = {\n" + ",\n".join(rows) + ",\n};\n")
 
 
 def typescript(description):
@@ -75,7 +75,7 @@ def typescript(description):
 
 
 def prototypes(description):
-    """The library's functions as koffi takes them: every pointer is one to anything."""
+    """Prototypes for koffi, with every pointer as void *."""
     def plain(text):
         kind = parse(text)
         if kind.base == "char" and kind.pointers and not kind.name:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Python's declarations from the description, for ctypes, and their types. generate.py writes what is returned here."""
+"""Generates the Python binding: ctypes declarations and their types. generate.py writes the returned text."""
 from c_types import parse, public_structs, title
 
 SCALARS = {"uint8_t": "_u8", "int32_t": "_i32", "uint32_t": "_u32", "int64_t": "_i64", "uint64_t": "_u64", "float": "_f32", "double": "_f64",
@@ -7,7 +7,7 @@ SCALARS = {"uint8_t": "_u8", "int32_t": "_i32", "uint32_t": "_u32", "int64_t": "
 
 HEAD = '''# SPDX-License-Identifier: Apache-2.0
 # Written by abi/generate.py; do not edit.
-"""The C ABI of Odograph for ctypes: constants and structs under their C names, `load` for the library's functions."""
+"""The C ABI of Odograph for ctypes: constants and structs with their C names; `load` declares the library's functions."""
 # pylint: disable=missing-class-docstring, multiple-statements
 import ctypes as c
 
@@ -16,7 +16,7 @@ _u8, _i32, _u32, _i64, _u64 = c.c_uint8, c.c_int32, c.c_uint32, c.c_int64, c.c_u
 _f32, _f64, _char = c.c_float, c.c_double, c.c_char
 
 def _pointer(name, kind):
-    """A pointer has 8 bytes on every target."""
+    """Fields of a pointer, which has 8 bytes on every target."""
     return [(name, kind)] if c.sizeof(c.c_void_p) == 8 else [(name, kind), (name + "_bits", c.c_uint32)]
 
 
@@ -36,9 +36,9 @@ MESSAGE_TYPES = """class Message(c.Structure):
 MESSAGE = '''
 
 class Message(c.Structure):
-    """The head of a message is part of it. Without arguments all is zero; an array takes any sequence of its length."""
+    """A message. Header fields are also attributes of it. Fields without an argument are zero; arrays accept sequences of their length."""
     TYPE = 0
-    picture = None  # of a recorded frame: PNG or JPEG, as the app encoded it
+    picture = None  # encoded picture of a recorded frame, PNG or JPEG
     HEAD = ("t_ns", "source", "flags", "quality")
 
     def __init__(self, **fields):
@@ -65,7 +65,7 @@ class Message(c.Structure):
 LOAD = '''
 
 def load(path):
-    """The library, its functions with their types. An older library has not all of them."""
+    """Loads the library and declares its functions. An older library may lack some of them."""
     library = c.CDLL(path)
     for name, (result, parameters) in FUNCTIONS.items():
         if hasattr(library, name):
@@ -76,7 +76,7 @@ def load(path):
 
 
 def ctype(text, returned=False):
-    """A type as C spells it, perhaps with a parameter's name behind it, in ctypes."""
+    """The ctypes name of a C type, which may be followed by a parameter name."""
     kind = parse(text)
     if kind.is_function:
         return "c.CFUNCTYPE(" + ", ".join([named(kind)] + [named(argument) for argument in kind.arguments]) + ")"
@@ -103,7 +103,7 @@ def quoted(value):
 
 
 def fill(start, entries, end):
-    """Entries behind one another, in lines of at most 120 characters."""
+    """Joins entries in lines of at most 120 characters."""
     lines = [start]
     for i, entry in enumerate(entries):
         entry += "," if i + 1 < len(entries) else end
@@ -144,7 +144,7 @@ def python(description):
 
 
 def check_python(text, description):
-    """Differences between what ctypes makes of the declarations and the description."""
+    """Yields differences between the layout in ctypes and the description."""
     module = {}
     exec(compile(text, "odograph_abi.py", "exec"), module)  # pylint: disable=exec-used
     for struct in description.structs.values():
@@ -155,7 +155,7 @@ def check_python(text, description):
 
 
 def stub(description):
-    """The types of what `python` writes."""
+    """The type stubs for the output of `python`."""
     def kind(text):
         made = parse(text)
         if made.is_function or made.pointers:

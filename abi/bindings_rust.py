@@ -1,30 +1,29 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The ABI for Rust: constants, structs, the library's functions, and which message has which number. generate.py writes what is
-returned here."""
+"""Generates the Rust binding: constants, structs, functions and type numbers of messages. generate.py writes the returned text."""
 from c_types import parse, public_structs, title
 
 SCALARS = {"uint8_t": "u8", "int32_t": "i32", "uint32_t": "u32", "int64_t": "i64", "uint64_t": "u64", "float": "f32", "double": "f64",
            "char": "c_char", "void": "c_void"}
-WORDS = {"type": "kind"}  # taken by the language
+WORDS = {"type": "kind"}  # reserved words of Rust
 CALLBACKS = ("odo_callback", "odo_plugin_entry")
 HEAD = """// SPDX-License-Identifier: Apache-2.0
 // Written by abi/generate.py; do not edit.
-//! The C ABI as it is; the headers of odograph state what everything means.
+//! The C ABI, documented in the headers of odograph.
 #![allow(non_camel_case_types)]
 use std::os::raw::{c_char, c_void};
 
 #[cfg(not(target_pointer_width = "64"))]
 compile_error!("pointers have 8 bytes in the structs of Odograph's ABI; this crate supports 64-bit targets");
 
-/// A message: a struct that begins with an [`odo_header`] and is all zero by default.
+/// A message: a struct that starts with an [`odo_header`] and is zero by default.
 ///
 /// # Safety
-/// Of `#[repr(C)]`, beginning with an [`odo_header`], and valid whatever its bytes are.
+/// The type must be `#[repr(C)]`, start with an [`odo_header`], and be valid for any bytes.
 pub unsafe trait Message: Copy {
     /// ODO_TYPE_*
     const TYPE: u32;
 
-    /// All zero but its size, type and time.
+    /// A zeroed message with size, type and time set.
     fn at(t_ns: i64) -> Self {
         unsafe {
             let mut made: Self = std::mem::zeroed();
@@ -39,7 +38,7 @@ pub unsafe trait Message: Copy {
 """.replace("type_", WORDS["type"])
 
 
-ENTRY = """/// Makes a [`plugin::Plugin`](crate::plugin::Plugin) the plugin of this library.
+ENTRY = """/// Exports a [`plugin::Plugin`](crate::plugin::Plugin) as the plugin of this library.
 #[macro_export]
 macro_rules! plugin {
     ($kind:ty) => {

@@ -1,21 +1,21 @@
 # SPDX-License-Identifier: Apache-2.0
-"""C types as the description spells them, taken apart, and the names that other languages give the structs."""
+"""Parses C types of the description, and names structs in other languages."""
 import dataclasses
 import re
 
-# Beside the messages, what an app hands to and takes from the library's functions.
+# Structs other than messages that the library's functions take or return.
 CALLS = ["odo_session_options", "odo_statistics", "odo_anchor_place", "odo_anchor"]
 FORM = re.compile(r"(?:const )?(?:struct )?(?P<base>\w+)(?P<stars>(?: ?\*(?:const )?)*) ?(?P<name>\w+)?(?:\[(?P<count>\d+)\])?")
 
 
 @dataclasses.dataclass
 class CType:
-    base: str  # without const and struct
+    base: str  # type without const and struct
     pointers: int
     count: int  # 0: no array
-    const: bool  # of what it points to
-    arguments: list = None  # of a pointer to a function, whose result is the rest
-    name: str = ""  # of the parameter
+    const: bool  # the target is const
+    arguments: list = None  # of a function pointer; the other members describe its result
+    name: str = ""  # name of the parameter
 
     @property
     def is_function(self):
@@ -38,7 +38,7 @@ def title(name):
 
 
 def public_structs(description):
-    """Those that have a name of their own in a language: messages, and what calls take and give."""
+    """Structs with a name in each language: messages, and structs that functions take or return."""
     return [*description.messages(), *CALLS]
 
 

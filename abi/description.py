@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The ABI as a model, read out of its one source, the headers in include/odograph: structs with the type, offset and size
-of each field, constants and macros, functions, callbacks. generate.py writes files and facts from it.
+"""Model of the ABI, parsed from its single source, the headers in include/odograph: structs with type, offset and size of
+each field, constants, macros, functions and callbacks. generate.py generates files and facts from it.
 
-The layout is that of every target: pointers have 8 bytes (ODO_POINTER, ODO_FUNCTION), all else its own size as alignment,
-padding is explicit. What breaks the rules of base.h stops the reading with a message.
+All targets have the same layout: pointers have 8 bytes (ODO_POINTER, ODO_FUNCTION), each other type is aligned to its
+size, and padding is explicit. A violation of the rules of base.h ends the program with a message.
 """
 import dataclasses
 import pathlib
@@ -42,7 +42,7 @@ class Struct:
     fields: list
     size: int
     alignment: int
-    frozen: bool  # embedded by value in others: it never grows
+    frozen: bool  # may be embedded by value, because it never grows
 
 
 @dataclasses.dataclass
@@ -143,7 +143,7 @@ class Description:
         self.structs[name] = Struct(name, header, fields, end, widest, frozen_size is not None)
 
     def _members(self, member, where):
-        """The fields that one declaration makes, with their sizes and alignments."""
+        """Yields the fields of one declaration, with sizes and alignments."""
         function = re.fullmatch(r"ODO_FUNCTION\((.*?), (\w+), \((.*)\)\)", member)
         pointer = re.fullmatch(r"ODO_POINTER\((.*), (\w+)\)", member)
         if function:
@@ -193,7 +193,7 @@ class Description:
         return next(macro.body for macro in self.macros if macro.name == "ODO_PLUGIN_ENTRY")
 
     def exported(self):
-        """The library's functions."""
+        """The exported functions of the library."""
         return [function for function in self.functions if function.kind == "function"]
 
 
@@ -202,7 +202,7 @@ def split(parameters):
 
 
 def evaluate(body):
-    """The value of a constant: a number, or the text of a string; None where it is neither."""
+    """The value of a constant: a number or a string; None for anything else."""
     text = re.fullmatch(r'"([^"]*)"', body)
     if text:
         return text[1]

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A C program from the description that writes every message with a number of its own in each field, and reads such bytes
-into a digest, field by field: what one layout writes, every other must read alike. Pointers are left out."""
+"""Generates a C program that writes every message with a different number in each field, and reads such bytes into a digest,
+field by field. Every layout must read the same digest from the bytes of any other. Pointers are omitted."""
 
 HEAD = """
 static uint64_t next;
@@ -34,7 +34,7 @@ const uint32_t odo_types[] = {%s 0};
 
 
 def fields(abi, struct, place):
-    """(expression of a number, how often, field of the message) of every number in a struct, embedded ones included."""
+    """Yields (expression, count, field of the message) of every number in a struct and in embedded structs."""
     for field in abi.structs[struct].fields:
         base, _, count = field.type.partition("[")
         count = int(count.rstrip("]") or 1)
@@ -55,7 +55,7 @@ def exchange_c(abi):
         read = "\n".join(f"  if (ODO_HAS(m, {field}){' && grown' if field == 'grown' else ''}) "
                          f"for (i = 0; i < {count}; ++i) digest = mix(digest, (double)m->{expression});"
                          for expression, count, field in numbers)
-        # What a later version adds has numbers of its own, so that all else is as the earlier one writes it.
+        # Fields of a later version get separate numbers, so that all others equal those of the earlier version.
         write = "\n".join(f"  for (i = 0; i < {count}; ++i) m->{expression} = " +
                           (f"{500 + abi.messages()[name]} + i;" if field == "grown" else f"({kind(abi, name, expression)})number();")
                           for expression, count, field in numbers)

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the ABI promises, as facts: KIND NAME = VALUE. Two lists of facts are compared, a release's by the rules of growth."""
+"""The promises of the ABI as facts, KIND NAME = VALUE, and their comparison, with a release by the rules of growth."""
 import re
 
 
 def nodes(path):
-    """The version node of each symbol in the linker's map of the library."""
+    """The version node of each symbol in the library's linker map."""
     found = {}
     for node, body in re.findall(r"(\w[\w.]*) \{(.*?)\}", path.read_text(), flags=re.S):
         exported = body.split("local:")[0]
@@ -13,7 +13,7 @@ def nodes(path):
 
 
 def facts(abi, minimum, linker_map):
-    """All facts by their names, in the order of the headers."""
+    """All facts by name, in header order."""
     found = {}
     for name, struct in abi.structs.items():
         found[f"struct {name}"] = f"{struct.size}" + (" frozen" if struct.frozen else "")
@@ -49,7 +49,7 @@ def differences(before, after, where):
 
 
 def may_change(abi, name, before, after):
-    """A struct that is not frozen may grow, the minor version may rise; all else stays as it was released."""
+    """Whether a released fact may change: only the size of a struct that is not frozen, and the minor version, may increase."""
     kind, subject = name.split(" ")[:2]
     if kind == "struct" and "frozen" not in before + after:
         return int(after) >= int(before)
@@ -59,7 +59,7 @@ def may_change(abi, name, before, after):
 
 
 def breaks(abi, released, now):
-    """What the facts of now break of those of a release."""
+    """Yields the violations of released facts by the current ones."""
     old, new = read(released), read(now)
     for name, before in old.items():
         after = new.get(name)

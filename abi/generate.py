@@ -1,28 +1,28 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Writes what is made of the ABI's description (description.py):
+"""Generates files from the ABI description (description.py):
 
   include/odograph/layout.h            static asserts of every offset and size, for C99 and C++
-  include/odograph/messages.h          all messages as one list, and the sizes of 1.0
-  golden/contract_v1.txt               all that is promised, one fact a line
-  golden/minimum_v1.txt                the smallest size of each struct that a reader accepts
-  bindings/python/odograph/abi.py, abi.pyi  the declarations for Python, and their types
+  include/odograph/messages.h          list of all messages, and the sizes of version 1.0
+  golden/contract_v1.txt               all promised facts, one per line
+  golden/minimum_v1.txt                minimum accepted size of each struct
+  bindings/python/odograph/abi.py, abi.pyi  declarations for Python, and their types
   bindings/csharp/Abi.cs, rust/src/abi.rs, java/org/odograph/Abi.java, java/abi_jni.c  the same for C#, Rust, Java
-  bindings/swift/Sources/Odograph/Messages.swift  the messages' numbers for Swift
-  bindings/javascript/abi.js, abi.d.ts   where numbers lie in memory for JavaScript, and the types for TypeScript
-  bindings/javascript/prototypes.js      the library's functions for koffi
+  bindings/swift/Sources/Odograph/Messages.swift  type numbers of the messages for Swift
+  bindings/javascript/abi.js, abi.d.ts   memory layout for JavaScript, and types for TypeScript
+  bindings/javascript/prototypes.js      prototypes of the library's functions for koffi
 
---check          writes nothing. Fails where a file is out of date, with the facts that differ, and where the tree breaks
-                 golden/released_v1.txt, the facts of the last release: there a fact may be added and a struct may grow at
-                 its end, nothing else.
---grow FOLDER    writes the headers as a later version might have them, for tests: each struct that may grow has another
-                 field `grown` at its end, an array of two doubles.
---probe          prints a C program that defines every function and names every type: it compiles where the compiler
-                 agrees with the description, and libabigail reads the ABI out of it.
---exchange [INCLUDE]  prints a C program that writes and reads every number of every message, by those or other headers.
---symbols        prints what the library exports, NAME@@NODE, and what a plugin exports.
+--check          writes nothing. Fails if a file is out of date, and lists the facts that differ. Fails if the tree breaks
+                 the facts of the last release (golden/released_v1.txt): only new facts, and growth of a struct at its
+                 end, are allowed.
+--grow FOLDER    writes headers of a hypothetical later version, for tests: each struct that may grow has another field
+                 `grown` at its end, an array of two doubles.
+--probe          prints a C program that defines every function and uses every type. It compiles if the compiler agrees
+                 with the description, and libabigail extracts the ABI from it.
+--exchange [INCLUDE]  prints a C program that writes and reads every number of every message, with these or other headers.
+--symbols        prints the symbols of the library, NAME@@NODE, and of a plugin.
 
-Until the freeze (ODO_ABI_MAJOR 0) minimum sizes are today's. From then on the file never changes but for new lines.
+Until the freeze (ODO_ABI_MAJOR 0), minimum sizes are the current ones. Afterwards the file only gains lines.
 """
 import pathlib
 import re
@@ -47,7 +47,7 @@ HEAD = "/* SPDX-License-" "Identifier: Apache-2.0\n *\n * Written by abi/generat
 
 
 def minimum_sizes(abi):
-    """What version 1.0 of each struct has; new structs are appended."""
+    """Sizes of version 1.0 of each struct; new structs are appended."""
     lines = MINIMUM.read_text().splitlines() if MINIMUM.exists() and abi.constants["ODO_ABI_MAJOR"] else []
     minimum = {line.split()[0]: int(line.split()[1]) for line in lines}
     for name, struct in abi.structs.items():
@@ -61,8 +61,8 @@ def messages_h(abi, minimum):
     width = max(map(len, rows)) + 1
     table = " \\\n".join([row.ljust(width) for row in rows[:-1]] + [rows[-1]])
     constants = "\n".join(f"#define {name.upper()}_SIZE_MIN {size}u" for name, size in minimum.items())
-    return HEAD + """All messages as one list, and the size of version 1.0 of
- * each struct: a reader accepts what is at least as large, and treats fields behind its end as absent.
+    return HEAD + """List of all messages, and the size of version 1.0 of each
+ * struct. A reader accepts a struct of at least this size, and treats fields beyond its end as absent.
  */
 #ifndef ODOGRAPH_MESSAGES_H
 #define ODOGRAPH_MESSAGES_H
@@ -88,8 +88,8 @@ def layout_h(abi):
             line += f" {check}" + (" &&" if i + 1 < len(checks) else ")")
         asserts.append(line)
     includes = "\n".join(f"#include <odograph/{header}>" for header in abi.headers)
-    return HEAD + """Including this header proves at compile time that this
- * compiler lays the ABI's structs out as every other one does.
+    return HEAD + """Including this header verifies at compile time that the
+ * compiler uses the layout of the ABI for every struct.
  */
 #ifndef ODOGRAPH_LAYOUT_H
 #define ODOGRAPH_LAYOUT_H
@@ -123,7 +123,7 @@ def probe_c(abi):
         if f.kind in ("function", "entry"):
             body = "" if f.result == "void" else " return 0; "
             lines.append(f"{f.result} {f.call} {f.name}({parameters}) {{{body}}}")
-        else:  # a pointer to it of the described type: the compiler compares
+        else:  # assigned to a pointer of the described type, so that the compiler compares them
             target = f.name if f.kind == "inline" else f"({f.name})0"
             lines.append(f"static {f.result} ({f.call} *probe_{f.name})({parameters}) = {target};")
     for name in abi.structs:
@@ -173,7 +173,7 @@ def generate(abi):
 
 
 def check(abi, files):
-    """What is wrong, a line each."""
+    """Yields each fault as a line of text."""
     for path, text in files.items():
         found = path.read_text() if path.exists() else ""
         if path == CONTRACT:

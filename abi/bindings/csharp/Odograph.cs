@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// Odograph for C#, as Unity (Mono, IL2CPP) and .NET have it: no allocation for a sample, a frame, an event or a pose. Structs have the
-// fields of the C headers (Abi.cs), which state units, frames of reference and validity. Compile with -unsafe.
+// Odograph for C# (Unity with Mono or IL2CPP, and .NET). Samples, frames, events and poses cause no allocation. The structs
+// in Abi.cs have the fields of the C headers, which state units, frames of reference and validity. Compile with -unsafe.
 using System;
 using System.Runtime.InteropServices;
 using System.Text;
 using System.Threading;
 
 namespace Odograph {
-  /// What IL2CPP looks for, by its name, on methods that native code calls.
+  /// IL2CPP requires an attribute of this name on methods that native code calls.
   [AttributeUsage(AttributeTargets.Method)]
   sealed class MonoPInvokeCallbackAttribute : Attribute {
     public MonoPInvokeCallbackAttribute(Type type) {}
@@ -25,7 +25,7 @@ namespace Odograph {
     public Rotation(double w, double x, double y, double z) { this.w = w; this.x = x; this.y = y; this.z = z; }
   }
 
-  /// What the library refused: Status is ODO_E_*, the message names what is wrong.
+  /// An error of the library: Status is ODO_E_*, the message states the reason.
   public sealed unsafe class OdographException : Exception {
     public readonly int Status;
     OdographException(int status, string text) : base(text) { Status = status; }
@@ -37,7 +37,7 @@ namespace Odograph {
     }
   }
 
-  /// A message of any type, borrowed: an event within its call, a recorded message until the next one. TryGet copies it.
+  /// A borrowed message of any type: an event is valid during its call, a recorded message until the next one. TryGet copies it.
   public unsafe partial struct Event {
     public readonly odo_header* Header;
     public Event(odo_header* header) { Header = header; }
@@ -54,7 +54,7 @@ namespace Odograph {
     }
   }
 
-  /// Pixels that the library borrows: pinned as long as this lives, so keep a few and use each again once it IsFree.
+  /// Pixels that the library borrows. They are pinned during the lifetime of this object: create a few and reuse each when it IsFree.
   public sealed unsafe class Picture : IDisposable {
     [UnmanagedFunctionPointer(CallingConvention.Cdecl)] delegate int RetainFunction(IntPtr owner);
     [UnmanagedFunctionPointer(CallingConvention.Cdecl)] delegate void ReleaseFunction(IntPtr owner);
@@ -68,7 +68,7 @@ namespace Odograph {
     readonly byte* data;
     int holds;
 
-    /// Memory of its own.
+    /// Allocates the pixels.
     public Picture(int bytes) {
       Pixels = new byte[bytes];
       Length = bytes;
@@ -76,7 +76,7 @@ namespace Odograph {
       self = GCHandle.Alloc(this);
       data = (byte*)pin.AddrOfPinnedObject();
     }
-    /// The platform's memory (a NativeArray, a camera's buffer) of `bytes`, which must stay valid until IsFree.
+    /// Wraps existing memory of `bytes` (a NativeArray, a camera buffer), which must stay valid until IsFree.
     public Picture(IntPtr pixels, long bytes) {
       Length = bytes;
       self = GCHandle.Alloc(this);
@@ -98,14 +98,14 @@ namespace Odograph {
     [MonoPInvokeCallback(typeof(ReleaseFunction))]
     static void Release(IntPtr owner) { ((Picture)GCHandle.FromIntPtr(owner).Target).Return(); }
 
-    /// When IsFree, or after the session.
+    /// Call it only when IsFree, or after the session is disposed.
     public void Dispose() {
       if (pin.IsAllocated) pin.Free();
       if (self.IsAllocated) self.Free();
     }
   }
 
-  /// As many pictures as are borrowed at a time, each used again once it is free. One thread.
+  /// Pool of pictures: reuses those that are free and grows to the number borrowed at one time. For one thread.
   public sealed class PicturePool : IDisposable {
     readonly System.Collections.Generic.List<Picture> pictures = new System.Collections.Generic.List<Picture>();
     readonly int bytes;
@@ -127,7 +127,7 @@ namespace Odograph {
     public void Dispose() { foreach (Picture picture in pictures) picture.Dispose(); }
   }
 
-  /// One pipeline.
+  /// A session: one pipeline. Threads as in odograph.h.
   public sealed unsafe partial class Session : IDisposable {
     [UnmanagedFunctionPointer(CallingConvention.Cdecl)] delegate void Callback(IntPtr user, odo_header* header);
     static readonly Callback callback = OnEvent;
@@ -159,8 +159,8 @@ namespace Odograph {
       self = GCHandle.Alloc(this);
     }
 
-    /// Calls `function` with each event of those types (ODO_TYPE_*), all of them where none is given: within Push and Flush, or on the
-    /// library's thread when live. What it throws comes out of the next Push or Flush.
+    /// Calls `function` with each event of these types (ODO_TYPE_*), or with all events if none is given: within Push and Flush, or on
+    /// the library's thread when live. The next Push or Flush rethrows its exceptions.
     public void Listen(Handler function, params uint[] types) {
       handler = function;
       IntPtr pointer = Marshal.GetFunctionPointerForDelegate(callback);
@@ -173,7 +173,7 @@ namespace Odograph {
       var session = (Session)GCHandle.FromIntPtr(user).Target;
       try {
         session.handler(new Event(header));
-      } catch (Exception e) {  // it cannot cross the library
+      } catch (Exception e) {  // must not propagate through the library
         session.thrown = e;
       }
     }
@@ -187,12 +187,12 @@ namespace Odograph {
       return status;
     }
 
-    /// ODO_OK, or why it was dropped. Of each input there is a Push(ref message) too.
+    /// Returns ODO_OK, or the status of a rejected message. There is an overload Push(ref message) for each input.
     public int Push(odo_header* message) { return Checked(Abi.odo_session_push(session, message)); }
     public int Push(Event message) { return Push(message.Header); }
     public int PushImu(long t_ns, Vector gyro, Vector accel) { return Checked(Abi.odo_session_push_imu(session, t_ns, &gyro.x, &accel.x)); }
 
-    /// A frame whose pixels are a picture's, from its byte `begin` on: borrowed, not copied. Format, width and height are the frame's.
+    /// Pushes a frame with the pixels of a picture from byte `begin`, borrowed, not copied. Set format, width and height in the frame.
     public int PushFrame(ref Frame frame, Picture picture, int begin = 0, int rowStride = 0) {
       uint pixel = frame.format == Abi.ODO_FORMAT_RGB8 ? 3u : frame.format == Abi.ODO_FORMAT_RGBA8 || frame.format == Abi.ODO_FORMAT_BGRA8 ? 4u : 1u;
       frame.plane_count = 1;
@@ -212,7 +212,7 @@ namespace Odograph {
 
     public void Flush() { OdographException.Check(Checked(Abi.odo_session_flush(session))); }
 
-    /// False before the first pose and at times that are not known. Look at its flags. `smooth`: for what is drawn and must not jump.
+    /// Returns false before the first pose and outside the available times. Check the flags. `smooth`: without jumps, for rendering.
     public bool TryGetPose(out Pose pose, long t_ns = Abi.ODO_TIME_LATEST, bool smooth = false, uint of = Abi.ODO_OF_PIPELINE) {
       pose = new Pose(0);
       fixed (Pose* p = &pose) return Abi.odo_session_get_pose_of(session, of, smooth ? 1u : 0u, t_ns, p) == Abi.ODO_OK;
@@ -225,7 +225,7 @@ namespace Odograph {
       return statistics;
     }
 
-    /// The last error or warning since the last call, or null.
+    /// The latest error or warning since the last call, or null.
     public string LastError() {
       var error = default(odo_error);
       error.struct_size = (uint)sizeof(odo_error);
@@ -260,7 +260,8 @@ namespace Odograph {
     }
   }
 
-  /// A recording, read once: while (recording.Next(out message, out picture, out size)) ... Both are valid until the next one.
+  /// A recording, which is read once: while (recording.Next(out message, out picture, out size)) ... Message and picture are valid until
+  /// the next call.
   public sealed unsafe class Recording : IDisposable {
     odo_recording* recording;
 
@@ -276,7 +277,7 @@ namespace Odograph {
       recording = made;
     }
 
-    /// The next message in the order of time; of a frame its picture, as the app encoded it.
+    /// Returns the next message in time order, and for a frame the encoded picture.
     public bool Next(out Event message, out IntPtr picture, out int size) {
       odo_header* header;
       void* bytes;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
- * What Java cannot do by itself: addresses of buffers, calls from the library's threads, pictures that it borrows.
+ * Native part of the Java binding: addresses of buffers, calls from the library's threads, borrowed pictures.
  */
 #include <jni.h>
 #include <stdint.h>
@@ -10,7 +10,7 @@
 
 static JavaVM* vm;
 
-/* Of the calling thread, which stays attached as long as it lives. */
+/* JNI environment of the calling thread, which stays attached until it ends. */
 static JNIEnv* environment(void) {
   JNIEnv* env = NULL;
   if ((*vm)->GetEnv(vm, (void**)&env, JNI_VERSION_1_6) != JNI_OK)
@@ -34,7 +34,7 @@ JNIEXPORT jobject JNICALL Java_org_odograph_Native_view(JNIEnv* env, jclass self
   return (*env)->NewDirectByteBuffer(env, (void*)(intptr_t)address, size);
 }
 
-/* A session's listener: an object with a method `take(long)`. */
+/* Listener of a session: an object with a method `take(long)`. */
 typedef struct listener {
   jobject object;
   jmethodID take;
@@ -46,7 +46,7 @@ static void ODO_CALL on_event(void* user, const odo_header* event) {
   if (env && !(*env)->ExceptionCheck(env)) (*env)->CallVoidMethod(env, to->object, to->take, (jlong)(intptr_t)event);
 }
 
-/* Answers what `unlisten` frees, 0 where memory is short. */
+/* Returns a handle for `unlisten`, or 0 if out of memory. */
 JNIEXPORT jlong JNICALL Java_org_odograph_Native_listen(JNIEnv* env, jclass self, jlong session, jintArray types,
                                                         jobject object) {
   listener* made = (listener*)calloc(1, sizeof *made);
@@ -69,7 +69,7 @@ JNIEXPORT void JNICALL Java_org_odograph_Native_unlisten(JNIEnv* env, jclass sel
   free(old);
 }
 
-/* A direct buffer that the library shares. */
+/* A direct buffer shared with the library. */
 typedef struct shared {
   int32_t holds;
   jobject buffer;
@@ -97,7 +97,7 @@ static void ODO_CALL release(void* owner) {
   __atomic_sub_fetch(&borrowed, 1, __ATOMIC_SEQ_CST);
 }
 
-/* `frame`: the address of an odo_frame that is whole but for its loan and the address of its pixels. */
+/* `frame`: address of an odo_frame in which only the loan and the address of the pixels are missing. */
 JNIEXPORT jint JNICALL Java_org_odograph_Native_pushFrame(JNIEnv* env, jclass self, jlong session, jlong frame,
                                                           jobject buffer, jint begin) {
   odo_frame* lent = (odo_frame*)(intptr_t)frame;

@@ -189,7 +189,7 @@ export const ODO_REASON_NO_FIX = 10;
 export const ODO_REASON_NO_GROUND = 11;
 export const ODO_REASON_NO_ORIGIN = 12;
 
-// Numbers of the messages' types.
+// Type numbers of the messages.
 export const TYPES = {
   imu: 0x1,
   magnetometer: 0x2,
@@ -217,7 +217,7 @@ export const TYPES = {
   relative_pose: 0x100c,
 };
 
-// Of each struct the bytes, and of each field its kind, offset and count.
+// Size of each struct in bytes; type, offset and count of each field.
 export const STRUCTS = {
   imu: {size: 80, fields: {
     t_ns: ['i64', 8],

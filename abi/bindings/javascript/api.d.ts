@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Odograph in JavaScript: a metric 6-DoF pose of a hand-held phone. Fields of messages and what they mean: docs/abi.md and the headers of
-// the C ABI, whose names these are. node.d.ts and web.d.ts say how each package loads the library.
+// Odograph for JavaScript: a metric 6-DoF pose of a hand-held phone. Names are those of the C ABI; its headers and docs/abi.md describe
+// messages and fields. node.d.ts and web.d.ts declare how each package loads the library.
 import type {Anchor, AnchorPlace, Event, Frame, Input, MessageName, Message, Pose, Statistics} from './abi.js';
 export * from './abi.js';
 
@@ -13,13 +13,13 @@ export class OdographError extends Error {
 }
 
 export interface SessionOptions {
-  /** A pipeline's YAML text; in Node also its file, whose path has neither a line break nor ": " in it, one of which every YAML mapping has.
-   * A browser has no files that the text could name. */
+  /** YAML text of a pipeline; in Node also the path of a YAML file, which has neither a line break nor ": " in it, one of which every
+   * YAML mapping has. In a browser it cannot refer to files. */
   config: string;
-  /** Folders to look for plugins in before all others, in Node. A browser has those that are linked in. */
+  /** Folders that are searched first for plugins (Node only). A browser uses the plugins linked into the library. */
   plugins?: string;
   seed?: bigint | number;
-  /** Which events onEvent is called with, within push and flush. */
+  /** Events for which onEvent is called, within push and flush. */
   events?: 'all' | MessageName[];
   onEvent?: (event: Event) => void;
 }
@@ -31,32 +31,32 @@ export class Odograph {
   stateText(state: number): string;
   reasonText(reason: number): string;
   modeText(mode: number): string;
-  /** Throws OdographError: a bad config with line and column, a plugin that is not there. Several sessions may live at once. */
+  /** Throws OdographError: invalid config (with line and column), missing plugin. Several sessions may exist at once. */
   createSession(options: SessionOptions): Session;
-  /** A path in Node, the file's bytes in a browser. Throws OdographError where that is no recording (*.odo). */
+  /** Opens a recording (*.odo): a path in Node, the bytes of the file in a browser. Throws OdographError if it is not one. */
   openRecording(recording: string | Uint8Array): Recording;
 }
 
-/** A message's fields as they are handed in: each may be left out, whole numbers of 64 bits may be numbers. */
+/** Fields of a message to push: all are optional, and 64-bit integers may be numbers. */
 export type Fields<T> = T extends {type: string} ? {[K in keyof Omit<T, 'type'>]?: T[K] extends bigint ? Time : T[K]} : never;
-/** Any input but a frame. */
+/** Any input except a frame. */
 export type Pushed = {[T in Exclude<Input, Frame> as T['type']]: {type: T['type']} & Fields<T>}[Exclude<Input, Frame>['type']];
 
 export class Session {
   private constructor();
-  /** Any input but a frame, with ODO_OK or ODO_E_* as the answer. */
+  /** Pushes any input except a frame. Returns ODO_OK or ODO_E_*. */
   push(message: Pushed): number;
   pushImu(t_ns: Time, gyro_b: ArrayLike<number>, accel_b: ArrayLike<number>): number;
-  /** width * height bytes (grey), three (RGB) or four times as many (RGBA). In Node
-   * they are borrowed, not copied, and must not change as long as `borrowed` counts them. */
+  /** Pushes a picture: width * height * 1 (grey), 3 (RGB) or 4 (RGBA) bytes. In Node the bytes are borrowed, not copied: do not
+   * change them while `borrowed` counts them. */
   pushFrame(frame: {t_ns: Time; pixels: Uint8Array | Uint8ClampedArray; width: number; height: number} & Omit<Fields<Frame>, 't_ns'>): number;
-  /** How many pictures the library has still borrowed. */
+  /** Number of pictures that the library still borrows. */
   readonly borrowed: number;
-  /** Processes all that has been pushed, without waiting for slower sensors. */
+  /** Processes all pushed samples without waiting for slower sensors. */
   flush(): number;
-  /** Null while there is none at that time. */
+  /** The pose at a time, by default at the newest sample; null if not available. `smooth`: without jumps, for rendering. `of`: ODO_OF_*. */
   pose(t_ns?: Time, options?: {smooth?: boolean; of?: number}): Pose | null;
-  /** Throws OdographError where the phone's position is not known yet, or for a place that is none. */
+  /** Creates an anchor and returns its id. Throws OdographError for an invalid place or while the position of the phone is unknown. */
   createAnchor(place: Partial<Omit<AnchorPlace, 'name_data' | 'name_size'>> & {kind: number; name?: string}): bigint;
   anchor(id: bigint | number, options?: {t_ns?: Time; world?: number}): Anchor | null;
   anchors(): bigint[];
@@ -68,7 +68,7 @@ export class Session {
 
 export class Recording implements Iterable<Message & {picture?: Uint8Array}> {
   private constructor();
-  /** In the order of time; null at the end. */
+  /** Returns the next message in time order; null at the end. */
   next(): (Message & {picture?: Uint8Array}) | null;
   [Symbol.iterator](): Iterator<Message & {picture?: Uint8Array}>;
   loss(): string;

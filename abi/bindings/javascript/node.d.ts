@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Odograph for Node, by the native library. It runs on the thread that calls it; a server calls it from a worker thread.
+// Odograph for Node, over the native library. It runs on the calling thread, so use it in a worker thread of a server.
 import type {Odograph} from './api.js';
 export * from './api.js';
 
-/** A path of the library; ODOGRAPH_LIBRARY or what the dynamic loader finds unless given. */
+/** Path of the library; by default ODOGRAPH_LIBRARY or the default of the dynamic loader. */
 export function load(path?: string): Odograph;

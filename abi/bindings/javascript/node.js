@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Odograph for Node: the API of @odograph/web (api.d.ts) over the native library, by koffi. Everything runs within push and flush, on
-// the thread that calls them: a server calls it from a worker thread.
+// Odograph for Node: the API of @odograph/web (api.d.ts) over the native library, using koffi. Processing runs within push and
+// flush on the calling thread, so use it in a worker thread of a server.
 import koffi from 'koffi';
 import * as abi from './abi.js';
 import {PROTOTYPES} from './prototypes.js';
@@ -13,14 +13,14 @@ const {read, message: messageAt, write} = structs('u64');
 const CALLBACK = koffi.pointer(koffi.proto('void odo_node_event(void *user, void *event)'));
 const RETAIN = koffi.pointer(koffi.proto('int32_t odo_node_retain(uintptr_t owner)')), RELEASE = koffi.pointer(koffi.proto('void odo_node_release(uintptr_t owner)'));
 
-/** A struct with these fields. */
+/** Creates a struct with these fields. */
 function made(name, values) {
   const view = new DataView(new ArrayBuffer(abi.STRUCTS[name].size));
   write(view, 0, name, values);
   return view;
 }
 
-/** Text as the fields NAME_data and NAME_size of a struct; `keeps` holds the bytes for as long as they are read. */
+/** A text as the fields NAME_data and NAME_size of a struct; `keeps` keeps the bytes alive. */
 function string(field, value, keeps) {
   const bytes = Buffer.from(`${value}\0`);
   keeps.push(bytes);
@@ -30,7 +30,7 @@ function string(field, value, keeps) {
 const bytes = view => Buffer.from(view.buffer);
 const message = address => messageAt(new DataView(koffi.view(address, new DataView(koffi.view(address, 4)).getUint32(0, true))), 0);
 
-/** Loads the library: a path, or what ODOGRAPH_LIBRARY or the dynamic loader finds. */
+/** Loads the library: a path, by default ODOGRAPH_LIBRARY or the default of the dynamic loader. */
 export function load(path = process.env.ODOGRAPH_LIBRARY ?? 'libodograph.so.0') {
   return new Odograph(koffi.load(path));
 }
@@ -41,17 +41,17 @@ export class Odograph {
   }
 
   get version() { return this.odo_version(); }
-  /** Of a status, a state, a reason or a motion mode, in words. */
+  /** Text of a status, a state, a reason or a motion mode. */
   statusText(status) { return this.odo_status_text(status); }
   stateText(state) { return this.odo_state_text(state); }
   reasonText(reason) { return this.odo_reason_text(reason); }
   modeText(mode) { return this.odo_mode_text(mode); }
 
   createSession(options) { return new Session(this, options); }
-  /** A recording (*.odo), by its path. */
+  /** Opens a recording (*.odo) by its path. */
   openRecording(path) { return new Recording(this, path); }
 
-  // What follows is for this file.
+  // Internal.
   check(status, error) {
     if (status < 0) throw new OdographError(status, (error && read(error, 0, 'error').message) || this.statusText(status));
     return status;
@@ -82,7 +82,7 @@ export class Session {
     const call = (_, event) => {
       try {
         onEvent(message(event));
-      } catch (error) { // it cannot cross the library: push or flush throws it
+      } catch (error) { // must not propagate through the library: push or flush rethrows it
         this.#thrown = error;
       }
     };
@@ -102,19 +102,19 @@ export class Session {
     return status;
   }
 
-  /** Any input but a frame. Answers the status; what is wrong is in lastError(). */
+  /** Pushes any input except a frame. Returns the status; lastError() has the reason. */
   push(input) {
     checkInput(input);
     return this.#checked(this.library.odo_session_push(this.#handle, bytes(made(input.type, input))));
   }
 
-  /** Rotation rate (rad/s) and specific force (m/s^2) in the body's axes. */
+  /** Pushes an inertial sample: rotation rate (rad/s) and specific force (m/s^2) in b. */
   pushImu(t_ns, gyro, accel) {
     return this.#checked(this.library.odo_session_push_imu(this.#handle, BigInt(t_ns), Float64Array.from(gyro), Float64Array.from(accel)));
   }
 
-  /** A picture: `pixels` are width * height bytes (grey), three (RGB) or four times as many (RGBA). It is borrowed, not copied, and must not
-   * change as long as `borrowed` counts it. Other fields as odo_frame has them. */
+  /** Pushes a picture: width * height * 1 (grey), 3 (RGB) or 4 (RGBA) bytes. It is borrowed, not copied: do not change it while
+   * `borrowed` counts it. `fields`: further fields of odo_frame. */
   pushFrame({pixels, width, height, ...fields}) {
     const owner = this.#next++;
     const frame = made('frame', {...fields, ...plane(pixels, width, height, koffi.address(pixels)), loan_owner: owner, loan_retain: this.#retain, loan_release: this.#release});
@@ -126,19 +126,19 @@ export class Session {
       if (--picture.holds === 0) this.#borrowed.delete(owner);
     }
   }
-  /** How many pictures the library has still borrowed. */
+  /** Number of pictures that the library still borrows. */
   get borrowed() { return this.#borrowed.size; }
 
   flush() { return this.#checked(this.library.odo_session_flush(this.#handle)); }
 
-  /** The pose at a time, or the newest; null while there is none. `smooth`: for what is drawn. `of`: ODO_OF_*. */
+  /** The pose at a time, by default at the newest sample; null if not available. `smooth`: without jumps, for rendering. `of`: ODO_OF_*. */
   pose(t_ns = LATEST, {smooth = false, of = abi.ODO_OF_PIPELINE} = {}) {
     const pose = made('pose');
     const status = this.library.odo_session_get_pose_of(this.#handle, of, smooth ? 1 : 0, BigInt(t_ns), bytes(pose));
     return status === abi.ODO_OK ? {type: 'pose', ...read(pose, 0, 'pose')} : null;
   }
 
-  /** Makes an anchor: odo_anchor_place's fields, and a name. Answers its id. */
+  /** Creates an anchor from the fields of odo_anchor_place and a name. Returns its id. */
   createAnchor({name = '', ...place}) {
     const keeps = [], id = new BigUint64Array(1);
     const view = made('anchor_place', {t_ns: LATEST, ...place, ...string('name', name, keeps)});
@@ -164,7 +164,7 @@ export class Session {
     return read(statistics, 0, 'statistics');
   }
 
-  /** The last error or warning since the last call, or null. */
+  /** The latest error or warning since the last call, or null. */
   lastError() {
     const error = made('error');
     return this.library.odo_session_last_error(this.#handle, bytes(error)) === abi.ODO_OK ? null : read(error, 0, 'error').message;
@@ -189,7 +189,7 @@ export class Recording {
     this.#recording = library.created((handle, error) => library.odo_recording_open(bytes(name), handle, error));
   }
 
-  /** The next message in the order of time, of a frame with its `picture` (PNG or JPEG, a copy); null at the end. */
+  /** The next message in time order, for a frame with a copy of its `picture` (PNG or JPEG); null at the end. */
   next() {
     const out = this.#out;
     if (this.library.odo_recording_next(this.#recording, out.subarray(0, 1), out.subarray(1, 2), out.subarray(2, 3)) !== abi.ODO_OK) return null;
@@ -201,7 +201,7 @@ export class Recording {
     for (let found; (found = this.next());) yield found;
   }
 
-  /** What it lacks of what was written, in words; empty where nothing. */
+  /** Describes missing data; empty if the recording is complete. */
   loss() {
     const error = made('error');
     this.library.odo_recording_loss(this.#recording, bytes(error));

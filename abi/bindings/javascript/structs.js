@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The structs of the ABI in memory, read and written: what node.js and web.js share.
+// Reads and writes structs of the ABI in memory, for node.js and web.js.
 import * as abi from './abi.js';
 
 const {STRUCTS, TYPES} = abi;
@@ -7,7 +7,7 @@ const NAMES = Object.fromEntries(Object.entries(TYPES).map(([name, number]) => [
 const NUMBERS = {u8: ['Uint8', 1], i32: ['Int32', 4], u32: ['Uint32', 4], i64: ['BigInt64', 8], u64: ['BigUint64', 8], f32: ['Float32', 4], f64: ['Float64', 8]};
 export const LATEST = -(2n ** 63n);
 
-/** What the library answers where it refuses something: `status` is ODO_E_*, the message names what is wrong. */
+/** An error of the library: `status` is ODO_E_*, the message states the reason. */
 export class OdographError extends Error {
   constructor(status, text) {
     super(text);
@@ -16,7 +16,7 @@ export class OdographError extends Error {
   }
 }
 
-/** The messages' numbers of these events' names; null for all. */
+/** Type numbers of events given by name; null for all. */
 export function eventTypes(events) {
   if (events === 'all') return null;
   const unknown = events.find(name => !(name in TYPES));
@@ -24,19 +24,19 @@ export function eventTypes(events) {
   return Uint32Array.from(events, name => TYPES[name]);
 }
 
-/** Refuses what is no input, and frames, which pushFrame takes. */
+/** Throws unless the message is an input other than a frame, which needs pushFrame. */
 export function checkInput({type}) {
   if (!(type in TYPES) || type === 'frame') throw new OdographError(abi.ODO_E_ARGUMENT, `type: '${type}'; expected an input, of frames pushFrame`);
 }
 
-/** The fields of a frame whose pixels begin at the address `data`. */
+/** The fields of a frame whose pixels start at the address `data`. */
 export function plane({length}, width, height, data) {
   const pixel = length / (width * height), format = {1: abi.ODO_FORMAT_GREY8, 3: abi.ODO_FORMAT_RGB8, 4: abi.ODO_FORMAT_RGBA8}[pixel];
   if (!format) throw new OdographError(abi.ODO_E_ARGUMENT, `pixels: ${length} bytes of ${width} x ${height}; expected one, three or four a pixel`);
   return {format, width, height, plane_count: 1, planes0_data: data, planes0_row_stride: width * pixel, planes0_pixel_stride: pixel};
 }
 
-/** Reading and writing where an address is this number: 'u32', or 'u64'. A struct begins at `at` of a DataView. */
+/** Readers and writers for addresses of type 'u32' or 'u64'. A struct starts at offset `at` of a DataView. */
 export function structs(pointer) {
   const access = {...NUMBERS, ptr: NUMBERS[pointer]};
 
@@ -45,7 +45,7 @@ export function structs(pointer) {
     return new TextDecoder().decode(bytes.slice(0, end < 0 ? capacity : end));
   };
 
-  /** The fields of a struct; what its writer did not have is left out. */
+  /** The fields of a struct, without those beyond its size. */
   function read(view, at, name, size = view.getUint32(at, true)) {
     const out = {};
     for (const [label, [code, offset, count = 1]] of Object.entries(STRUCTS[name].fields)) {
@@ -57,13 +57,13 @@ export function structs(pointer) {
     return out;
   }
 
-  /** A message, named by its number. */
+  /** A message with its type as a name. */
   function message(view, at) {
     const type = view.getUint32(at + 4, true), name = NAMES[type];
     return name ? {type: name, ...read(view, at, name)} : {type: String(type), t_ns: view.getBigInt64(at + 8, true)};
   }
 
-  /** These fields into zeroed memory, with the struct's head. */
+  /** Writes fields and the header of a struct to zeroed memory. */
   function write(view, at, name, values = {}) {
     const {size, fields} = STRUCTS[name];
     view.setUint32(at, size, true);

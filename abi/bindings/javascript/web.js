@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Odograph for browsers: a small typed API (api.d.ts) over the C API (odograph.h), which runs as WebAssembly on the thread that
-// calls it. A page calls it from a Web Worker.
+// Odograph for browsers: a typed API (api.d.ts) over the C API (odograph.h), compiled to WebAssembly. It runs on the calling
+// thread, so use it in a Web Worker.
 import makeModule from './odograph.js';
 import * as abi from './abi.js';
 import {checkInput, eventTypes, LATEST, OdographError, plane, structs} from './structs.js';
@@ -10,7 +10,7 @@ export {OdographError};
 
 const {STRUCTS} = abi, {read, message, write} = structs('u32');
 
-/** Loads the library. `wasm`: where odograph.wasm is, or its bytes; beside this file unless given. */
+/** Loads the library. `wasm`: URL or bytes of odograph.wasm; by default the file beside this one. */
 export async function load({wasm} = {}) {
   const options = {};
   if (wasm instanceof ArrayBuffer || ArrayBuffer.isView(wasm)) options.wasmBinary = wasm;
@@ -28,23 +28,23 @@ export class Odograph {
   }
 
   get version() { return this.module.UTF8ToString(this.module._odo_version()); }
-  /** Of a status, a state, a reason or a motion mode, in words. */
+  /** Text of a status, a state, a reason or a motion mode. */
   statusText(status) { return this.module.UTF8ToString(this.module._odo_status_text(status)); }
   stateText(state) { return this.module.UTF8ToString(this.module._odo_state_text(state)); }
   reasonText(reason) { return this.module.UTF8ToString(this.module._odo_reason_text(reason)); }
   modeText(mode) { return this.module.UTF8ToString(this.module._odo_mode_text(mode)); }
 
-  /** A session in replay mode: everything runs within push. `events`: the names of those that onEvent is called with, or 'all'. */
+  /** Creates a session in replay mode: processing runs within push. `events`: names of the events for onEvent, or 'all'. */
   createSession({config, seed = 0n, events = 'all', onEvent = () => {}}) { return new Session(this, config, BigInt(seed), events, onEvent); }
 
-  /** A recording (*.odo), by its bytes. */
+  /** Opens a recording (*.odo) from its bytes. */
   openRecording(bytes) {
     const path = `/recording-${this.#files++}.odo`;
     this.module.FS.writeFile(path, bytes, {canOwn: true});
     return new Recording(this, path);
   }
 
-  // What follows is for this file.
+  // Internal.
   get view() {
     if (this.#view?.buffer !== this.module.HEAPU8.buffer) this.#view = new DataView(this.module.HEAPU8.buffer);
     return this.#view;
@@ -61,7 +61,7 @@ export class Odograph {
       this.module._free(at);
     }
   }
-  /** Memory for the time of `work`, zeroed. */
+  /** Runs `work` with zeroed temporary memory. */
   using(size, work) { return this.#memory(size, work); }
   withText(text, work) {
     const bytes = new TextEncoder().encode(text);
@@ -74,7 +74,7 @@ export class Odograph {
   }
   failure(status, error) { return status < 0 ? new OdographError(status, this.read(error, 'error').message || this.statusText(status)) : null; }
 
-  // The memory is another one when it has grown: each call takes the view of then.
+  // Memory growth replaces the buffer, so that each call needs the current view.
   read(at, name, size) { return read(this.view, at, name, size); }
   message(at) { return message(this.view, at); }
   write(at, name, values) { write(this.view, at, name, values); }
@@ -114,7 +114,7 @@ export class Session {
     return this.#session;
   }
 
-  /** Any input but a frame. Answers the status; what is wrong is in lastError(). */
+  /** Pushes any input except a frame. Returns the status; lastError() has the reason. */
   push(message) {
     checkInput(message);
     const {library} = this, at = this.#scratch;
@@ -123,11 +123,10 @@ export class Session {
     return library.module._odo_session_push(this.#handle, at);
   }
 
-  /** Rotation rate (rad/s) and specific force (m/s^2) in the body's axes. */
+  /** Pushes an inertial sample: rotation rate (rad/s) and specific force (m/s^2) in b. */
   pushImu(t_ns, gyro, accel) { return this.push({type: 'imu', t_ns, flags: abi.ODO_IMU_GYRO | abi.ODO_IMU_ACCEL, gyro_b: gyro, accel_b: accel}); }
 
-  /** A picture: `pixels` are width * height bytes (grey), three (RGB) or four times as many (RGBA), copied. Other fields as odo_frame
-   * has them. */
+  /** Pushes a picture, which is copied: width * height * 1 (grey), 3 (RGB) or 4 (RGBA) bytes. `fields`: further fields of odo_frame. */
   pushFrame({pixels, width, height, ...fields}) {
     const {library, library: {module}} = this, handle = this.#handle;
     if (pixels.length > this.#capacity) {
@@ -142,19 +141,19 @@ export class Session {
     return module._odo_session_push(handle, at);
   }
 
-  /** How many pictures the library has still borrowed: none, it has copies. */
+  /** Number of pictures that the library still borrows: always 0, because it copies them. */
   get borrowed() { return 0; }
 
   flush() { return this.library.module._odo_session_flush(this.#handle); }
 
-  /** The pose at a time, or the newest; null while there is none. `smooth`: for what is drawn. `of`: ODO_OF_*. */
+  /** The pose at a time, by default at the newest sample; null if not available. `smooth`: without jumps, for rendering. `of`: ODO_OF_*. */
   pose(t_ns = LATEST, {smooth = false, of = abi.ODO_OF_PIPELINE} = {}) {
     const {library} = this, at = library.ask(this.#scratch, 'pose');
     const status = library.module._odo_session_get_pose_of(this.#handle, of, smooth ? 1 : 0, BigInt(t_ns), at);
     return status === abi.ODO_OK ? {type: 'pose', ...library.read(at, 'pose')} : null;
   }
 
-  /** Makes an anchor: odo_anchor_place's fields, and a name. Answers its id. */
+  /** Creates an anchor from the fields of odo_anchor_place and a name. Returns its id. */
   createAnchor({name = '', ...place}) {
     const {library, library: {module}} = this, {size} = STRUCTS.anchor_place;
     return library.withText(name, (text, length) => library.using(size + 8, at => {
@@ -186,7 +185,7 @@ export class Session {
     return library.read(at, 'statistics');
   }
 
-  /** The last error or warning since the last call, or null. */
+  /** The latest error or warning since the last call, or null. */
   lastError() {
     const {library} = this, at = library.ask(this.#scratch, 'error');
     return library.module._odo_session_last_error(this.#handle, at) === abi.ODO_OK ? null : library.read(at, 'error').message;
@@ -223,7 +222,7 @@ export class Recording {
     this.#out = module._malloc(16);
   }
 
-  /** The next message in the order of time, of a frame with its `picture` (PNG or JPEG, a copy); null at the end. */
+  /** The next message in time order, for a frame with a copy of its `picture` (PNG or JPEG); null at the end. */
   next() {
     const {library, library: {module}} = this, out = this.#out;
     if (module._odo_recording_next(this.#recording, out, out + 4, out + 8) !== abi.ODO_OK) return null;
@@ -236,7 +235,7 @@ export class Recording {
     for (let found; (found = this.next());) yield found;
   }
 
-  /** What it lacks of what was written, in words; empty where nothing. */
+  /** Describes missing data; empty if the recording is complete. */
   loss() {
     const {library} = this;
     return library.using(STRUCTS.error.size, at => (library.module._odo_recording_loss(this.#recording, library.ask(at, 'error')), library.read(at, 'error').message));

@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
- * A plugin library whose algorithm is a Python file (odograph/plugin.py): it runs that file in a process of its own,
- * hands it each message and passes its events on. plugin_description.h, which `python3 PLUGIN.py --describe` writes,
- * has the plugin's table. PLUGIN_FILE is the file's path, PLUGIN_PYTHON the interpreter's, PLUGIN_PATH the folder of
- * the package.
+ * Plugin library for an algorithm in Python (odograph/plugin.py). It runs the Python file in a separate process, sends
+ * it each message and emits its events. `python3 PLUGIN.py --describe` writes plugin_description.h, the plugin's table.
+ * PLUGIN_FILE is the path of the file, PLUGIN_PYTHON that of the interpreter, PLUGIN_PATH the folder of the package.
  */
 #define _GNU_SOURCE
 #include <fcntl.h>
@@ -33,14 +32,14 @@ struct odo_instance {
   uint32_t number, key;
 };
 
-/* One process for all instances of this library. */
+/* The process, shared by all instances of this library. */
 static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
 static int connection = -1;
 static uint32_t keys;
 
 extern char** environ;
 
-/* The process's own, with the place of the package where nobody named one. */
+/* The environment of this process; PYTHONPATH is set to the package unless it is already set. */
 static char** with_package(void) {
   static char package[] = "PYTHONPATH=" PLUGIN_PATH;
   size_t count = 0, own = 0;
@@ -63,7 +62,7 @@ static int start(void) {
     free(variables);
     return -1;
   }
-  if (ends[1] == 3) { /* dup2 of a number onto itself would leave it closed on exec */
+  if (ends[1] == 3) { /* dup2 of a descriptor onto itself does not clear close-on-exec */
     const int other = fcntl(3, F_DUPFD_CLOEXEC, 4);
     close(3);
     ends[1] = other;
@@ -95,7 +94,7 @@ static void report(const odo_instance* self, const char* text, size_t size) {
   if (service && service->report) service->report(self->host, self->number, ODO_SEVERITY_ERROR, &key, &what);
 }
 
-/* The status of a request; its events go to the sink, its text to the report. */
+/* Reads the answer to a request: emits its events, reports its text and returns its status. */
 static int32_t ask(odo_instance* self, uint32_t what, const void* data, uint32_t size, const void* more,
                    uint32_t more_size) {
   static const char gone[] = "the plugin's Python process is gone, or could not be started";
@@ -152,7 +151,7 @@ static int32_t ODO_CALL configure(odo_instance* self, const odo_value* values, u
   char text[4096];
   size_t size = 0;
   uint32_t i;
-  for (i = 0; i < count; ++i) { /* the rows of a newer host are larger */
+  for (i = 0; i < count; ++i) { /* the rows of a newer host may be larger */
     const odo_value* value = (const odo_value*)(const void*)((const char*)values + (size_t)i * stride);
     if (!value->reals || value->name.size > 64 || size + 128 > sizeof text) continue;
     size += (size_t)snprintf(text + size, sizeof text - size, "%.*s=%.17g\n", (int)value->name.size, value->name.data,
@@ -166,7 +165,7 @@ static int32_t ODO_CALL activate(odo_instance* self, const odo_sink* sink) {
   return ODO_OK;
 }
 
-/* The first plane, row by row without gaps, behind the frame; none where a frame has no pixels in memory. */
+/* Sends a frame and its first plane, row by row without gaps; no plane if the frame has no pixels in memory. */
 static int32_t ask_frame(odo_instance* self, const odo_frame* frame) {
   const odo_plane* plane = &frame->planes[0];
   const uint64_t pixel = plane->pixel_stride, row = pixel * frame->width, size = row * frame->height;
@@ -200,7 +199,7 @@ static void ODO_CALL destroy(odo_instance* self) {
 }
 
 int32_t ODO_CALL ODO_PLUGIN_ENTRY(const odo_host* host, odo_plugin* out) {
-  static const odo_string refusal = {"this plugin speaks another ABI than the host", 44};
+  static const odo_string refusal = {"the plugin was built for another ABI than the host's", 52};
   odo_plugin table;
   uint32_t size;
   if (!host || !out || out->struct_size < ODO_PLUGIN_SIZE_MIN) return ODO_E_STRUCT_SIZE;
@@ -217,7 +216,7 @@ int32_t ODO_CALL ODO_PLUGIN_ENTRY(const odo_host* host, odo_plugin* out) {
   table.parameter_stride = sizeof(odo_parameter);
   table.create = create, table.configure = configure, table.activate = activate;
   table.process = process, table.reset = reset, table.destroy = destroy;
-  size = out->struct_size < table.struct_size ? out->struct_size : table.struct_size; /* a host of another age */
+  size = out->struct_size < table.struct_size ? out->struct_size : table.struct_size; /* of another version */
   memcpy(out, &table, size);
   out->struct_size = size;
   return ODO_OK;

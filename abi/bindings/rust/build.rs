@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-//! Where libodograph lies: ODOGRAPH_LIB_DIR, or what pkg-config says, or the linker's own folders.
+//! Finds libodograph: in ODOGRAPH_LIB_DIR, by pkg-config, or in the default folders of the linker.
 use std::process::Command;
 
 fn main() {

@@ -9,15 +9,15 @@
 
 namespace {
 
-/// Judgements.
+/// Values by judgement.
 struct Parameters {
-  /// Pictures that wait; then a push waits too. A consumer that ends when no new pose comes loses as many.
+  /// Pictures in the queue; push blocks beyond. A consumer that stops when no new pose arrives loses as many.
   size_t max_pictures = 1;
-  /// Poses that nobody fetched; then the oldest go.
+  /// Poses not yet popped; beyond, the oldest are dropped.
   size_t max_poses = 4096;
-  /// Without a sample, from where on a picture is processed without those that cover it.
+  /// Time without an IMU sample after which a picture is processed without the samples that cover it.
   std::chrono::milliseconds imu_silent{1000};
-  /// ns of IMU samples after a picture that go with it, so that it need not wait for the next one.
+  /// ns; IMU samples up to this time after a picture are processed with it, so that it need not wait for the next one.
   int64_t imu_ahead_ns = 20'000'000;
 };
 constexpr Parameters kParameters;
@@ -31,7 +31,7 @@ int64_t now_ns() {
       .count();
 }
 
-/// Of the noisiest axis.
+/// Sigma of the noisiest axis.
 double largest_of(const double (&sigma)[3]) { return std::max({sigma[0], sigma[1], sigma[2]}); }
 
 void correct(const vit_inertial_calibration& c, double (&values)[3]) {
@@ -42,7 +42,7 @@ void correct(const vit_inertial_calibration& c, double (&values)[3]) {
   std::copy_n(out, 3, values);
 }
 
-/// Hamilton, w x y z, of the rotation in the upper left of a row-major 4 x 4 matrix (Shepperd 1978).
+/// Hamilton quaternion w, x, y, z of the rotation in the upper left of a row-major 4 x 4 matrix (Shepperd 1978).
 void quaternion_of(const double (&t)[16], double (&q)[4]) {
   const double d[3] = {t[0], t[5], t[10]}, trace = d[0] + d[1] + d[2];
   const double squares[4] = {1 + trace, 1 + 2 * d[0] - trace, 1 + 2 * d[1] - trace, 1 + 2 * d[2] - trace};
@@ -178,7 +178,7 @@ void VitTracker::add(const vit_camera_calibration& v) {
   c.model = v.model == VIT_CAMERA_DISTORTION_KB4 ? ODO_CAMERA_KANNALA_BRANDT : ODO_CAMERA_PINHOLE;
   c.width = static_cast<uint32_t>(v.width), c.height = static_cast<uint32_t>(v.height);
   c.fx = v.fx, c.fy = v.fy, c.cx = v.cx, c.cy = v.cy;
-  const uint32_t counts[] = {0, 4, 5, 8, 4};  // a ninth number of RT8 is the radius in which it holds
+  const uint32_t counts[] = {0, 4, 5, 8, 4};  // the ninth parameter of RT8 is its radius of validity
   c.distortion_count = counts[v.model];
   std::copy_n(v.distortion, c.distortion_count, c.distortion);
   quaternion_of(v.transform, c.q_b_c);
@@ -202,7 +202,7 @@ std::unique_ptr<vit_pose> VitTracker::pop() {
   return pose;
 }
 
-/// Until the IMU has given a sample after the frame, or has been silent for long.
+/// Waits for an IMU sample later than the frame, or until the IMU has been silent for imu_silent.
 void VitTracker::wait_for_imu(std::unique_lock<std::mutex>& lock, int64_t t_ns) {
   while (running_ && newest_imu_ns_ <= t_ns)
     if (changed_.wait_until(lock, imu_came_ + kParameters.imu_silent) == std::cv_status::timeout) return;
@@ -214,7 +214,7 @@ void VitTracker::run() {
     changed_.wait(lock, [this] { return !running_ || !pictures_.empty(); });
     if (pictures_.empty()) break;
     wait_for_imu(lock, pictures_.front()->frame.header.t_ns);
-    if (pictures_.empty()) continue;  // a reset
+    if (pictures_.empty()) continue;  // after a reset
     const auto picture = pictures_.front();
     pictures_.pop_front();
     const int64_t until_ns = picture->frame.header.t_ns + kParameters.imu_ahead_ns;
@@ -232,7 +232,7 @@ void VitTracker::run() {
   take_poses();
 }
 
-/// The sensors, before their first sample.
+/// Pushes the sensor descriptions before the first sample.
 void VitTracker::describe(int64_t t_ns) {
   if (std::exchange(described_, true)) return;
   for (odo_calibration& calibration : calibrations_) {
@@ -265,13 +265,13 @@ void VitTracker::take(const odo::Event& event) {
   if (const auto pose = event.get<odo_pose>()) come_.push_back(*pose);
 }
 
-/// After the call in which they came: from then on the session knows them.
+/// Called after the push or flush that published the poses: only then can the session be queried for them.
 void VitTracker::take_poses() {
   for (const odo_pose& pose : come_) take(pose);
   come_.clear();
 }
 
-/// Poses in metres, one for each time; there is no sign of a pose without a scale in the interface.
+/// Takes metric poses only, one for each time: the interface cannot mark a pose with unknown scale.
 void VitTracker::take(const odo_pose& camera) {
   constexpr uint32_t kWanted = ODO_POSE_ORIENTATION | ODO_POSE_POSITION | ODO_POSE_METRIC;
   const bool known = (camera.header.flags & kWanted) == kWanted && camera.reason != ODO_REASON_INITIALISING &&

@@ -18,27 +18,26 @@
 struct vit_pose {
   vit_pose_data data;
   std::optional<std::vector<int64_t>>
-      timing;  ///< monotonic clock, ns; of the frame received, its processing begun, the pose known
+      timing;  ///< monotonic clock, ns: frame received, processing started, pose available
   std::optional<std::vector<vit_pose_feature>> features;  ///< of `camera`
   uint32_t camera;
 };
 
-/// One session behind Monado's VIT interface. What a consumer pushes from its threads is brought into the order of time
-/// by a thread of the tracker's own: each frame after the IMU samples that cover it, so that poses depend on the input
-/// alone.
+/// A session behind Monado's VIT interface. A worker thread orders the input of the consumer's threads by time, each
+/// frame after the IMU samples that cover it, so that poses depend only on the input.
 class VitTracker {
  public:
-  /// `config`: a pipeline's YAML file; null: the recommended pipeline. Throws odo::Error.
+  /// `config`: YAML file of a pipeline; null: the recommended pipeline. Throws odo::Error.
   explicit VitTracker(const char* config);
   ~VitTracker() { stop(); }
 
   void start();
-  void stop();  ///< after all that was pushed
+  void stop();  ///< processes all pushed input first
   void reset();
   bool running() const;
 
   void push(const vit_imu_sample& sample);
-  void push(const vit_img_sample& sample);  ///< copies it; waits while many are in the queue
+  void push(const vit_img_sample& sample);  ///< copies it; blocks while the queue is full
   void add(const vit_camera_calibration& calibration);
   void add(const vit_imu_calibration& calibration);
   std::unique_ptr<vit_pose> pop();
@@ -62,7 +61,7 @@ class VitTracker {
   void take(const odo_pose& pose);
 
   odo::Options options_;
-  std::unique_ptr<odo::Session> session_;  ///< the worker's while it runs
+  std::unique_ptr<odo::Session> session_;  ///< used by the worker while it runs
   std::vector<odo_calibration> calibrations_;
   std::optional<odo_imu_noise> noise_;
   std::optional<vit_imu_calibration> imu_calibration_;
@@ -78,7 +77,7 @@ class VitTracker {
   int64_t newest_imu_ns_ = INT64_MIN;
   std::chrono::steady_clock::time_point imu_came_;
 
-  // The worker's.
+  // Used by the worker only.
   bool described_ = false;
   int64_t last_pose_ns_ = INT64_MIN, received_ns_ = 0, processing_ns_ = 0;
   std::optional<odo_vo_motion> motion_;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// libodograph_vit.so: Odograph for whatever runs a VIT system, such as Monado. The 21 functions of the interface,
-// version 2.0, over the public C API.
+// libodograph_vit.so: Odograph as a VIT system, for Monado and other consumers. Implements the 21 functions of the
+// interface, version 2.0, with the public C API.
 #include <cstdio>
 #include <exception>
 #include <new>
@@ -17,13 +17,13 @@ struct vit_tracker {
 
 namespace {
 
-/// The interface has no texts: why something was refused is told on standard error.
+/// Writes the reason of a failure to standard error, because the interface has no error texts.
 vit_result refused(const char* text) {
   std::fprintf(stderr, "odograph_vit: %s\n", text);
   return VIT_ERROR_INVALID_VALUE;
 }
 
-/// Runs what may throw.
+/// Converts exceptions to results.
 template <class Work>
 vit_result guarded(Work work) {
   try {
@@ -57,7 +57,7 @@ VIT_API vit_result vit_api_get_version(uint32_t* major, uint32_t* minor, uint32_
   return VIT_SUCCESS;
 }
 
-/// `imu_count` is 0 where Monado plays a data set; one IMU is used.
+/// `imu_count` is 0 when Monado replays a data set. Only one IMU is supported.
 VIT_API vit_result vit_tracker_create(const vit_config* config, vit_tracker** tracker) {
   if (!config || !tracker) return VIT_ERROR_INVALID_VALUE;
   *tracker = nullptr;
@@ -117,22 +117,22 @@ VIT_API vit_result vit_tracker_push_img_sample(vit_tracker* t, const vit_img_sam
   const bool whole = sample->data && sample->width > 0 && sample->height > 0 &&
                      sample->stride >= sample->width * pixel && (sample->mask_count == 0 || sample->masks);
   if (!is_supported(sample->format) || !whole)
-    return refused("a picture that is none; expected L8 or R8G8B8, rows of at least its width");
+    return refused("invalid picture; expected L8 or R8G8B8, with rows of at least its width");
   return guarded([&] { t->tracker.push(*sample); });
 }
 
 VIT_API vit_result vit_tracker_add_imu_calibration(vit_tracker* t, const vit_imu_calibration* calibration) {
   if (!t->tracker.extensions().has_add_imu_calibration) return VIT_ERROR_NOT_ENABLED;
-  if (t->tracker.running()) return refused("a calibration comes before the start");
-  if (calibration->imu_index > 0) return VIT_SUCCESS;  // one is used
+  if (t->tracker.running()) return refused("calibrations must be added before the start");
+  if (calibration->imu_index > 0) return VIT_SUCCESS;  // only one IMU is used
   return guarded([&] { t->tracker.add(*calibration); });
 }
 
 VIT_API vit_result vit_tracker_add_camera_calibration(vit_tracker* t, const vit_camera_calibration* calibration) {
   if (!t->tracker.extensions().has_add_camera_calibration) return VIT_ERROR_NOT_ENABLED;
-  if (t->tracker.running()) return refused("a calibration comes before the start");
+  if (t->tracker.running()) return refused("calibrations must be added before the start");
   if (calibration->model < VIT_CAMERA_DISTORTION_NONE || calibration->model > VIT_CAMERA_DISTORTION_KB4)
-    return refused("an unknown model of distortion");
+    return refused("unknown distortion model");
   return guarded([&] { t->tracker.add(*calibration); });
 }
 
@@ -162,7 +162,8 @@ VIT_API vit_result vit_pose_get_timing(const vit_pose* pose, vit_pose_timing* ti
   return VIT_SUCCESS;
 }
 
-/// How many features the front-end followed; the C API has neither their numbers nor their places, which are -1 here.
+/// Gives the number of features that the front-end tracked. The C API has neither their ids nor their positions, which
+/// are -1 here.
 VIT_API vit_result vit_pose_get_features(const vit_pose* pose, uint32_t camera, vit_pose_features* features) {
   *features = {};
   if (!pose->features) return VIT_ERROR_NOT_ENABLED;

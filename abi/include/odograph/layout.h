@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
- * Written by abi/generate.py; do not edit. Including this header proves at compile time that this
- * compiler lays the ABI's structs out as every other one does.
+ * Written by abi/generate.py; do not edit. Including this header verifies at compile time that the
+ * compiler uses the layout of the ABI for every struct.
  */
 #ifndef ODOGRAPH_LAYOUT_H
 #define ODOGRAPH_LAYOUT_H

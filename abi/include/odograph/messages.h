@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
- * Written by abi/generate.py; do not edit. All messages as one list, and the size of version 1.0 of
- * each struct: a reader accepts what is at least as large, and treats fields behind its end as absent.
+ * Written by abi/generate.py; do not edit. List of all messages, and the size of version 1.0 of each
+ * struct. A reader accepts a struct of at least this size, and treats fields beyond its end as absent.
  */
 #ifndef ODOGRAPH_MESSAGES_H
 #define ODOGRAPH_MESSAGES_H

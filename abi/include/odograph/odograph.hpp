@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The library for C++17 apps: sessions, recordings and anchors that end by themselves, events as calls of a function,
-// pictures shared with the library instead of copied. Headers alone; what the functions do stands in the C headers.
+// Header-only C++17 wrapper for apps: RAII for sessions and recordings, events by std::function, frames by
+// std::shared_ptr without copies. The C headers document the functions.
 //
 //   odo::Session session(odo::Options().file("walk.yaml"));
 //   session.on_event([](const odo::Event& event) { if (const auto pose = event.get<odo_pose>()) draw(*pose); });
 //   session.push(odo::make<odo_imu>(t_ns));
 //
-// A failure is thrown as odo::Error where a call makes something or asks for something that is not there; a sample that is
-// refused is a status, as a live sensor's callback wants it.
+// Functions that create or query something throw odo::Error on failure. push() returns a status instead, so that sensor
+// callbacks need no exception handling.
 #ifndef ODOGRAPH_ODOGRAPH_HPP
 #define ODOGRAPH_ODOGRAPH_HPP
 
@@ -30,7 +30,7 @@
 namespace odo {
 inline namespace ODO_DETAIL_VERSION {
 
-/// A zeroed struct that the library is to fill.
+/// A zeroed struct with struct_size set, for the library to fill.
 template <class Struct> Struct sized() {
   Struct made;
   std::memset(&made, 0, sizeof made);
@@ -38,16 +38,17 @@ template <class Struct> Struct sized() {
   return made;
 }
 
+/// Throws odo::Error if the status is negative.
 inline void check(int32_t status, const odo_error* error = nullptr) {
   if (status < 0) throw Error(status, error && *error->message ? error->message : odo_status_text(status));
 }
 
-/// A message of any type, borrowed: an event within its call, a recorded message until the next one.
+/// A borrowed message of any type. An event is valid during its call, a recorded message until the next one.
 class Event {
  public:
   explicit Event(const odo_header* header) : header_(header) {}
   const odo_header& header() const noexcept { return *header_; }
-  /// A copy of the message, where it is of that type.
+  /// Returns a copy of the message if it has that type.
   template <class Message> std::optional<Message> get() const {
     if (header_->type != type_of<Message>::value) return std::nullopt;
     Message message;
@@ -59,7 +60,7 @@ class Event {
   const odo_header* header_;
 };
 
-/// What a session is made of: odo_session_options. The strings are this object's own.
+/// Options of a session (odo_session_options). Owns its strings.
 class Options {
  public:
   Options& file(std::string path) { return config_path_ = std::move(path), *this; }
@@ -82,7 +83,7 @@ class Options {
   uint64_t seed_ = 0;
 };
 
-/// One pipeline. It may be moved; threads as in odograph.h.
+/// A session: one pipeline. Movable. Threads as in odograph.h.
 class Session {
  public:
   explicit Session(const Options& options) {
@@ -95,8 +96,8 @@ class Session {
   }
   odo_session* c() const noexcept { return session_.get(); }
 
-  /// Calls `function` with each event of those types, all of them unless given. What it throws comes out of the push or flush
-  /// in which it was called in a replay, and out of the next flush of a live session.
+  /// Calls `function` with each event of these types, or with all events if none is given. An exception that it throws
+  /// is rethrown by the push or flush that called it (replay), or by the next flush (live).
   void on_event(std::function<void(const Event&)> function, std::initializer_list<uint32_t> types = {}) {
     auto listener = std::make_unique<Listener>();
     listener->function = std::move(function);
@@ -105,13 +106,14 @@ class Session {
     listener_ = std::move(listener);
   }
 
-  /// ODO_OK, or why it was dropped.
+  /// Returns ODO_OK, or the status of a rejected message.
   template <class Message> int32_t push(const Message& message) { return pushed(odo_session_push(c(), &message.header)); }
   int32_t push(const Event& message) { return pushed(odo_session_push(c(), &message.header())); }
   int32_t push_imu(int64_t t_ns, const double (&gyro_b)[3], const double (&accel_b)[3]) {
     return pushed(odo_session_push_imu(c(), t_ns, gyro_b, accel_b));
   }
-  /// A frame whose planes point into `pixels`, which the library shares for as long as it needs them: no copy.
+  /// Pushes a frame whose planes point into `pixels`. The library shares ownership while it needs them and does not
+  /// copy.
   int32_t push(odo_frame frame, std::shared_ptr<const void> pixels) {
     auto* owner = new Shared{{1}, std::move(pixels)};
     frame.loan = {owner, Shared::retain, Shared::release, nullptr, 0};
@@ -124,7 +126,7 @@ class Session {
     rethrow(*listener_);
   }
 
-  /// None before the first pose, and at times that are not known.
+  /// Empty before the first pose and outside the available times.
   std::optional<odo_pose> pose(int64_t t_ns = ODO_TIME_LATEST, bool smooth = false, uint32_t of = ODO_OF_PIPELINE) const {
     auto pose = sized<odo_pose>();
     if (odo_session_get_pose_of(c(), of, smooth, t_ns, &pose) != ODO_OK) return std::nullopt;
@@ -135,7 +137,7 @@ class Session {
     check(odo_session_get_statistics(c(), &statistics));
     return statistics;
   }
-  /// The last error or warning since the last call; empty: none.
+  /// The latest error or warning since the last call; empty if there is none.
   std::string last_error() const {
     auto error = sized<odo_error>();
     return odo_session_last_error(c(), &error) == ODO_OK ? std::string() : std::string(error.message);
@@ -160,11 +162,11 @@ class Session {
   }
   void remove_anchor(uint64_t id) { check(odo_anchor_remove(c(), id)); }
 
-  /// What the plugins have learnt, for load() of a later session.
+  /// Anchors and parameters estimated by plugins, for load() in a later session.
   std::string save() const {
     const int64_t size = odo_session_save(c(), nullptr, 0);
     std::string data(static_cast<size_t>(size < 0 ? 0 : size), '\0');
-    if (odo_session_save(c(), &data[0], data.size()) != size) throw Error(ODO_E_ERROR, "what was learnt could not be saved");
+    if (odo_session_save(c(), &data[0], data.size()) != size) throw Error(ODO_E_ERROR, "the state could not be saved");
     return data;
   }
   void load(std::string_view data) { check(odo_session_load(c(), data.data(), data.size())); }
@@ -177,7 +179,7 @@ class Session {
       auto* self = static_cast<Listener*>(user);
       try {
         self->function(Event(event));
-      } catch (...) {  // it cannot cross the library
+      } catch (...) {  // must not propagate through the library
         self->thrown = std::current_exception();
       }
     }
@@ -203,17 +205,17 @@ class Session {
   };
 
   std::unique_ptr<Listener> listener_ = std::make_unique<Listener>();
-  std::unique_ptr<odo_session, Destroy> session_;  // ends before what it calls
+  std::unique_ptr<odo_session, Destroy> session_;  // destroyed before the listener that it calls
   bool live_ = false;
 };
 
-/// A recorded message, and of a frame its picture as the app encoded it; both until the next one.
+/// A recorded message, and for a frame the encoded picture; both valid until the next message.
 struct Recorded {
   Event message;
   std::string_view picture;
 };
 
-/// A recording: for (const odo::Recorded& recorded : odo::Recording("walk.odo")) ... It is read once.
+/// A recording, which is read once: for (const odo::Recorded& recorded : odo::Recording("walk.odo")) ...
 class Recording {
  public:
   explicit Recording(std::string_view path) {
@@ -230,7 +232,7 @@ class Recording {
     if (odo_recording_next(recording_.get(), &message, &picture, &size) != ODO_OK) return std::nullopt;
     return Recorded{Event(message), {static_cast<const char*>(picture), static_cast<size_t>(size)}};
   }
-  /// What it lacks of what was written, in words; empty: nothing.
+  /// Describes missing data; empty if the recording is complete.
   std::string loss() const {
     auto loss = sized<odo_error>();
     odo_recording_loss(recording_.get(), &loss);
@@ -263,7 +265,7 @@ class Recording {
   std::unique_ptr<odo_recording, Close> recording_;
 };
 
-/// Writes a recording. close() says whether all of it reached the file; the destructor closes it too.
+/// Writes a recording. close() throws if not all data reached the file; the destructor closes without this check.
 class Recorder {
  public:
   explicit Recorder(std::string_view path) {
@@ -273,7 +275,7 @@ class Recorder {
     check(odo_recorder_create(&name, &made, &error), &error);
     recorder_.reset(made);
   }
-  /// Of a frame with its encoded picture.
+  /// Appends a message, and for a frame its encoded picture.
   template <class Message> void write(const Message& message, std::string_view picture = {}) {
     check(odo_recorder_write(recorder_.get(), &message.header, picture.data(), picture.size()));
   }

@@ -109,7 +109,7 @@ typedef struct odo_parameter {
   uint32_t struct_size;
   uint32_t type;          /* ODO_PARAMETER_* */
   odo_string name;        /* lower_case */
-  odo_string unit;        /* SI: "m", "rad", "m/s^2", "m^(3/4)*s^(1/2)" (products, quotients, powers), px; "": no unit */
+  odo_string unit;        /* SI: "m", "rad", "m/s^2", "m^(3/4)*s^(1/2)" (products, quotients, powers), px; "": none */
   odo_string help;        /* one sentence with the source of the number */
   odo_string default_text; /* in YAML syntax, in `unit` */
   odo_string choices;     /* separated by '|' */
@@ -156,7 +156,7 @@ typedef struct odo_sink {
 
 /* ---- table of the plugin ------------------------------------------------------------------------------------------ */
 typedef struct odo_instance odo_instance; /* opaque, defined by the plugin */
-#define ODO_LARGEST_STATE 16777216u       /* bytes of saved state of one instance; a larger state is reported and not saved */
+#define ODO_LARGEST_STATE 16777216u       /* bytes of saved state of one instance; more is reported, not saved */
 
 /* Bits of odo_plugin.flags. */
 #define ODO_PLUGIN_SEVERAL_CAMERAS 1u /* the front-end receives frames of all cameras, not only of the main one */
@@ -190,8 +190,8 @@ typedef struct odo_plugin {
   /* [control] Destroys the instance, which must release everything that it has retained. */
   ODO_FUNCTION(void, destroy, (odo_instance *instance));
   /* The remaining members are optional and may be null. */
-  /* [control] Returns to the state after activate, including loaded state; the host sends calibrations and noise again.
-   * If it is null, the host creates a new instance. */
+  /* [control] Returns to the state after activate and discards everything else, loaded state too; the host sends
+   * calibrations and noise again. If it is null, the host creates a new instance. */
   ODO_FUNCTION(int32_t, reset, (odo_instance *instance));
   /* [control] Saves state that should survive a restart (such as personal parameters of the user), at most
    * ODO_LARGEST_STATE bytes. Returns the number of bytes required, and writes them if `capacity` suffices. 0: nothing

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Header-only C++17 wrapper for plugin authors, part 3: the plugin itself. A plugin is a class with a description, a parameter table and one
-// `on(message, output)` for each message it wants:
+// Header-only C++17 wrapper for plugin authors, part 3: the plugin class. It has a description, a parameter table and a
+// function `on(message, output)` for each message type that it receives:
 //
 //   namespace {
 //   struct Example {
 //     double gain = 1.0;  // the initialiser is the parameter's default
-//     static constexpr odo::Description description{"scale/example", "1.0.0", "What it does.", ODO_INTERFACE_SCALE_SOURCE};
+//     static constexpr odo::Description description{"scale/example", "1.0.0", "What it does.",
+//                                                   ODO_INTERFACE_SCALE_SOURCE};
 //     static std::vector<odo::Parameter<Example>> parameters() {
 //       return {odo::real("gain", "m", 0.1, 10.0, &Example::gain, "Metres per unit.")};
 //     }
@@ -15,15 +16,18 @@
 //   }  // namespace
 //   ODO_PLUGIN(Example)
 //
-// Optional members: void configured() or configured(odo::Output&) (throw odo::Error to refuse), void reset(), std::vector<uint8_t> save() const,
-// void load(const uint8_t*, size_t), const void* extension(std::string_view id); static constexpr uint32_t extra_inputs[] and
-// extra_outputs[] for message types beyond those of its kind, `using VendorMessages = odo::Messages<acme_wifi, ...>` for
-// vendors' own that on() takes, static constexpr uint32_t flags (ODO_PLUGIN_*), and void woken(odo::Output&), which follows
-// Output::wake().
-// The class belongs into an unnamed namespace: then no other plugin has functions of the same name. Where plugins are linked
-// into one program this is checked.
-// No exception leaves the plugin: each becomes a status code and a report, also when the plugin carries a C++ runtime of
-// its own, because the guard is compiled into the plugin.
+// Optional members:
+//   void configured() or configured(odo::Output&)     after the parameters are set; throws odo::Error to reject them
+//   void reset()                                      default: a new object with the same parameters
+//   std::vector<uint8_t> save() const, void load(const uint8_t*, size_t)
+//   const void* extension(std::string_view id)
+//   void woken(odo::Output&)                          called after Output::wake()
+//   static constexpr uint32_t extra_inputs[], extra_outputs[]   message types in addition to those of the kind
+//   using VendorMessages = odo::Messages<acme_wifi, ...>        vendor messages that on() receives
+//   static constexpr uint32_t flags                             ODO_PLUGIN_*
+// Define the class in an unnamed namespace, so that no symbol clashes with another plugin's; for plugins linked into a
+// program this is checked at compile time. No exception leaves the plugin: each becomes a status code and a report. The
+// guard is compiled into the plugin, so this also holds if the plugin has another C++ runtime than the host.
 #ifndef ODOGRAPH_PLUGIN_HPP
 #define ODOGRAPH_PLUGIN_HPP
 
@@ -54,7 +58,7 @@ struct Description {
   const char* interface_id;
 };
 
-/// The vendors' messages that a plugin's on() takes.
+/// List of the vendor messages that on() of a plugin receives.
 template <class... Own> struct Messages {};
 
 namespace detail {
@@ -92,7 +96,7 @@ template <class T> struct has_extra_inputs<T, std::void_t<decltype(T::extra_inpu
 template <class T, class = void> struct has_extra_outputs : std::false_type {};
 template <class T> struct has_extra_outputs<T, std::void_t<decltype(T::extra_outputs)>> : std::true_type {};
 
-/// Whether a class has internal linkage, by the name that the compiler gives it.
+/// Whether a class is in an unnamed namespace, from its name in the compiler's function signature.
 template <class T> constexpr bool is_unnamed() {
 #if defined(_MSC_VER)
   return std::string_view(__FUNCSIG__).find("anonymous") != std::string_view::npos;
@@ -101,11 +105,11 @@ template <class T> constexpr bool is_unnamed() {
 #endif
 }
 
-/// The C table of a plugin class, and the guard around each call. The tag is a type of internal linkage: two plugins whose
-/// class has the same name have a Glue each.
+/// The C table of a plugin class, with an exception guard around each call. The tag has internal linkage, so that two
+/// plugin classes of the same name instantiate different Glue types.
 template <class T, class Tag> class Glue {
 #if defined(ODO_STATIC)
-  static_assert(is_unnamed<T>(), "the class of a plugin that is linked into a program belongs into an unnamed namespace");
+  static_assert(is_unnamed<T>(), "the class of a plugin that is linked into a program must be in an unnamed namespace");
 #endif
 
  public:
@@ -133,7 +137,7 @@ template <class T, class Tag> class Glue {
   struct Instance {
     Output output;
     std::vector<Parameter<T>> parameters = T::parameters();
-    std::vector<std::pair<size_t, odo_value>> values;  // kept so that reset can build the object anew
+    std::vector<std::pair<size_t, odo_value>> values;  // for reset, which constructs a new object
     std::vector<std::vector<double>> reals;
     std::vector<std::string> texts;
     std::unique_ptr<T> object = std::make_unique<T>();
@@ -254,7 +258,7 @@ template <class T, class Tag> class Glue {
       instance->texts.reserve(count);
       if (stride < ODO_VALUE_SIZE_MIN) return ODO_E_STRUCT_SIZE;
       for (uint32_t i = 0; i < count; ++i) {
-        odo_value value{};  // of an older host: the fields it does not know are zero
+        odo_value value{};  // fields that an older host lacks are zero
         std::memcpy(&value, reinterpret_cast<const char*>(values) + size_t(i) * stride,
                     stride < sizeof value ? stride : sizeof value);
         for (size_t row = 0; row < instance->parameters.size(); ++row) {
@@ -281,7 +285,7 @@ template <class T, class Tag> class Glue {
     if constexpr (has_on<T, Message>::value) {
       if (header->struct_size >= sizeof(Message)) {
         instance.object->on(*reinterpret_cast<const Message*>(header), instance.output);
-      } else if (header->struct_size >= min_size_of<Message>::value) {  // an older host: what it does not know is zero
+      } else if (header->struct_size >= min_size_of<Message>::value) {  // from an older host: missing fields are zero
         Message grown;
         std::memset(&grown, 0, sizeof grown);
         std::memcpy(static_cast<void*>(&grown), header, header->struct_size);
@@ -290,7 +294,7 @@ template <class T, class Tag> class Glue {
     }
   }
 
-  /// A newer host's message that is none of the vendor's own is not for us.
+  /// Delivers vendor messages; ignores other types, which a newer host may send.
   template <class... Own> static void deliver_vendors(Instance& instance, const odo_header* header, Messages<Own...>) {
     ((header->type == type_of<Own>::value ? deliver<Own>(instance, header) : void()), ...);
     (void)instance, (void)header;
@@ -306,7 +310,7 @@ template <class T, class Tag> class Glue {
     }
   }
 
-  /// A message that is refused does not keep those behind it from being processed.
+  /// Processes all messages of the batch, even if one is rejected. Returns the lowest status.
   static int32_t ODO_CALL process(odo_instance* handle, const odo_batch* batch) noexcept {
     Instance* instance = of(handle);
     int32_t worst = ODO_OK;
@@ -383,9 +387,9 @@ template <class T, class Tag> class Glue {
 }  // inline namespace
 }  // namespace odo
 
-/// Exports the class as this library's plugin. Once in a plugin, at namespace scope.
+/// Exports the class as the plugin of this library. Use it once per library, at namespace scope.
 #define ODO_PLUGIN(Class) ODO_PLUGIN_NAMED(Class, ODO_PLUGIN_ENTRY)
-/// The same with an entry of another name, for plugins that are linked into a program.
+/// The same with another name for the entry function, for plugins that are linked into a program.
 #define ODO_PLUGIN_NAMED(Class, entry) ODO_DETAIL_PLUGIN(Class, entry)
 #define ODO_DETAIL_PLUGIN(Class, entry)                                                   \
   namespace {                                                                             \

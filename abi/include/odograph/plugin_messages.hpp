@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The C++17 wrapper for plugin authors, part 1: messages in, events and reports out. A vendor's own message takes part
-// once its type number is given:
+// Header-only C++17 wrapper for plugin authors, part 1: messages, events, reports and services. To use a vendor
+// message, define its type number:
 //
 //   struct acme_wifi { odo_header header; double rssi_dbm; };
 //   template <> struct odo::type_of<acme_wifi> : std::integral_constant<uint32_t, ODO_TYPE_VENDOR(7, 1)> {};
@@ -19,8 +19,8 @@
 #include <type_traits>
 #include <utility>
 
-/* What is compiled into a plugin is the plugin's own: hidden, and named for the version of these headers, so that
- * plugins of several versions in one process share nothing. */
+/* Inline namespace of this version, with hidden visibility: plugins built with other versions of these headers share no
+ * symbols with it in one process. */
 #if defined(__GNUC__)
 #define ODO_DETAIL_VERSION draft3 __attribute__((visibility("hidden")))
 #else
@@ -30,7 +30,7 @@
 namespace odo {
 inline namespace ODO_DETAIL_VERSION {
 
-/// Thrown by a plugin to fail with a chosen status. Any other exception becomes ODO_E_ERROR.
+/// Exception with a status. If a plugin throws it, the call returns this status; other exceptions become ODO_E_ERROR.
 class Error : public std::runtime_error {
  public:
   Error(int32_t status, const std::string& text) : std::runtime_error(text), status_(status) {}
@@ -45,21 +45,21 @@ inline std::string_view view(const odo_string& text) {
   return text.size == 0 ? std::string_view() : std::string_view(text.data, static_cast<size_t>(text.size));
 }
 
-/// The type number of a message's struct.
+/// Type number of a message struct.
 template <class Message> struct type_of;
 #define ODO_DETAIL_TYPE(number, type, name, min_size) \
   template <> struct type_of<type> : std::integral_constant<uint32_t, number> {};
 ODO_FOR_EACH_MESSAGE(ODO_DETAIL_TYPE)
 #undef ODO_DETAIL_TYPE
 
-/// The smallest size at which a message is taken: version 1.0's, and all of it for a vendor's own.
+/// Minimum accepted size of a message: that of version 1.0, or the full size of a vendor message.
 template <class Message> struct min_size_of : std::integral_constant<uint32_t, sizeof(Message)> {};
 #define ODO_DETAIL_SIZE(number, type, name, min_size) \
   template <> struct min_size_of<type> : std::integral_constant<uint32_t, min_size> {};
 ODO_FOR_EACH_MESSAGE(ODO_DETAIL_SIZE)
 #undef ODO_DETAIL_SIZE
 
-/// A zeroed message with its size, type and time filled in.
+/// Returns a zeroed message with size, type and time set.
 template <class Message> Message make(int64_t t_ns) {
   Message message;
   std::memset(&message, 0, sizeof message);
@@ -69,7 +69,7 @@ template <class Message> Message make(int64_t t_ns) {
   return message;
 }
 
-/// The way out of a plugin: events to the sink, text to the report service. [process]
+/// Emits events to the sink and reports to the report service. [process]
 class Output {
  public:
   Output() = default;
@@ -80,7 +80,8 @@ class Output {
   }
   void connect(const odo_sink* sink) { sink_ = sink; }
 
-  /// Copies the event to the host. False when the host is too old to know it; throws odo::Error when it refuses it.
+  /// Copies the event to the host. Returns false if the host is older than the event; throws odo::Error if it rejects
+  /// it.
   template <class Message> bool emit(Message event) {
     event.header.struct_size = sizeof(Message);
     event.header.type = type_of<Message>::value;
@@ -89,8 +90,8 @@ class Output {
       throw Error(status, "the host refused an event of type " + std::to_string(event.header.type));
     return status >= 0;
   }
-  /// Asks for a call of woken(), for a plugin with an input of its own. False where the host has no such service, as in
-  /// a process of the plugin's own. [any]
+  /// Requests a call of woken(), for plugins with another source of data. Returns false if the host does not provide
+  /// the service, for example to a plugin that is isolated in a process. [any]
   bool wake() const noexcept {
     static constexpr std::string_view id = ODO_SERVICE_WAKE;
     const auto* service = static_cast<const odo_wake_service*>(
@@ -103,7 +104,7 @@ class Output {
     const odo_string k = str(key), t = str(text);
     if (report_ && report_->report) report_->report(host_, instance_, severity, &k, &t);
   }
-  /// The path of a file that the config names, or null where there is none. [control]
+  /// Returns the path of a file that the config names, or null if there is none. [control]
   std::unique_ptr<std::string> asset(std::string_view name) const {
     static constexpr std::string_view id = ODO_SERVICE_ASSETS;
     const void* found = host_ && host_->get_service ? host_->get_service(host_, id.data(), id.size()) : nullptr;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The C++17 wrapper for plugin authors, part 2: the parameter table. One line has a parameter's name, unit and range,
-// and the member that it sets; the member's initialiser is the default.
+// Header-only C++17 wrapper for plugin authors, part 2: the parameter table. Each row has the name, unit and range of a
+// parameter and the member that it sets; the initialiser of the member is the default.
 #ifndef ODOGRAPH_PLUGIN_PARAMETERS_HPP
 #define ODOGRAPH_PLUGIN_PARAMETERS_HPP
 
@@ -18,8 +18,8 @@
 namespace odo {
 inline namespace ODO_DETAIL_VERSION {
 
-/// One parameter: its line of the table and the member it sets. Made by real(), reals(), integer(), boolean(), text(),
-/// choice().
+/// One row of the parameter table, created by real(), reals(), integer(), boolean(), text() or choice(). min and max
+/// are inclusive and in `unit`; `choices` are separated by '|'.
 template <class T> struct Parameter {
   using Member = std::variant<double T::*, int64_t T::*, bool T::*, std::string T::*, std::array<double, 3> T::*>;
   uint32_t type;

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
- * Kind of plugin: the scale of a front-end's displacements, which makes them metres
+ * Plugin kind: metric scale of the displacements of a front-end
  *
- * Given: odo_vo_motion (with q_n_c0), odo_step, odo_motion_mode, odo_fix.
- * Emits: an odo_scale for each motion whose scale it can compute, before process returns: the motion is scaled right then.
- *        valid_from_ns and valid_to_ns state for which motions; a scale that is emitted outside of a motion (on a step, on a
- *        fix) may hold for motions to come. A scale that holds for past motions alone comes too late: it changes nothing, is
- *        published without ODO_FLAG_ACCEPTED and reported ("late_scale"). ODO_SCALE_HORIZONTAL when it applies to the
- *        horizontal displacement only.
+ * Input:  odo_vo_motion (with q_n_c0), odo_step, odo_motion_mode, odo_fix.
+ * Output: an odo_scale for each motion whose scale it can compute, before process returns, because the motion is scaled
+ *         immediately afterwards. valid_from_ns and valid_to_ns select the motions. A scale that is emitted in response
+ *         to another message (a step, a fix) may apply to later motions. A scale that applies only to past motions is
+ *         too late: it has no effect, is published without ODO_FLAG_ACCEPTED and is reported ("late_scale").
+ *         ODO_SCALE_HORIZONTAL is set if it applies only to the horizontal displacement.
  */
 #ifndef ODOGRAPH_SCALE_SOURCE_H
 #define ODOGRAPH_SCALE_SOURCE_H

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
- * Extension of a plugin that knows the ground's height (odo_plugin.get_interface): the host asks it where an anchor above
- * terrain stands.
+ * Extension of a plugin with a terrain model (odo_plugin.get_interface). The host uses it to place anchors above
+ * terrain.
  */
 #ifndef ODOGRAPH_TERRAIN_H
 #define ODOGRAPH_TERRAIN_H
@@ -17,9 +17,10 @@ extern "C" {
 typedef struct odo_terrain {
   uint32_t struct_size;
   uint32_t reserved; /* 0 */
-  ODO_POINTER(void *, user);        /* for height alone */
-  /* [process] Where the ground is at a place of n: downwards from n's origin, m, and its standard deviation. Of several
-   * surfaces over one another (a bridge) the one nearest to `near_down_m`. ODO_E_NOT_FOUND where it knows no ground. */
+  ODO_POINTER(void *, user);        /* passed to height */
+  /* [process] Returns the down coordinate of the ground in n at a horizontal position, and its standard deviation, m.
+   * Of several surfaces above one another (a bridge), selects the one nearest to `near_down_m`. ODO_E_NOT_FOUND outside
+   * the model. */
   ODO_FUNCTION(int32_t, height, (void *user, double north_m, double east_m, double near_down_m, double *down_m, double *sigma_m));
 } odo_terrain;
 

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
- * Odograph ABI, part 1: the values that cross the border. base.h has the rules that hold for all of them, samples.h what
- * goes in, events.h what comes out.
+ * Odograph ABI, part 1: all messages. base.h has the conventions and rules, samples.h the inputs, events.h the events.
  */
 #ifndef ODOGRAPH_TYPES_H
 #define ODOGRAPH_TYPES_H

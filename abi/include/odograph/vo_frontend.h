@@ -1,21 +1,22 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
- * Kind of plugin: camera motion up to scale
+ * Plugin kind: camera motion up to scale (visual odometry)
  *
- * Given: odo_calibration, odo_frame (borrowed), odo_imu (a phone that has no accelerometer at a gyroscope's time sends the
- *        gyroscope alone: look at the flags), odo_imu_noise and odo_attitude as priors where there are any.
- *        Of one camera, the main one: the config's (source 0) where it has one, otherwise the first that has a calibration or
- *        a frame. With ODO_PLUGIN_SEVERAL_CAMERAS in the table, of all cameras; motions are of the main one all the same.
- * Emits: at most one odo_vo_motion for each frame after the first, in the frames' order, with t_from_ns the t_ns of the last
- *        result (of the first frame, before there is one). It comes within the call of its frame or, where a frame's last rows
- *        need later inertial samples, of one of the next calls. While no motion can be computed, state is ODO_DEGRADED or
- *        ODO_LOST with a reason, and the flags state what is valid: nothing is invented. A new scale_group whenever the scale
- *        may have changed.
- *        A frame's own intrinsics (ODO_FRAME_INTRINSICS) replace its calibration's. A calibration that differs from the one
- *        before in focal length and centre alone is the same camera, focused or stabilised: the track goes on.
- *        A frame whose time is not after the previous one's, or of a format that is not supported: ODO_E_DISCARD.
- * May:   emit an odo_refined, once a second at most.
- * reset: forgets tracks, map and cameras; the calibrations come again, the next frame is a first frame.
+ * Input:  odo_calibration, odo_frame (borrowed), odo_imu (may have the gyroscope only: check the flags), and
+ * odo_imu_noise
+ *         and odo_attitude as priors, if available. Frames and calibrations are those of the main camera: the config's
+ *         (source 0) if it has one, otherwise the first with a calibration or a frame. With ODO_PLUGIN_SEVERAL_CAMERAS
+ *         they are those of all cameras; motions still describe the main one.
+ * Output: at most one odo_vo_motion for each frame after the first, in frame order. t_from_ns is the t_ns of the
+ * previous
+ *         result, or of the first frame if there is none. It is emitted in the call with its frame, or in a later call
+ *         if the last rows of the frame need later inertial samples. If no motion can be computed, state is
+ *         ODO_DEGRADED or ODO_LOST with a reason, and the flags mark the valid fields. scale_group changes whenever the
+ *         scale may have changed. Optionally an odo_refined, at most once per second.
+ * Intrinsics of a frame (ODO_FRAME_INTRINSICS) replace those of the calibration. A calibration that differs from its
+ * predecessor only in focal length and principal point describes the same camera (focus, stabilisation): the track
+ * continues. A frame that is not later than its predecessor or has an unsupported format: ODO_E_DISCARD.
+ * reset discards tracks, map and cameras. The calibrations are sent again, and the next frame is a first frame.
  */
 #ifndef ODOGRAPH_VO_FRONTEND_H
 #define ODOGRAPH_VO_FRONTEND_H

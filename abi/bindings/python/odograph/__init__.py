@@ -12,12 +12,12 @@
 
     with odograph.Session("walk.yaml", live=True) as session:
         session.push_imu(t_ns, gyro, accel)             # rad/s, m/s^2, every sample
-        session.push_frame(t_ns, picture)               # a NumPy array: borrowed, never copied
+        session.push_frame(t_ns, picture)               # a NumPy array, borrowed without a copy
         pose = session.pose()
 
 Messages have the names and fields of the C headers, which state units, frames of reference and validity; constants keep
-their C names. An array field is NumPy's without a copy: np.asarray(pose.p_n). Recordings are `*.odo`; `odograph convert`
-makes them of other formats. `evaluate` and `truth` need the command line. docs/languages.md has examples.
+their C names. np.asarray(pose.p_n) gives an array field without a copy. Recordings are `*.odo`: `odograph convert` creates
+them from other formats. `evaluate` and `truth` need the command line. docs/languages.md has examples.
 """
 from . import abi
 from .abi import *  # noqa: F401,F403  pylint: disable=wildcard-import

@@ -9,7 +9,7 @@ from . import abi
 
 
 class OdographError(Exception):
-    """What the library refused: `status` is ODO_E_*, the text names what is wrong."""
+    """An error of the library: `status` is ODO_E_*, the text states the reason."""
 
     def __init__(self, status: int, text: str) -> None:
         super().__init__(text)
@@ -18,7 +18,7 @@ class OdographError(Exception):
 
 @functools.lru_cache(maxsize=None)
 def library() -> c.CDLL:
-    """libodograph: ODOGRAPH_LIBRARY, or what the dynamic loader finds."""
+    """Loads libodograph: from ODOGRAPH_LIBRARY, or by the dynamic loader."""
     path = os.environ.get("ODOGRAPH_LIBRARY", f"libodograph.so.{abi.ODO_ABI_MAJOR}")
     try:
         found = abi.load(path)
@@ -32,7 +32,7 @@ def library() -> c.CDLL:
 
 
 def version() -> str:
-    """major.minor.patch of the library."""
+    """Version of the library, "major.minor.patch"."""
     return library().odo_version().decode()
 
 
@@ -53,14 +53,14 @@ def mode_text(mode: int) -> str:
 
 
 def sized(kind: Any) -> Any:
-    """A struct that the library is to fill."""
+    """A zeroed struct with struct_size set, for the library to fill."""
     return kind(c.sizeof(kind))
 
 
 def string(text: str) -> abi.odo_string:
     data = text.encode()
     made = abi.odo_string(c.cast(c.c_char_p(data), c.POINTER(c.c_char)), len(data))
-    setattr(made, "keeps", data)  # the pointer is into it
+    setattr(made, "keeps", data)  # keeps the bytes alive, because the pointer refers to them
     return made
 
 
@@ -70,7 +70,7 @@ def check(status: int, error: Any = None) -> None:
 
 
 def copied(pointer: Any) -> Any:
-    """The message behind a pointer to its head, in memory of Python's own; of a type that nobody registered in MESSAGES the head."""
+    """Copies the message at a pointer to its header. If MESSAGES does not contain its type, copies the header only."""
     header = pointer.contents
     message = abi.MESSAGES.get(header.type, abi.odo_header)()
     size = min(header.struct_size, c.sizeof(message))

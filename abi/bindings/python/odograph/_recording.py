@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Recordings (*.odo), read as iterators and written."""
+"""Reading and writing recordings (*.odo)."""
 import ctypes as c
 import os
 from types import TracebackType
@@ -11,8 +11,8 @@ from ._session import Path
 
 
 class Recording:
-    """The messages of a recording in the order of time, each in memory of its own; a frame has its encoded `picture`. It may be iterated
-    again and again, and has a length, so that `tqdm(recording)` shows a bar. `loss` is in words what it lacks of what was written."""
+    """Iterates over copies of the messages of a recording in time order; a frame has its encoded `picture`. It can be iterated repeatedly
+    and has a length, so that `tqdm(recording)` shows a bar. `loss` describes missing data."""
 
     def __init__(self, path: Path) -> None:
         self.path, self._odo = os.fspath(path), library()
@@ -51,7 +51,7 @@ class Recording:
 
 
 class Recorder:
-    """Writes a recording. It is whole once it is closed."""
+    """Writes a recording, which is complete only after it is closed."""
 
     def __init__(self, path: Path) -> None:
         self._odo, self._recorder = library(), c.POINTER(abi.odo_recorder)()
@@ -59,7 +59,7 @@ class Recorder:
         check(self._odo.odo_recorder_create(c.byref(name), c.byref(self._recorder), c.byref(error)), error)
 
     def write(self, message: abi.Message, picture: bytes | None = None) -> None:
-        """A message, of a frame the encoded picture too (PNG or JPEG)."""
+        """Appends a message, and for a frame the encoded picture (PNG or JPEG)."""
         if not self._recorder:
             raise OdographError(abi.ODO_E_STATE, "the recorder was closed")
         check(self._odo.odo_recorder_write(self._recorder, c.byref(message.header), picture, len(picture) if picture else 0))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A whole recording through a pipeline, and a look at what came out."""
+"""Runs a whole recording through a pipeline and gives access to the resulting events."""
 import re
 from typing import Any, Callable, Iterable
 
@@ -9,11 +9,11 @@ from . import abi
 from ._recording import Recording
 from ._session import Path, Session
 
-Array = Any  # NumPy's, whose own types say little of structured arrays
+Array = Any  # of NumPy, whose types do not describe structured arrays
 
 
 def decode(picture: bytes) -> Array:
-    """The pixels of an encoded picture: PGM (which is not copied), anything else by OpenCV or Pillow, whichever is there."""
+    """Decodes a picture: PGM without a copy, other formats with OpenCV or Pillow, whichever is installed."""
     head = re.match(rb"P5\s+(\d+)\s+(\d+)\s+255\s", picture)
     if head:
         width, height = int(head[1]), int(head[2])
@@ -34,7 +34,7 @@ def decode(picture: bytes) -> Array:
 
 
 def _row_type(kind: type[abi.Message]) -> np.dtype[Any]:
-    """NumPy's type of a message, with a C string as one field of bytes; NumPy itself makes it an array of single bytes."""
+    """NumPy type of a message, with C strings as bytes fields instead of arrays of single bytes."""
     plain = np.dtype(kind)
     fields = [(name, *plain.fields[name][:2]) for name in plain.names] if plain.names and plain.fields else []
     formats = [f"S{f.shape[0]}" if f.base == np.dtype("S1") and f.shape else f for _, f, _ in fields]
@@ -44,7 +44,7 @@ def _row_type(kind: type[abi.Message]) -> np.dtype[Any]:
 class Run:
     """The events of a run: structured arrays, one row per event, with the fields of the C struct.
 
-    run.poses: p_n (N x 3, metres, North-East-Down), q_n (N x 4: w, x, y, z, from the camera's or the body's axes to n), covariance, state, and
+    run.poses: p_n (N x 3, metres, North-East-Down), q_n (N x 4: w, x, y, z, rotates vectors from camera or body to n), covariance, state, and
     header: t_ns and flags. Only rows with flags & ODO_POSE_METRIC are in metres.
     """
 
@@ -85,7 +85,7 @@ class Run:
 
 def run(config: Path, recording: "Path | Recording", *, decode: Callable[[bytes], Array] = decode,  # pylint: disable=redefined-outer-name
         progress: bool = False, on_event: Callable[[Any], None] | None = None, **options: Any) -> Run:
-    """Plays a recording as `odograph run` does. `progress`: a bar by tqdm. `options`: as Session takes them."""
+    """Replays a recording like `odograph run`. `progress`: show a bar (tqdm). `options`: as for Session."""
     events: dict[type[abi.Message], bytearray] = {}
 
     def take(event: Any) -> None:
@@ -102,14 +102,14 @@ def run(config: Path, recording: "Path | Recording", *, decode: Callable[[bytes]
             if isinstance(message, abi.Frame):
                 if message.picture:
                     session.push_frame(message.t_ns, decode(message.picture), like=message)
-            elif not 0x1000 <= message.TYPE < 0x2000:  # an event that the app recorded
+            elif not 0x1000 <= message.TYPE < 0x2000:  # skip events that the app recorded
                 session.push(message)
         session.flush()
         return Run(events, session.statistics())
 
 
 def plot(result: Run, axes: Any = None) -> Any:
-    """The path from above, with steps; matplotlib's axes."""
+    """Plots the path from above, with steps. Returns the matplotlib axes."""
     if axes is None:
         import matplotlib.pyplot as plt  # pylint: disable=import-outside-toplevel
         axes = plt.subplots()[1]

@@ -18,7 +18,7 @@ Path = Union[str, "os.PathLike[str]"]
 
 
 class _Borrowed:
-    """Pictures that the library holds, by number: the array, and how often it is retained. Called on any thread."""
+    """Borrowed pictures by number: the array and its reference count. Called on any thread."""
 
     def __init__(self) -> None:
         self.pictures: dict[int, list[Any]] = {}
@@ -29,7 +29,7 @@ class _Borrowed:
     def lend(self, picture: Any) -> int:
         number = next(self.numbers)
         with self.lock:
-            self.pictures[number] = [picture, 1]  # the call's own
+            self.pictures[number] = [picture, 1]  # the reference of the call
         return number
 
     def hold(self, owner: int, by: int) -> int:
@@ -41,8 +41,9 @@ class _Borrowed:
 
 
 class Session:
-    """One pipeline. `config`: a YAML file (a pathlib.Path always is one), or its text: a string with a line break or ": ", as every YAML mapping
-    has. `on_event` is called with each event of the types in `events` (all of them unless given): within push and flush, or on the library's thread when `live`."""
+    """A session: one pipeline. `config`: a YAML file (a pathlib.Path always is one), or its text: a string with a line break or ": ", as
+    every YAML mapping has. `on_event` is called with each event of the types in `events` (default: all): within push and flush, or on the
+    library's thread when `live`."""
 
     def __init__(self, config: Path, *, live: bool = False, on_event: Callable[[Any], None] | None = None, events: Iterable[type[abi.Message]] = (),
                  plugin_path: str = "", asset_path: str = "", seed: int = 0) -> None:
@@ -62,10 +63,10 @@ class Session:
         def call(_: Any, event: Any) -> None:
             try:
                 on_event(copied(event))
-            except BaseException as failed:  # pylint: disable=broad-except; it cannot cross the library: push or flush raises it
+            except BaseException as failed:  # pylint: disable=broad-except; must not propagate through the library: push or flush raises it
                 self._failed = failed
 
-        self._callback = abi.odo_callback(call)  # the library calls it: it must stay alive
+        self._callback = abi.odo_callback(call)  # keeps it alive for the library
         numbers = (c.c_uint32 * len(types))(*types) if types else None
         self._odo.odo_session_set_callback(self._session, numbers, len(types) if types else abi.ODO_ALL_EVENTS, self._callback, None)
 
@@ -78,18 +79,19 @@ class Session:
         return self._session
 
     def push(self, message: abi.Message) -> int:
-        """Any input but a frame. ODO_OK, or ODO_E_* where it was dropped: last_error() says why."""
+        """Pushes any input except a frame. Returns ODO_OK, or the status of a rejected message; last_error() has the reason."""
         status = self._odo.odo_session_push(self._open(), c.byref(message.header))
         self._open()
         return status
 
     def push_imu(self, t_ns: int, gyro_b: Sequence[float], accel_b: Sequence[float]) -> int:
-        """Rotation rate (rad/s) and specific force (m/s^2) in the body's axes."""
+        """Pushes an inertial sample: rotation rate (rad/s) and specific force (m/s^2) in b."""
         return self.push(abi.Imu(t_ns=t_ns, flags=abi.ODO_IMU_GYRO | abi.ODO_IMU_ACCEL, gyro_b=gyro_b, accel_b=accel_b))
 
     def push_frame(self, t_ns: int, picture: "np.ndarray[Any, Any]", **fields: Any) -> int:
-        """A picture of uint8: height x width (grey), x 3 (RGB) or x 4 (RGBA), rows at any distance. It is borrowed, not copied: it must not
-        change until the library has let go of it (`borrowed` counts those that it has). `fields`: others of a frame, or all by `like`."""
+        """Pushes a picture of uint8: height x width (grey), x 3 (RGB) or x 4 (RGBA), with any row stride. It is borrowed, not copied: do not
+        change it until the library has released it (`borrowed` counts those not released). `fields`: further fields of the frame; `like`:
+        a frame that gives all of them."""
         channels = picture.shape[2] if picture.ndim == 3 else 1
         if picture.dtype != np.uint8 or channels not in _FORMATS or picture.strides[-1] != 1 or picture.strides[1] != channels:
             raise ValueError(f"picture: {picture.dtype} {picture.shape} with strides {picture.strides}; expected uint8, pixels side by side")
@@ -112,22 +114,22 @@ class Session:
 
     @property
     def borrowed(self) -> int:
-        """How many pictures the library has still borrowed."""
+        """Number of pictures that the library still borrows."""
         return len(self._borrowed.pictures)
 
     def flush(self) -> None:
-        """Processes all that has been pushed, without waiting for slower sensors."""
+        """Processes all pushed samples without waiting for slower sensors."""
         check(self._odo.odo_session_flush(self._open()))
         self._open()
 
     def pose(self, t_ns: int = abi.ODO_TIME_LATEST, *, smooth: bool = False, of: int = abi.ODO_OF_PIPELINE) -> abi.Pose | None:
-        """At a time, also ahead of now; None where there is none. Look at its flags. `smooth`: for what is drawn and must not jump."""
+        """The pose at a time, which may be in the near future; None if not available. Check the flags. `smooth`: without jumps, for rendering."""
         pose = abi.Pose()
         status = self._odo.odo_session_get_pose_of(self._open(), of, smooth, t_ns, c.byref(pose))
         return pose if status == abi.ODO_OK else None
 
     def create_anchor(self, kind: int, name: str = "", **place: Any) -> int:
-        """Makes an anchor of ODO_ANCHOR_*, with fields of odo_anchor_place; its id."""
+        """Creates an anchor of kind ODO_ANCHOR_* with the fields of odo_anchor_place. Returns its id."""
         made, number = sized(abi.AnchorPlace), c.c_uint64()
         made.kind, made.t_ns, made.name = kind, abi.ODO_TIME_LATEST, string(name)
         for field, value in place.items():
@@ -153,12 +155,12 @@ class Session:
         return made
 
     def last_error(self) -> str | None:
-        """The last error or warning since the last call."""
+        """The latest error or warning since the last call, or None."""
         error = sized(abi.odo_error)
         return None if self._odo.odo_session_last_error(self._open(), c.byref(error)) == abi.ODO_OK else error.message.decode()
 
     def to_geodetic(self, p_n: Sequence[float]) -> tuple[float, float, float]:
-        """Latitude and longitude (rad) and ellipsoidal height (m) of a place in n."""
+        """Latitude and longitude (rad) and ellipsoidal height (m) of a position in n."""
         return self._convert(self._odo.odo_session_to_geodetic, p_n)
 
     def from_geodetic(self, geodetic: Sequence[float]) -> tuple[float, float, float]:
@@ -172,7 +174,7 @@ class Session:
         return out[0], out[1], out[2]
 
     def save(self) -> bytes:
-        """What the plugins have learnt, for `load` of a later session."""
+        """Anchors and parameters estimated by plugins, for `load` in a later session."""
         data = c.create_string_buffer(max(0, self._odo.odo_session_save(self._open(), None, 0)))
         check(self._odo.odo_session_save(self._open(), data, len(data)))
         return data.raw

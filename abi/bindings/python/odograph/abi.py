@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # Written by abi/generate.py; do not edit.
-"""The C ABI of Odograph for ctypes: constants and structs under their C names, `load` for the library's functions."""
+"""The C ABI of Odograph for ctypes: constants and structs with their C names; `load` declares the library's functions."""
 # pylint: disable=missing-class-docstring, multiple-statements
 import ctypes as c
 
@@ -9,7 +9,7 @@ _u8, _i32, _u32, _i64, _u64 = c.c_uint8, c.c_int32, c.c_uint32, c.c_int64, c.c_u
 _f32, _f64, _char = c.c_float, c.c_double, c.c_char
 
 def _pointer(name, kind):
-    """A pointer has 8 bytes on every target."""
+    """Fields of a pointer, which has 8 bytes on every target."""
     return [(name, kind)] if c.sizeof(c.c_void_p) == 8 else [(name, kind), (name + "_bits", c.c_uint32)]
 
 
@@ -233,9 +233,9 @@ class odo_header(c.Structure): _fields_ = [("struct_size", _u32), ("type", _u32)
 
 
 class Message(c.Structure):
-    """The head of a message is part of it. Without arguments all is zero; an array takes any sequence of its length."""
+    """A message. Header fields are also attributes of it. Fields without an argument are zero; arrays accept sequences of their length."""
     TYPE = 0
-    picture = None  # of a recorded frame: PNG or JPEG, as the app encoded it
+    picture = None  # encoded picture of a recorded frame, PNG or JPEG
     HEAD = ("t_ns", "source", "flags", "quality")
 
     def __init__(self, **fields):
@@ -457,7 +457,7 @@ FUNCTIONS = {
 
 
 def load(path):
-    """The library, its functions with their types. An older library has not all of them."""
+    """Loads the library and declares its functions. An older library may lack some of them."""
     library = c.CDLL(path)
     for name, (result, parameters) in FUNCTIONS.items():
         if hasattr(library, name):

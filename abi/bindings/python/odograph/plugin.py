@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Plugins in Python, for research: a class with ID, SUMMARY, KIND, PARAMETERS and on(message, emit), and `serve(Class)` at the end of
-the file. plugin_host.c makes a plugin library of it, which runs the file in a process of its own. `odograph plugin new --language
-python` writes an example."""
+"""Plugins in Python, for research: define a class with ID, SUMMARY, KIND, PARAMETERS and on(message, emit), and call `serve(Class)` at
+the end of the file. plugin_host.c is compiled to a plugin library that runs the file in a separate process. `odograph plugin new
+--language python` writes an example."""
 import ctypes as c
 import dataclasses
 import socket
@@ -20,7 +20,7 @@ _REQUEST, _ANSWER = struct.Struct("=III"), struct.Struct("=iI")
 
 @dataclasses.dataclass
 class Parameter:
-    """A number that the config may set, with its range in `unit`."""
+    """A numeric parameter, with its range and default in `unit`."""
     name: str
     unit: str
     min: float
@@ -30,11 +30,11 @@ class Parameter:
 
 
 class Discard(Exception):
-    """Raised in `on`: the message was unusable, and nothing has changed."""
+    """Raise it in `on` if the message is unusable and the state is unchanged (ODO_E_DISCARD)."""
 
 
 def describe(kind: Any) -> str:
-    """What plugin_host.c needs to know, as C."""
+    """Returns plugin_description.h, the C description of the plugin for plugin_host.c."""
     def text(value: str) -> str:
         return '{"%s", %d}' % (value.replace("\\", "\\\\").replace('"', '\\"'), len(value.encode()))
 
@@ -53,7 +53,7 @@ def _message(data: bytes) -> Any:
     known = min(size, c.sizeof(kind))
     c.memmove(c.byref(message), data, known)
     message.header.struct_size = known
-    if kind is abi.Frame and len(data) > size:  # the first plane's pixels lie behind the frame
+    if kind is abi.Frame and len(data) > size:  # the pixels of the first plane follow the frame
         object.__setattr__(message, "pixels", np.frombuffer(data, np.uint8, offset=size).reshape(message.height, message.width, -1))
     return message
 
@@ -71,7 +71,7 @@ class _Server:
         self.instances[number] = instance
 
     def answer(self, what: int, number: int, data: bytes) -> bytes:
-        """The events of a call."""
+        """Handles a request. Returns the emitted events."""
         events = bytearray()
         if what in (CREATE, CONFIGURE):
             rows = [line.split("=") for line in data.decode().splitlines()]
@@ -103,7 +103,7 @@ class _Server:
 
 
 def serve(kind: Any) -> None:
-    """At the end of a plugin's file."""
+    """Runs the plugin. Call it at the end of the plugin's file."""
     if sys.argv[1:] == ["--describe"]:
         print(describe(kind), end="")
     else:

@@ -1,21 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
 // Written by abi/generate.py; do not edit.
-//! The C ABI as it is; the headers of odograph state what everything means.
+//! The C ABI, documented in the headers of odograph.
 #![allow(non_camel_case_types)]
 use std::os::raw::{c_char, c_void};
 
 #[cfg(not(target_pointer_width = "64"))]
 compile_error!("pointers have 8 bytes in the structs of Odograph's ABI; this crate supports 64-bit targets");
 
-/// A message: a struct that begins with an [`odo_header`] and is all zero by default.
+/// A message: a struct that starts with an [`odo_header`] and is zero by default.
 ///
 /// # Safety
-/// Of `#[repr(C)]`, beginning with an [`odo_header`], and valid whatever its bytes are.
+/// The type must be `#[repr(C)]`, start with an [`odo_header`], and be valid for any bytes.
 pub unsafe trait Message: Copy {
     /// ODO_TYPE_*
     const TYPE: u32;
 
-    /// All zero but its size, type and time.
+    /// A zeroed message with size, type and time set.
     fn at(t_ns: i64) -> Self {
         unsafe {
             let mut made: Self = std::mem::zeroed();
@@ -1028,7 +1028,7 @@ impl Default for odo_terrain {
 pub type odo_plugin_entry = unsafe extern "C" fn(host: *const odo_host, out: *mut odo_plugin) -> i32;
 pub type odo_callback = unsafe extern "C" fn(user: *mut c_void, event: *const odo_header);
 
-/// Makes a [`plugin::Plugin`](crate::plugin::Plugin) the plugin of this library.
+/// Exports a [`plugin::Plugin`](crate::plugin::Plugin) as the plugin of this library.
 #[macro_export]
 macro_rules! plugin {
     ($kind:ty) => {

@@ -25,7 +25,7 @@ pub use session::{reason_text, state_text, version, Options, Session};
 use std::mem::size_of;
 use std::os::raw::c_char;
 
-/// What the library refused.
+/// An error of the library.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Error {
     /// ODO_E_*
@@ -44,7 +44,7 @@ pub(crate) fn string(text: &str) -> odo_string {
     odo_string { data: text.as_ptr() as *const c_char, size: text.len() as u64 }
 }
 
-/// A copy whose head states its own size and type: `header` is public, and the library reads as far as it says.
+/// Returns a copy with the correct size and type in its header: `header` is public, and the library reads struct_size bytes.
 pub(crate) fn sized<M: Message>(message: &M) -> M {
     let mut made = *message;
     let header = unsafe { &mut *(&mut made as *mut M as *mut odo_header) };
@@ -53,13 +53,13 @@ pub(crate) fn sized<M: Message>(message: &M) -> M {
     made
 }
 
-/// A text of a message: of a report its `text`.
+/// Converts a terminated text of a message, for example `text` of a report.
 pub fn text(characters: &[c_char]) -> String {
     let bytes: Vec<u8> = characters.iter().take_while(|c| **c != 0).map(|c| *c as u8).collect();
     String::from_utf8_lossy(&bytes).into_owned()
 }
 
-/// A message of any type, borrowed.
+/// A borrowed message of any type.
 #[derive(Clone, Copy)]
 pub struct Event<'a>(pub(crate) &'a odo_header);
 impl<'a> Event<'a> {
@@ -69,7 +69,7 @@ impl<'a> Event<'a> {
     pub fn is_input(&self) -> bool {
         self.0.kind >> 12 != 1
     }
-    /// A copy of the message, where it is of that type. What its writer did not have is zero.
+    /// Returns a copy of the message if it has that type. Fields that the message lacks are zero.
     pub fn get<M: Message>(&self) -> Option<M> {
         if self.0.kind != M::TYPE {
             return None;

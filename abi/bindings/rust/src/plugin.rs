@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-//! A plugin in Rust: a type that is [`Plugin`], and `odograph::plugin!(Type);`. The crate that builds it is a `cdylib` and takes this
-//! one with `default-features = false`, so that it needs no library of Odograph's.
+//! Plugins in Rust: implement [`Plugin`] for a type and export it with `odograph::plugin!(Type);`. Build a `cdylib` that depends on
+//! this crate with `default-features = false`; it then does not link to the Odograph library.
 use crate::abi::*;
 use crate::{sized, string, Event};
 use std::mem::size_of;
@@ -8,21 +8,21 @@ use std::panic::{catch_unwind, AssertUnwindSafe};
 use std::ptr::null;
 use std::sync::atomic::{AtomicPtr, Ordering};
 
-/// A number that the config may set, with its range and default in `unit`.
+/// A numeric parameter, with its range and default in `unit`.
 pub struct Parameter {
     pub name: &'static str,
     pub unit: &'static str,
     pub min: f64,
     pub max: f64,
-    /// As one would write it in YAML.
+    /// In YAML syntax.
     pub default: &'static str,
     pub help: &'static str,
 }
 
-/// An algorithm. It is cloned before its first message, and the clone is what a reset goes back to. Instances may be called from
-/// different threads, never at once.
+/// A plugin. The instance is cloned before its first message, and a reset restores this clone. Calls may come from different
+/// threads, but never overlap.
 pub trait Plugin: Clone + Default + Send + 'static {
-    /// group/name, as configs name it
+    /// group/name, used in configs
     const ID: &'static str;
     /// major.minor.patch
     const VERSION: &'static str;
@@ -32,14 +32,14 @@ pub trait Plugin: Clone + Default + Send + 'static {
     const KIND: &'static str;
     const PARAMETERS: &'static [Parameter] = &[];
 
-    /// A value of the config, of a parameter, checked against its range.
+    /// Sets a parameter to a value of the config, which is within its range.
     fn set(&mut self, _name: &str, _value: f64) {}
 
-    /// A message of the kind's inputs. `Err` is an ODO_E_* with its stated effect: ODO_E_DISCARD for what is unusable.
+    /// Processes an input message. `Err` is an ODO_E_* status: ODO_E_DISCARD for an unusable message.
     fn on(&mut self, message: Event<'_>, output: &Output) -> Result<(), i32>;
 }
 
-/// The way out of a plugin, within its call.
+/// Emits events and reports within a call of the plugin.
 pub struct Output {
     host: *const odo_host,
     number: u32,
@@ -47,7 +47,7 @@ pub struct Output {
 }
 
 impl Output {
-    /// Hands an event to the host. `Err` is what the host answered; an event that it is too old for is no error.
+    /// Emits an event. `Err` is the status from the host; an event that is newer than the host is no error.
     pub fn emit<M: Message>(&self, event: M) -> Result<(), i32> {
         let event = sized(&event);
         let emit = unsafe { self.sink.as_ref() }.and_then(|sink| sink.emit).ok_or(ODO_E_STATE)?;
@@ -57,7 +57,7 @@ impl Output {
         }
     }
 
-    /// Text for people; of equal `key` the host passes on one a second.
+    /// Reports a text to the user. The host publishes at most one report per second for each `key`.
     pub fn report(&self, severity: u32, key: &str, text: &str) {
         let id = ODO_SERVICE_REPORT;
         let get = unsafe { self.host.as_ref() }.and_then(|host| host.get_service);
@@ -74,7 +74,7 @@ struct Instance<P> {
     fresh: P,
 }
 
-/// Of a call: a panic becomes a status and a report.
+/// Runs a call; a panic becomes a status and a report.
 unsafe fn guarded<P>(instance: *mut odo_instance, work: impl FnOnce(&mut Instance<P>) -> i32) -> i32 {
     let instance = match (instance as *mut Instance<P>).as_mut() {
         Some(instance) => instance,
@@ -102,7 +102,7 @@ unsafe extern "C" fn create<P: Plugin>(host: *const odo_host, number: u32, kind:
 unsafe extern "C" fn configure<P: Plugin>(instance: *mut odo_instance, values: *const odo_value, count: u32, stride: u32) -> i32 {
     guarded::<P>(instance, |me| {
         for i in 0..count as usize {
-            let value = &*((values as *const u8).add(i * stride as usize) as *const odo_value); // rows of a newer host are larger
+            let value = &*((values as *const u8).add(i * stride as usize) as *const odo_value); // the rows of a newer host may be larger
             let name = std::slice::from_raw_parts(value.name.data as *const u8, value.name.size as usize);
             if let (Ok(name), false) = (std::str::from_utf8(name), value.reals.is_null()) {
                 me.plugin.set(name, *value.reals);
@@ -143,7 +143,7 @@ unsafe extern "C" fn destroy<P: Plugin>(instance: *mut odo_instance) {
     }
 }
 
-/// What a plugin's table points to, made once and for ever.
+/// The table of a plugin and its strings, created once and never freed.
 pub struct Table(AtomicPtr<(odo_string, Vec<odo_parameter>)>);
 
 impl Table {
@@ -168,22 +168,22 @@ impl Table {
             });
             let made = Box::into_raw(Box::new((string(P::KIND), rows.collect())));
             if self.0.compare_exchange(std::ptr::null_mut(), made, Ordering::AcqRel, Ordering::Acquire).is_err() {
-                drop(unsafe { Box::from_raw(made) }); // another thread's was first
+                drop(unsafe { Box::from_raw(made) }); // another thread was faster
             }
         }
         unsafe { &*self.0.load(Ordering::Acquire) }
     }
 
     /// # Safety
-    /// `host` and `out` are the entry's.
+    /// `host` and `out` must be the arguments of the entry function.
     pub unsafe fn fill<P: Plugin>(&self, host: *const odo_host, out: *mut odo_plugin) -> i32 {
-        const SMALLEST: usize = size_of::<odo_plugin>(); // of 1.0, until the freeze today's
+        const SMALLEST: usize = size_of::<odo_plugin>(); // size of version 1.0; until the freeze, the current size
         if host.is_null() || out.is_null() || ((*out).struct_size as usize) < SMALLEST {
             return ODO_E_STRUCT_SIZE;
         }
         let draft = ODO_ABI_MAJOR == 0 && (*host).abi_minor != ODO_ABI_MINOR;
         if (*host).abi_major_min > ODO_ABI_MAJOR || (*host).abi_major_max < ODO_ABI_MAJOR || draft {
-            (*out).refusal = string("this plugin speaks another ABI than the host");
+            (*out).refusal = string("the plugin was built for another ABI than the host's");
             return ODO_E_VERSION;
         }
         let (kind, parameters) = self.texts::<P>();

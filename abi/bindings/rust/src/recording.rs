@@ -6,13 +6,13 @@ use crate::{sized, string, Event, Result};
 use std::os::raw::c_void;
 use std::ptr::{null, null_mut, NonNull};
 
-/// A recorded message, and of a frame its picture as the app encoded it.
+/// A recorded message, and for a frame the encoded picture.
 pub struct Recorded<'a> {
     pub message: Event<'a>,
     pub picture: Option<&'a [u8]>,
 }
 
-/// A recording, read once: `while let Some(recorded) = recording.next() { ... }`
+/// A recording, which is read once: `while let Some(recorded) = recording.next() { ... }`
 pub struct Recording(NonNull<odo_recording>);
 unsafe impl Send for Recording {}
 
@@ -23,7 +23,7 @@ impl Recording {
         Ok(Recording(NonNull::new(made).expect("a recording was opened")))
     }
 
-    /// The next message in the order of time, borrowed until the one after it: no `Iterator`, which could not state that.
+    /// Returns the next message in time order, borrowed until the next call (which is why this is no `Iterator`).
     #[allow(clippy::should_implement_trait)]
     pub fn next(&mut self) -> Option<Recorded<'_>> {
         let (mut message, mut picture, mut size) = (null(), null(), 0);
@@ -34,7 +34,7 @@ impl Recording {
         Some(Recorded { message: Event(unsafe { &*message }), picture })
     }
 
-    /// What it lacks of what was written, in words.
+    /// Describes missing data; None if the recording is complete.
     pub fn loss(&self) -> Option<String> {
         with_error(|loss| unsafe { odo_recording_loss(self.0.as_ptr(), loss) }).err().map(|error| error.message)
     }
@@ -45,7 +45,7 @@ impl Drop for Recording {
     }
 }
 
-/// Writes a recording; `close` says whether all of it reached the file.
+/// Writes a recording; `close` fails if not all data reached the file.
 pub struct Recorder(NonNull<odo_recorder>);
 unsafe impl Send for Recorder {}
 
@@ -56,7 +56,7 @@ impl Recorder {
         Ok(Recorder(NonNull::new(made).expect("a recorder was made")))
     }
 
-    /// A message, of a frame with its encoded picture (PNG or JPEG).
+    /// Appends a message, and for a frame the encoded picture (PNG or JPEG).
     pub fn write<M: Message>(&mut self, message: &M, picture: &[u8]) -> Result<()> {
         let message = sized(message);
         let header = &message as *const M as *const odo_header;

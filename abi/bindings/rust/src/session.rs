@@ -20,7 +20,7 @@ pub(crate) fn check(status: i32) -> Result<i32> {
     Err(Error { status, message: unsafe { owned(odo_status_text(status)) } })
 }
 
-/// Calls what fills an error.
+/// Runs a call that fills an odo_error.
 pub(crate) fn with_error(call: impl FnOnce(*mut odo_error) -> i32) -> Result<()> {
     let mut error = odo_error { struct_size: size_of::<odo_error>() as u32, ..odo_error::default() };
     let status = call(&mut error);
@@ -30,7 +30,7 @@ pub(crate) fn with_error(call: impl FnOnce(*mut odo_error) -> i32) -> Result<()>
     check(status).map(|_| ())
 }
 
-/// major.minor.patch of the library.
+/// Version of the library, "major.minor.patch".
 pub fn version() -> String {
     unsafe { owned(odo_version()) }
 }
@@ -41,12 +41,12 @@ pub fn reason_text(reason: u32) -> String {
     unsafe { owned(odo_reason_text(reason)) }
 }
 
-/// What a session is made of.
+/// Options of a session.
 #[derive(Clone, Copy, Default)]
 pub struct Options<'a> {
     /// A YAML file, or its text: it has a line break or ": " in it, as every YAML mapping has. A path with either is taken for one.
     pub config: &'a str,
-    /// Samples are processed on a thread of the session's own; otherwise within `push`.
+    /// Processes samples on a thread of the session; otherwise within `push`.
     pub live: bool,
     pub plugin_path: &'a str,
     pub asset_path: &'a str,
@@ -55,12 +55,12 @@ pub struct Options<'a> {
 
 type Listener = Box<dyn FnMut(Event<'_>) + Send>;
 
-/// One pipeline. Inputs and questions are of any thread; what takes `&mut self` is of one at a time.
+/// A session: one pipeline. Functions with `&self` may be called on any thread, those with `&mut self` on one at a time.
 pub struct Session {
     session: NonNull<odo_session>,
-    listener: Option<Box<Listener>>, // its address is the library's
+    listener: Option<Box<Listener>>, // the library holds its address
 }
-// What odograph.h calls [any] takes &self, what it calls [control] &mut self; the listener is Send and never called twice at once.
+// Functions tagged [any] in odograph.h take &self, those tagged [control] &mut self. The listener is Send; its calls never overlap.
 unsafe impl Send for Session {}
 unsafe impl Sync for Session {}
 
@@ -87,8 +87,8 @@ impl Session {
         self.session.as_ptr()
     }
 
-    /// Calls `listener` with each event of those types (`Pose::TYPE`), all of them where none is given: within `push` and `flush`, or on
-    /// the library's thread when live. A panic in it ends the process, since it cannot cross the library.
+    /// Calls `listener` with each event of these types (`Pose::TYPE`), or with all events if none is given: within `push` and `flush`,
+    /// or on the library's thread when live. A panic in it aborts the process, because it must not unwind through the library.
     pub fn on_event(&mut self, types: &[u32], listener: impl FnMut(Event<'_>) + Send + 'static) -> Result<()> {
         unsafe extern "C" fn call(user: *mut c_void, event: *const odo_header) {
             let listener = &mut *(user as *mut Listener);
@@ -104,14 +104,14 @@ impl Session {
         Ok(())
     }
 
-    /// An input. What becomes of it is often no error: a live sensor's late sample is `Err` and dropped.
+    /// Pushes an input. `Err` has the status of a rejected sample, such as a late one, which a live app can ignore.
     pub fn push<M: Message>(&self, message: &M) -> Result<()> {
         assert!(M::TYPE & ODO_BORROWED == 0, "push_frame takes frames");
         let message = sized(message);
         check(unsafe { odo_session_push(self.c(), &message as *const M as *const odo_header) }).map(|_| ())
     }
 
-    /// A recorded input as it is; not a frame, whose picture was encoded.
+    /// Pushes a recorded input unchanged. Not for frames, whose pictures are encoded.
     pub fn push_event(&self, message: Event<'_>) -> Result<()> {
         assert!(message.0.kind & ODO_BORROWED == 0, "push_frame takes frames");
         check(unsafe { odo_session_push(self.c(), message.0) }).map(|_| ())
@@ -121,8 +121,8 @@ impl Session {
         check(unsafe { odo_session_push_imu(self.c(), t_ns, gyro_b.as_ptr(), accel_b.as_ptr()) }).map(|_| ())
     }
 
-    /// A frame of one plane, whose pixels begin at byte `begin` of `pixels` and whose rows are `row_stride` bytes apart. The library
-    /// shares the pixels for as long as it needs them: nothing is copied, nothing allocated.
+    /// Pushes a frame with one plane: the pixels start at byte `begin` of `pixels`, the rows are `row_stride` bytes apart. The library
+    /// shares ownership of the pixels while it needs them, without copy or allocation.
     pub fn push_frame<P: AsRef<[u8]> + Send + Sync + 'static>(&self, frame: &Frame, pixels: &Arc<P>, begin: usize, row_stride: usize) -> Result<()> {
         unsafe extern "C" fn retain<P>(owner: *mut c_void) -> i32 {
             Arc::increment_strong_count(owner as *const P);
@@ -152,7 +152,7 @@ impl Session {
         check(unsafe { odo_session_push(self.c(), &lent.header) }).map(|_| ())
     }
 
-    /// Processes all that has been pushed, without waiting for slower sensors.
+    /// Processes all pushed samples without waiting for slower sensors.
     pub fn flush(&mut self) -> Result<()> {
         check(unsafe { odo_session_flush(self.c()) }).map(|_| ())
     }
@@ -162,15 +162,15 @@ impl Session {
         let status = unsafe { odo_session_get_pose_of(self.c(), of, smooth as u32, t_ns, &mut pose) };
         (status == ODO_OK).then_some(pose)
     }
-    /// At a time (ODO_TIME_LATEST: the newest sample), also ahead of now; none where it is not known.
+    /// Returns the pose at a time (ODO_TIME_LATEST: at the newest sample), which may be in the near future; none if not available.
     pub fn pose(&self, t_ns: i64) -> Option<Pose> {
         self.asked(ODO_OF_PIPELINE, false, t_ns)
     }
-    /// For what is drawn and must not jump.
+    /// The pose without jumps, for rendering.
     pub fn smooth_pose(&self, t_ns: i64) -> Option<Pose> {
         self.asked(ODO_OF_PIPELINE, true, t_ns)
     }
-    /// Of the body or the camera: ODO_OF_*.
+    /// The pose of the body or the camera: `of` is ODO_OF_*.
     pub fn pose_of(&self, of: u32, smooth: bool, t_ns: i64) -> Option<Pose> {
         self.asked(of, smooth, t_ns)
     }
@@ -181,12 +181,12 @@ impl Session {
         Ok(made)
     }
 
-    /// The last error or warning since the last call.
+    /// The latest error or warning since the last call.
     pub fn last_error(&self) -> Option<Error> {
         with_error(|error| unsafe { odo_session_last_error(self.c(), error) }).err()
     }
 
-    /// Makes an anchor; its id. The name and size of `place` are filled in.
+    /// Creates an anchor and returns its id. Sets name and size of `place`.
     pub fn create_anchor(&self, place: &AnchorPlace, name: &str) -> Result<u64> {
         let mut id = 0;
         let place = AnchorPlace { struct_size: size_of::<AnchorPlace>() as u32, name: string(name), ..*place };
@@ -208,12 +208,12 @@ impl Session {
         check(unsafe { odo_anchor_remove(self.c(), id) }).map(|_| ())
     }
 
-    /// What the plugins have learnt, for `load` of a later session.
+    /// Anchors and parameters estimated by plugins, for `load` in a later session.
     pub fn save(&mut self) -> Result<Vec<u8>> {
         let mut data = vec![0u8; unsafe { odo_session_save(self.c(), null_mut(), 0) }.max(0) as usize];
         let size = unsafe { odo_session_save(self.c(), data.as_mut_ptr() as *mut c_void, data.len() as u64) };
         if size != data.len() as i64 {
-            return Err(Error { status: ODO_E_ERROR, message: "what was learnt could not be saved".into() });
+            return Err(Error { status: ODO_E_ERROR, message: "the state could not be saved".into() });
         }
         Ok(data)
     }

@@ -2,7 +2,7 @@
 // Written by abi/generate.py; do not edit.
 package org.odograph;
 
-/** Constants and messages under their C names; the headers state what they mean. Unsigned numbers are Java's signed ones. */
+/** Constants and messages with their C names, documented in the C headers. Unsigned numbers are represented as signed ones. */
 public final class Abi {
     private Abi() {}
     static { System.loadLibrary("odograph_jni"); }

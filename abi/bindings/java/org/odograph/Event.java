@@ -4,7 +4,7 @@ package org.odograph;
 import java.nio.ByteBuffer;
 import java.nio.ByteOrder;
 
-/** A message of any type, borrowed: an event within its call, a recorded message until the next one. `new Pose(event)` copies it. */
+/** A borrowed message of any type: an event is valid during its call, a recorded message until the next one. `new Pose(event)` copies it. */
 public final class Event {
     final long address;
     private final ByteBuffer head;

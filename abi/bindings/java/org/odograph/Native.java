@@ -3,7 +3,7 @@ package org.odograph;
 
 import java.nio.ByteBuffer;
 
-/** odograph_jni.c. */
+/** Native functions, implemented in odograph_jni.c. */
 final class Native {
     private Native() {}
     static { System.loadLibrary("odograph_jni"); }

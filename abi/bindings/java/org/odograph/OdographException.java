@@ -5,7 +5,7 @@ import java.nio.ByteBuffer;
 import java.nio.ByteOrder;
 import java.nio.charset.StandardCharsets;
 
-/** What the library refused: `status` is ODO_E_*, the message names what is wrong. */
+/** An error of the library: `status` is ODO_E_*, the message states the reason. */
 public final class OdographException extends RuntimeException {
     private static final long serialVersionUID = 1;
     public final int status;
@@ -15,7 +15,7 @@ public final class OdographException extends RuntimeException {
         this.status = status;
     }
 
-    /** An odo_error for a call to fill. */
+    /** An odo_error to be filled by a call. */
     static final class Text {
         private static final int SIZE = 2048;
         private final ByteBuffer memory = ByteBuffer.allocateDirect(SIZE).order(ByteOrder.LITTLE_ENDIAN).putInt(0, SIZE);

@@ -6,9 +6,9 @@ import java.nio.ByteOrder;
 import java.util.Iterator;
 import java.util.NoSuchElementException;
 
-/** A recording, read once. A message and its picture are valid until the next one. */
+/** A recording, which is read once. A message and its picture are valid until the next call. */
 public final class Recording implements java.io.Closeable, Iterable<Recording.Recorded> {
-    /** `picture`: of a frame, as the app encoded it; null of everything else. */
+    /** `picture`: the encoded picture of a frame; null for other messages. */
     public static final class Recorded {
         public final Event message;
         public final ByteBuffer picture;
@@ -31,7 +31,7 @@ public final class Recording implements java.io.Closeable, Iterable<Recording.Re
         recording = out.getLong(0);
     }
 
-    /** Null at the end. */
+    /** Returns the next message in time order; null at the end. */
     public Recorded next() {
         long at = Native.address(out);
         if (recording == 0 || Abi.odo_recording_next(recording, at, at + 8, at + 16) != Abi.ODO_OK) return null;
@@ -42,7 +42,7 @@ public final class Recording implements java.io.Closeable, Iterable<Recording.Re
     @Override
     public Iterator<Recorded> iterator() {
         return new Iterator<Recorded>() {
-            private Recorded following; // looked at only when asked for: it ends the one before
+            private Recorded following; // read only on demand, because reading invalidates the previous message
 
             @Override
             public boolean hasNext() {

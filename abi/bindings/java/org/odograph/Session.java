@@ -6,7 +6,7 @@ import java.nio.ByteBuffer;
 import java.nio.ByteOrder;
 import java.util.function.Consumer;
 
-/** One pipeline, from samples to poses. Threads as in odograph.h. */
+/** A session: one pipeline, from samples to poses. Threads as in odograph.h. */
 public final class Session implements java.io.Closeable {
     private long session, listener;
     private Consumer<Event> consumer;
@@ -15,7 +15,7 @@ public final class Session implements java.io.Closeable {
     /** `config`: a YAML file, or its text. A text has a line break or ": " in it, as every YAML mapping has; a path with either is taken for one. */
     public Session(String config) { this(config, false, ""); }
 
-    /** `live`: samples are processed on a thread of the session's own, otherwise within push. */
+    /** `live`: processes samples on a thread of the session, otherwise within push. */
     public Session(String config, boolean live, String pluginPath) {
         Abi.SessionOptions options = new Abi.SessionOptions().run(live ? Abi.ODO_RUN_LIVE : Abi.ODO_RUN_REPLAY);
         ByteBuffer yaml = Struct.utf8(config), plugins = Struct.utf8(pluginPath), made = pointer();
@@ -28,7 +28,7 @@ public final class Session implements java.io.Closeable {
         session = made.getLong(0);
     }
 
-    /** What a call reads by its address lives until here. */
+    /** Keeps an object reachable until this call, because native code uses its address. */
     static void stays(Object... objects) { Reference.reachabilityFence(objects); }
 
     static ByteBuffer pointer() { return ByteBuffer.allocateDirect(8).order(ByteOrder.LITTLE_ENDIAN); }
@@ -38,8 +38,8 @@ public final class Session implements java.io.Closeable {
         return session;
     }
 
-    /** Calls `consumer` with each event of those types (ODO_TYPE_*), all of them where none is given: within push and flush, or on the
-     * library's thread when live. What it throws comes out of the next push or flush. */
+    /** Calls `consumer` with each event of these types (ODO_TYPE_*), or with all events if none is given: within push and flush, or on
+     * the library's thread when live. The next push or flush rethrows its exceptions. */
     public void onEvent(Consumer<Event> consumer, int... types) {
         long before = listener;
         this.consumer = consumer;
@@ -50,7 +50,7 @@ public final class Session implements java.io.Closeable {
     private void take(long event) { // called by odograph_jni.c
         try {
             consumer.accept(new Event(event));
-        } catch (RuntimeException e) { // it cannot cross the library
+        } catch (RuntimeException e) { // must not propagate through the library
             thrown = e;
         }
     }
@@ -62,7 +62,7 @@ public final class Session implements java.io.Closeable {
         return status;
     }
 
-    /** Any input but a frame. ODO_OK, or why it was dropped. */
+    /** Pushes any input except a frame. Returns ODO_OK, or the status of a rejected message. */
     public int push(Struct message) {
         try {
             return checked(Abi.odo_session_push(open(), message.address));
@@ -72,8 +72,8 @@ public final class Session implements java.io.Closeable {
     }
     public int push(Event message) { return checked(Abi.odo_session_push(open(), message.address)); }
 
-    /** A frame whose pixels begin at byte `begin` of a direct buffer: the library shares it, nothing is copied. Format, width and height
-     * are the frame's; rows are `rowStride` bytes apart. */
+    /** Pushes a frame whose pixels start at byte `begin` of a direct buffer, which the library shares without copying. Set format,
+     * width and height in the frame; rows are `rowStride` bytes apart. */
     public int pushFrame(Abi.Frame frame, ByteBuffer pixels, int begin, int rowStride) {
         int format = frame.format(), pixel = format == Abi.ODO_FORMAT_RGB8 ? 3 : format == Abi.ODO_FORMAT_RGBA8 || format == Abi.ODO_FORMAT_BGRA8 ? 4 : 1;
         long end = begin + (frame.height() - 1L) * rowStride + (long) frame.width() * pixel;
@@ -86,15 +86,15 @@ public final class Session implements java.io.Closeable {
         }
     }
 
-    /** How many pictures the library has still borrowed, of all sessions. */
+    /** Number of pictures that the library still borrows, in all sessions. */
     public static int borrowed() { return Native.borrowed(); }
 
-    /** Processes all that has been pushed, without waiting for slower sensors. */
+    /** Processes all pushed samples without waiting for slower sensors. */
     public void flush() { OdographException.check(checked(Abi.odo_session_flush(open()))); }
 
-    /** The newest pose, or null. */
+    /** The pose at the newest sample, or null. */
     public Abi.Pose pose() { return pose(Abi.ODO_TIME_LATEST, false); }
-    /** At a time, also ahead of now; null where it is not known. `smooth`: for what is drawn and must not jump. */
+    /** The pose at a time, which may be in the near future; null if not available. `smooth`: without jumps, for rendering. */
     public Abi.Pose pose(long t_ns, boolean smooth) {
         Abi.Pose pose = new Abi.Pose(0);
         int status = Abi.odo_session_get_pose_of(open(), Abi.ODO_OF_PIPELINE, smooth ? 1 : 0, t_ns, pose.address);
@@ -107,13 +107,13 @@ public final class Session implements java.io.Closeable {
         return made;
     }
 
-    /** The last error or warning since the last call, or null. */
+    /** The latest error or warning since the last call, or null. */
     public String lastError() {
         OdographException.Text error = new OdographException.Text();
         return Abi.odo_session_last_error(open(), error.address) == Abi.ODO_OK ? null : error.message();
     }
 
-    /** Makes an anchor; its id. */
+    /** Creates an anchor and returns its id. */
     public long createAnchor(Abi.AnchorPlace place, String name) {
         ByteBuffer text = Struct.utf8(name), id = pointer();
         place.name_data(Native.address(text)).name_size(text.capacity() - 1);

@@ -5,7 +5,7 @@ import java.nio.ByteBuffer;
 import java.nio.ByteOrder;
 import java.nio.charset.StandardCharsets;
 
-/** A struct of the C ABI in memory that Java owns; its size comes first. Use one again rather than making one for each sample. */
+/** A struct of the C ABI in memory owned by Java; its first member is its size. Reuse it instead of creating one per sample. */
 public abstract class Struct {
     final ByteBuffer memory;
     final long address;
@@ -24,7 +24,7 @@ public abstract class Struct {
         memory.put(from).putInt(0, from.limit());
     }
 
-    /** Whether its writer filled that many bytes. */
+    /** Whether the struct has at least that many bytes. */
     public final int size() { return memory.getInt(0); }
 
     String text(int at, int capacity) {
@@ -34,7 +34,7 @@ public abstract class Struct {
         return new String(bytes, 0, length, StandardCharsets.UTF_8);
     }
 
-    /** Bytes in direct memory, with a zero behind them. */
+    /** Copies bytes to direct memory, followed by a zero. */
     static ByteBuffer utf8(String text) {
         byte[] bytes = text.getBytes(StandardCharsets.UTF_8);
         ByteBuffer direct = ByteBuffer.allocateDirect(bytes.length + 1);

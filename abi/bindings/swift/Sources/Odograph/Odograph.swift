@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 @_exported import COdograph
 
-/// What the library refused: `status` is ODO_E_*, the message names what is wrong.
+/// An error of the library: `status` is ODO_E_*, the message states the reason.
 public struct OdographError: Error, CustomStringConvertible {
     public let status: Int32
     public let description: String
@@ -18,14 +18,14 @@ public struct OdographError: Error, CustomStringConvertible {
     }
 }
 
-/// A struct with an odo_header at its beginning, and its number.
+/// A message: a struct that starts with an odo_header, and its type number.
 public protocol Message {
     static var type: UInt32 { get }
     init()
     var header: odo_header { get set }
 }
 extension Message {
-    /// All zero but its size, type and time.
+    /// A zeroed message with size, type and time set.
     public init(at t_ns: Int64) {
         self.init()
         header.struct_size = UInt32(MemoryLayout<Self>.size)
@@ -34,12 +34,12 @@ extension Message {
     }
 }
 
-/// A message of any type, borrowed: an event within its call, a recorded message until the next one.
+/// A borrowed message of any type: an event is valid during its call, a recorded message until the next one.
 public struct Event {
     public let header: UnsafePointer<odo_header>
     public var isInput: Bool { header.pointee.type >> 12 != 1 }
 
-    /// A copy of the message, where it is of that type.
+    /// Returns a copy of the message if it has that type.
     public func get<M: Message>(_: M.Type) -> M? {
         guard header.pointee.type == M.type else { return nil }
         var message = M()
@@ -57,7 +57,7 @@ private func withString<R>(_ text: String, _ body: (odo_string) throws -> R) ret
     }
 }
 
-/// One pipeline. Threads as in odograph.h.
+/// A session: one pipeline. Threads as in odograph.h.
 public final class Session: @unchecked Sendable {
     private final class Listener {
         let call: (Event) -> Void
@@ -83,7 +83,7 @@ public final class Session: @unchecked Sendable {
     }
     deinit { odo_session_destroy(session) }
 
-    /// Calls `listener` with each event of those types: within push and flush, or on the library's thread when live.
+    /// Calls `listener` with each event of these types: within push and flush, or on the library's thread when live.
     public func onEvent(_ types: [UInt32], _ call: @escaping (Event) -> Void) throws {
         let made = Listener(call)
         let status = odo_session_set_callback(session, types, UInt32(types.count), { user, event in
@@ -93,13 +93,13 @@ public final class Session: @unchecked Sendable {
         listener = made
     }
 
-    /// ODO_OK, or why it was dropped.
+    /// Returns ODO_OK, or the status of a rejected message.
     @discardableResult public func push<M: Message>(_ message: M) -> Int32 {
         withUnsafeBytes(of: message) { odo_session_push(session, $0.bindMemory(to: odo_header.self).baseAddress) }
     }
     @discardableResult public func push(_ message: Event) -> Int32 { odo_session_push(session, message.header) }
 
-    /// A frame whose pixels `owner` keeps alive (a CVPixelBuffer, an object of the app's): the library shares it, nothing is copied.
+    /// Pushes a frame whose pixels `owner` keeps alive (a CVPixelBuffer, an object of the app). The library retains it and does not copy.
     @discardableResult public func push(_ frame: odo_frame, owner: AnyObject) -> Int32 {
         var lent = frame
         let shared = Unmanaged.passRetained(owner)
@@ -112,7 +112,7 @@ public final class Session: @unchecked Sendable {
 
     public func flush() throws { try OdographError.check(odo_session_flush(session)) }
 
-    /// Nil where it is not known. `smooth`: for what is drawn and must not jump.
+    /// The pose at a time; nil if not available. `smooth`: without jumps, for rendering.
     public func pose(at t_ns: Int64 = Int64.min, smooth: Bool = false) -> odo_pose? {
         var pose = odo_pose(at: 0)
         return odo_session_get_pose_of(session, ODO_OF_PIPELINE, smooth ? 1 : 0, t_ns, &pose) == ODO_OK ? pose : nil
@@ -136,7 +136,7 @@ public final class Session: @unchecked Sendable {
     }
 }
 
-/// A recording, read once: `while let (message, picture) = recording.next()`. Both are valid until the next one.
+/// A recording, which is read once: `while let (message, picture) = recording.next()`. Both are valid until the next call.
 public final class Recording {
     private let recording: OpaquePointer
 
