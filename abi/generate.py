@@ -148,7 +148,7 @@ def grow(abi, folder):
 
 def swift(abi):
     rows = [f"extension {name}: Message {{ public static var type: UInt32 {{ {number:#x} }} }}" for name, number in abi.messages().items()]
-    return ("// Never compiled: there is no Swift compiler where this was written.\n// SPDX-License-Identifier: Apache-2.0\n"
+    return ("// Not compiled yet, because no Swift compiler was available.\n// SPDX-License-Identifier: Apache-2.0\n"
             "// Written by abi/generate.py; do not edit.\nimport COdograph\n\n" + "\n".join(rows) + "\n")
 
 

@@ -199,29 +199,29 @@ static void in_front(int unused) {
         "behind the camera it has flags 0x%x and p_view[2] = %g", anchor.flags, anchor.p_view[2]);
 }
 
-#define MAKES "Makes an anchor; its id counts from 1 and is never used again."
+#define MAKES "Ids count from 1 and are never reused."
 const conformance_case cases_anchors[] = {
     {"anchors are numbered from 1, listed in their order and removed once", "anchor.h", MAKES, life_of_anchors, 0},
     {"a local anchor needs a position", "anchor.h",
-     "ODO_NOT_READY while the phone's position is not known (a local one)", local_needs_a_position, 0},
-    {"a local anchor needs a time that is kept", "anchor.h", "ODO_E_NOT_FOUND for a time outside of what is kept",
+     "ODO_NOT_READY while the position of the phone is unknown (local anchors)", local_needs_a_position, 0},
+    {"a local anchor needs a time that is kept", "anchor.h", "ODO_E_NOT_FOUND for a time outside the stored poses",
      time_is_kept, 0},
     {"bad places are refused", "anchor.h",
-     "ODO_E_ARGUMENT (unknown kind, a number that is not finite, no unit quaternion, a latitude beyond a pole)",
-     bad_places, 0},
+     "ODO_E_ARGUMENT (unknown kind, number not finite, q not a unit quaternion, latitude beyond a pole)", bad_places,
+     0},
     {"there are 1024 anchors at most", "anchor.h", "ODO_E_EXHAUSTED beyond 1024 anchors", too_many, 0},
-    {"a local anchor is where it was put, with 63 bytes of its name", "anchor.h", "UTF-8; the first 63 bytes are kept",
+    {"a local anchor is where it was put, with 63 bytes of its name", "anchor.h", "UTF-8; truncated to 63 bytes",
      where_it_is, 0},
     {"a geodetic anchor is placed where start and origin are known", "anchor.h",
-     "soon as the phone's place in n, n's place on the Earth and, above terrain, the ground there are known",
+     "A geodetic anchor is placed as soon as the position of the phone in n, the origin of n and, above terrain, the "
+     "height of the ground are known.",
      on_the_earth, 0},
     {"a geodetic anchor without start and fix is lost for want of a fix", "anchor.h",
-     "the phone's place in n is not known: neither navigation.start nor a position fix", not_placed, ODO_REASON_NO_FIX},
+     "position of the phone in n unknown: neither navigation.start nor a position fix", not_placed, ODO_REASON_NO_FIX},
     {"a geodetic anchor without an origin is lost for want of the origin", "anchor.h",
-     "the phone's place in n is known, n's on the Earth is not: no navigation.origin, no GNSS", not_placed,
-     ODO_REASON_NO_ORIGIN},
+     "position in n known, origin of n unknown: neither navigation.origin nor GNSS", not_placed, ODO_REASON_NO_ORIGIN},
     {"an anchor above terrain without a terrain model is lost for want of the ground", "anchor.h",
-     "the height of the ground there is not known", not_placed, ODO_REASON_NO_GROUND},
+     "height of the ground unknown at that point", not_placed, ODO_REASON_NO_GROUND},
     {"an anchor behind the camera has a pose in the view and is not in front", "anchor.h",
-     "With VIEW_POSE: it is on the side that the phone's camera faces.", in_front, 0},
+     "With VIEW_POSE: the anchor is on the side that the camera faces", in_front, 0},
     {NULL, NULL, NULL, NULL, 0}};

@@ -205,30 +205,31 @@ static void filtered(int unused) {
   CHECK(wanted_calls == 0, "it was called although no type is wanted");
 }
 
-#define RULE "On the session's thread when live, within push or flush in replay."
+#define RULE "Called on the thread of the session (live) or within push or flush (replay)."
 const conformance_case cases_callback[] = {
     {"a replay's events come within push and flush, on the caller's thread", "odograph.h", RULE, within_push_in_replay,
      0},
     {"a live session's events come on one thread of its own", "odograph.h", RULE, another_thread_when_live, 0},
     {"no call runs after a replay's callback was ended", "odograph.h",
-     "No types or a null function end the calls, and none is running after the return", no_call_after_the_end,
+     "With count 0 or a null function, no more calls follow; after the return none is running", no_call_after_the_end,
      ODO_RUN_REPLAY},
     {"no call runs after a live session's callback was ended", "odograph.h",
-     "No types or a null function end the calls, and none is running after the return", no_call_after_the_end,
+     "With count 0 or a null function, no more calls follow; after the return none is running", no_call_after_the_end,
      ODO_RUN_LIVE},
-    {"a callback of a replay may end itself", "odograph.h", "(but the one that it was called from)", ended_from_within,
-     ODO_RUN_REPLAY},
-    {"a callback of a live session may end itself", "odograph.h", "(but the one that it was called from)",
+    {"a callback of a replay may end itself", "odograph.h", "except the one that called this function",
+     ended_from_within, ODO_RUN_REPLAY},
+    {"a callback of a live session may end itself", "odograph.h", "except the one that called this function",
      ended_from_within, ODO_RUN_LIVE},
     {"a replay's callback may call what any thread may, but not flush", "odograph.h",
      "No lock is held: it may call [any] functions", it_may_call, ODO_RUN_REPLAY},
     {"a live session's callback may call what any thread may, but not flush", "odograph.h",
      "No lock is held: it may call [any] functions", it_may_call, ODO_RUN_LIVE},
     {"what a replay's callback pushes is processed after it has returned", "odograph.h",
-     "what it pushes is processed after it has returned", it_may_push, ODO_RUN_REPLAY},
+     "Samples that it pushes are processed after it returns.", it_may_push, ODO_RUN_REPLAY},
     {"what a live session's callback pushes is processed after it has returned", "odograph.h",
-     "what it pushes is processed after it has returned", it_may_push, ODO_RUN_LIVE},
-    {"a null function ends the calls", "odograph.h", "No types or a null function end the calls", null_function, 0},
+     "Samples that it pushes are processed after it returns.", it_may_push, ODO_RUN_LIVE},
+    {"a null function ends the calls", "odograph.h", "With count 0 or a null function, no more calls follow",
+     null_function, 0},
     {"a callback is given the events that are wanted, and none when none are", "odograph.h",
-     "`types` are the events that are wanted (ODO_TYPE_*, vendors' too), copied", filtered, 0},
+     "`types` are the wanted events (ODO_TYPE_*, vendor types too) and are copied", filtered, 0},
     {NULL, NULL, NULL, NULL, 0}};

@@ -152,20 +152,19 @@ static void offset_survives_a_reset(int unused) {
   CHECK(found && found->t_ns == T0 / 2 + 4 * SECOND + 30 * MS, "the frame was not given, or not shifted");
 }
 
-#define SAME_SOURCE "frames and calibration of one camera have the same"
-#define SHIFTS                                                                                         \
-  "The host shifts the frames: plugins are given frames on the IMU's clock, and calibrations without " \
-  "ODO_CALIBRATION_TIME_OFFSET"
+#define SAME_SOURCE "the same for frames and calibration of one camera"
+#define SHIFTS \
+  "The host applies it: plugins receive frames in IMU time and calibrations without ODO_CALIBRATION_TIME_OFFSET"
 const conformance_case cases_cameras[] = {
     {"frames of two cameras may have the same time", "base.h", SAME_SOURCE, same_time_is_no_duplicate, 0},
-    {"a front-end is given the first camera that has a frame", "vo_frontend.h", "Of one camera, the main one",
-     one_camera_for_a_frontend, 0},
-    {"a front-end is given one of two calibrated cameras", "vo_frontend.h", "Of one camera, the main one",
-     one_camera_for_a_frontend, 1},
-    {"a front-end is given the first camera that has a calibration", "vo_frontend.h", "Of one camera, the main one",
-     first_calibration_decides, 0},
+    {"a front-end is given the first camera that has a frame", "vo_frontend.h",
+     "Frames and calibrations are those of the main camera", one_camera_for_a_frontend, 0},
+    {"a front-end is given one of two calibrated cameras", "vo_frontend.h",
+     "Frames and calibrations are those of the main camera", one_camera_for_a_frontend, 1},
+    {"a front-end is given the first camera that has a calibration", "vo_frontend.h",
+     "Frames and calibrations are those of the main camera", first_calibration_decides, 0},
     {"a front-end for several cameras is given all", "plugin.h",
-     "a front-end that is given frames of all cameras instead of the first one's", several_where_declared, 0},
+     "the front-end receives frames of all cameras, not only of the main one", several_where_declared, 0},
     {"a camera's time offset is applied once, by the host", "samples.h", SHIFTS, offset_is_applied_once, 0},
     {"a calibration loses its time offset and nothing else", "samples.h", SHIFTS, offset_keeps_other_bits, 0},
     {"each camera has a time offset of its own", "samples.h", "IMU time = camera time + time_offset_ns.",

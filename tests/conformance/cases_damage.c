@@ -186,14 +186,17 @@ static void null_is_allowed(int unused) {
 
 const conformance_case cases_damage[] = {
     {"a recording that was cut off has a loss, and its whole records are read", "recording.h",
-     "After a crash everything up to the last whole message can be read.", cut_off, 0},
+     "After a crash, everything up to the last complete message can be read.", cut_off, 0},
     {"a changed byte costs one message at most and is reported", "recording.h",
-     "what is damaged is left out (odo_recording_loss)", changed_bytes, 0},
+     "indexes its messages, without damaged ones (odo_recording_loss)", changed_bytes, 0},
     {"a recording that was never closed can be read and has a loss", "recording.h",
-     "Sets the mark that tells a closed recording from one that was cut off.", never_closed, 0},
+     "Closes the recording and marks it as complete.", never_closed, 0},
     {"a recording of the same name stays until the new one is closed", "recording.h",
-     "A file of that name stays until the new one is closed; until then that lies beside it as", old_one_stays, 0},
+     "If a file of that name exists, the recording is written to NAME.part and replaces it when closed", old_one_stays,
+     0},
     {"files that are no recordings are refused with a reason", "recording.h",
-     "null and `error`, which may be null, says why: ODO_E_NOT_FOUND, ODO_E_DATA, ODO_E_VERSION.", no_recordings, 0},
+     "On failure *recording is null and `error`, which may be null, has the reason: ODO_E_NOT_FOUND, ODO_E_DATA, "
+     "ODO_E_VERSION.",
+     no_recordings, 0},
     {"closing null does nothing", "recording.h", "Null is allowed.", null_is_allowed, 0},
     {NULL, NULL, NULL, NULL, 0}};

@@ -186,10 +186,10 @@ static void motions_carry_the_orientation(int unused) {
           self->events[i]->struct_size);
 }
 
-#define NEEDS                                                                                                         \
-  "A position needs ODO_FIX_COVARIANCE, an orientation ODO_FIX_ORIENTATION_COVARIANCE: the host refuses one without " \
-  "(ODO_E_ARGUMENT)."
-#define FIELDS "or a field that is out of its range: a report names it"
+#define NEEDS                                                                                                     \
+  "A position requires ODO_FIX_COVARIANCE and an orientation ODO_FIX_ORIENTATION_COVARIANCE; otherwise the host " \
+  "rejects it (ODO_E_ARGUMENT)."
+#define FIELDS "for a field that is out of range (a report names it)"
 const conformance_case cases_emit_values[] = {
     {"a position fix without covariance is refused", "events.h", NEEDS, position_without_covariance,
      ODO_FIX_NORTH | ODO_FIX_EAST | ODO_FIX_DOWN},
@@ -201,18 +201,16 @@ const conformance_case cases_emit_values[] = {
     {"a fix whose covariance is not finite is refused and its field reported", "plugin.h", FIELDS, not_finite, 1},
     {"a fix whose variance is negative is refused and its field reported", "plugin.h", FIELDS, not_finite, 2},
     {"a fix without a unit quaternion is refused and its field reported", "plugin.h", FIELDS, no_unit_quaternion, 0},
-    {"fields whose bit is not set are not read", "base.h",
-     "A value is valid when its bit in `header.flags` is set, never by being or not being NaN.",
+    {"fields whose bit is not set are not read", "base.h", "A value is valid if its bit in `header.flags` is set.",
      invalid_fields_are_not_read, 0},
     {"a fix that was used is published as accepted", "events.h",
-     "ODO_FLAG_ACCEPTED on what the host publishes: it was used.", accepted_is_the_hosts, 0},
+     "On published fixes, ODO_FLAG_ACCEPTED means that the host used the fix.", accepted_is_the_hosts, 0},
     {"a fix that was rejected is published without the bit, whatever its plugin set", "base.h",
-     "24 to 27 are set by the host alone", accepted_is_the_hosts, 1},
-    {"the end of a later event is published", "base.h", "the end of a larger one is passed on unread", end_is_published,
-     0},
-    {"a correction comes before the pose that it corrected", "events.h", "Given before the pose that it corrected",
-     correction_comes_first, 0},
+     "Only the host sets 24 to 27", accepted_is_the_hosts, 1},
+    {"the end of a later event is published", "base.h",
+     "Of a larger one, the part beyond the known fields is forwarded unread.", end_is_published, 0},
+    {"a correction comes before the pose that it corrected", "events.h",
+     "It is published before the first corrected pose.", correction_comes_first, 0},
     {"a published motion has the orientation as the host estimates it", "events.h",
-     "orientation of the earlier frame as the host estimates it; valid with ODO_FLAG_NAVIGATION",
-     motions_carry_the_orientation, 0},
+     "orientation of c0, estimated by the host; valid with ODO_FLAG_NAVIGATION", motions_carry_the_orientation, 0},
     {NULL, NULL, NULL, NULL, 0}};

@@ -151,7 +151,7 @@ static void bare_table(int unused) {
   app_close(self);
 }
 
-#define ORDER "create -> configure -> activate -> process ... [reset | save | load] -> destroy"
+#define ORDER "Order of calls to an instance: create, configure, activate, process ... [reset | save | load], destroy."
 const conformance_case cases_life[] = {
     {"an instance of a replay is created, configured, activated, used and destroyed in order", "plugin.h", ORDER,
      order_of_calls, ODO_RUN_REPLAY},
@@ -159,18 +159,18 @@ const conformance_case cases_life[] = {
      order_of_calls, ODO_RUN_LIVE},
     {"an instance of a replay without samples is destroyed", "plugin.h", ORDER, unused_session, ODO_RUN_REPLAY},
     {"an instance of a live session without samples is destroyed", "plugin.h", ORDER, unused_session, ODO_RUN_LIVE},
-    {"configure is given every parameter, by default as the table has it", "plugin.h", "called once before activate.",
+    {"configure is given every parameter, by default as the table has it", "plugin.h", "called once, before activate.",
      parameters_by_default, 0},
     {"configure is given what the config has", "plugin.h",
-     "A value out of the config, already checked against the table.", parameters_of_the_config, 0},
+     "A parameter value from the config, validated against the table.", parameters_of_the_config, 0},
     {"a parameter out of its range is refused before the plugin is given it", "odograph.h",
-     "a bad config with file:line:column", parameter_out_of_range, 0},
+     "file:line:column of an error in the config", parameter_out_of_range, 0},
     {"calls to an instance of a replay never overlap", "plugin.h",
-     "[control] and [process] calls to one instance never overlap and are ordered", never_at_once, ODO_RUN_REPLAY},
+     "[control] and [process] calls to one instance are ordered and never overlap", never_at_once, ODO_RUN_REPLAY},
     {"calls to an instance of a live session never overlap", "plugin.h",
-     "[control] and [process] calls to one instance never overlap and are ordered", never_at_once, ODO_RUN_LIVE},
-    {"instances are numbered in the order of their kinds", "plugin.h", "`number` is its number in reports.",
+     "[control] and [process] calls to one instance are ordered and never overlap", never_at_once, ODO_RUN_LIVE},
+    {"instances are numbered in the order of their kinds", "plugin.h", "`number` identifies it in reports.",
      instances_are_numbered, 0},
-    {"a table without optional functions is used", "plugin.h", "What follows is optional: any of it may be null.",
+    {"a table without optional functions is used", "plugin.h", "The remaining members are optional and may be null.",
      bare_table, 0},
     {NULL, NULL, NULL, NULL, 0}};

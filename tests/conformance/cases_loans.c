@@ -289,7 +289,7 @@ static void short_borrowed(int unused) {
 }
 
 #define BALANCE \
-  "To use it longer, call retain (ODO_E_EXHAUSTED when too many are retained) and later release, once for each retain"
+  "To use it longer, call retain (ODO_E_EXHAUSTED if too many are retained) and later release, once for each retain"
 #define DRAW(text, run, argument) \
   { text, "base.h", BALANCE, run, argument }
 const conformance_case cases_loans[] = {
@@ -307,23 +307,23 @@ const conformance_case cases_loans[] = {
     DRAW("a frame of another size than its calibration is refused and released", bad_frame, 0),
     DRAW("a frame without width is refused and released", bad_frame, 1),
     {"a frame with neither pixels nor native memory is refused", "samples.h",
-     "first pixel of the first row; null where only loan.native has the pixels", bad_frame, 2},
+     "first pixel of the first row; null if only loan.native has the pixels", bad_frame, 2},
     {"a frame whose retain refuses is refused and never released", "base.h", BALANCE, retain_refuses, 0},
     {"retain and release of a replay may push", "odograph.h",
-     "No lock is held while a frame's retain or release is called: they may push.", they_may_push, ODO_RUN_REPLAY},
+     "No lock is held while retain or release is called: they may push.", they_may_push, ODO_RUN_REPLAY},
     {"retain and release of a live session may push", "odograph.h",
-     "No lock is held while a frame's retain or release is called: they may push.", they_may_push, ODO_RUN_LIVE},
+     "No lock is held while retain or release is called: they may push.", they_may_push, ODO_RUN_LIVE},
     {"a later borrowed input is retained and reaches the plugin that declares it", "base.h",
-     "so that a host can retain a message of a type it does not know", unknown_borrowed, PROBE_NEWER_BORROWED},
+     "so that a host can retain messages of unknown type", unknown_borrowed, PROBE_NEWER_BORROWED},
     {"a vendor's borrowed message is retained and reaches the plugin that declares it", "base.h",
      "With number & ODO_BORROWED it starts with an odo_borrowed", unknown_borrowed, (int)PROBE_BORROWED},
     {"a later borrowed input without retain or release is not supported", "odograph.h",
-     "another borrowed message must have them (ODO_E_UNSUPPORTED)", unknown_borrowed_without_retain,
+     "Any other borrowed message must have retain and release (ODO_E_UNSUPPORTED)", unknown_borrowed_without_retain,
      PROBE_NEWER_BORROWED},
     {"a vendor's borrowed message without retain or release is not supported", "odograph.h",
-     "another borrowed message must have them (ODO_E_UNSUPPORTED)", unknown_borrowed_without_retain,
+     "Any other borrowed message must have retain and release (ODO_E_UNSUPPORTED)", unknown_borrowed_without_retain,
      (int)PROBE_BORROWED},
     DRAW("a borrowed message that no plugin declares is released", undeclared_borrowed, 0),
     {"a borrowed message that ends before its loan is refused", "base.h",
-     "The head of every message whose type has the bit ODO_BORROWED.", short_borrowed, 0},
+     "First members of every message whose type has the bit ODO_BORROWED.", short_borrowed, 0},
     {NULL, NULL, NULL, NULL, 0}};

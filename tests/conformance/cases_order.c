@@ -213,12 +213,12 @@ static void structs_have_their_sizes(int unused) {
 }
 
 #define ANY_ORDER \
-  "Samples of different sensors may come in any order within the configured wait (time_ordering.max_wait)."
+  "Samples of different sensors may arrive in any order within the configured wait (time_ordering.max_wait)."
 const conformance_case cases_order[] = {
-    {"two sensors are put in order in a replay", "plugin.h", "Messages in the order of their time", pairs_are_ordered,
+    {"two sensors are put in order in a replay", "plugin.h", "Messages in time order.", pairs_are_ordered,
      ODO_RUN_REPLAY},
-    {"two sensors are put in order in a live session", "plugin.h", "Messages in the order of their time",
-     pairs_are_ordered, ODO_RUN_LIVE},
+    {"two sensors are put in order in a live session", "plugin.h", "Messages in time order.", pairs_are_ordered,
+     ODO_RUN_LIVE},
     {"a camera may lag behind the others by less than the wait", "odograph.h", ANY_ORDER, camera_may_lag, 0},
     {"a magnetometer may lag behind the others by less than the wait", "odograph.h", ANY_ORDER, sensor_may_lag, 1},
     {"a barometer may lag behind the others by less than the wait", "odograph.h", ANY_ORDER, sensor_may_lag, 2},
@@ -228,20 +228,20 @@ const conformance_case cases_order[] = {
     {"ranges may lag behind the others by less than the wait", "odograph.h", ANY_ORDER, sensor_may_lag, 9},
     {"a platform's steps may lag behind the others by less than the wait", "odograph.h", ANY_ORDER, sensor_may_lag, 10},
     {"a sample of a time that was processed is discarded as late", "odograph.h",
-     "dropped: came after its time had been processed", late_is_discarded, 0},
-    {"a sample of the same sensor and time is dropped", "odograph.h", "dropped: same sensor, same time",
+     "dropped: arrived after its time had been processed", late_is_discarded, 0},
+    {"a sample of the same sensor and time is dropped", "odograph.h", "dropped: same sensor and time as an earlier one",
      twice_is_dropped, 0},
-    {"messages of two sources are of two sensors", "base.h", "of an input the sensor's number",
-     two_sources_are_two_sensors, 0},
+    {"messages of two sources are of two sensors", "base.h", "input: number of the sensor", two_sources_are_two_sensors,
+     0},
     {"a flush of a replay processes all", "odograph.h",
-     "Processes all that has been pushed, without waiting for slower sensors", flush_processes_all, ODO_RUN_REPLAY},
+     "Processes all pushed samples without waiting for slower sensors", flush_processes_all, ODO_RUN_REPLAY},
     {"a flush of a live session processes all", "odograph.h",
-     "Processes all that has been pushed, without waiting for slower sensors", flush_processes_all, ODO_RUN_LIVE},
+     "Processes all pushed samples without waiting for slower sensors", flush_processes_all, ODO_RUN_LIVE},
     {"plugins are reset when the clock is set back, and calibrations come again", "plugin.h",
-     "calibrations and noise come again.", clock_set_back, 0},
+     "the host sends calibrations and noise again.", clock_set_back, 0},
     {"a plugin without reset is made anew when the clock is set back", "plugin.h",
-     "Without it the host makes a new instance.", set_back_without_reset, 0},
-    {"each sample is in one batch", "plugin.h", "Messages in the order of their time", batches_are_whole, 0},
+     "If it is null, the host creates a new instance.", set_back_without_reset, 0},
+    {"each sample is in one batch", "plugin.h", "Messages in time order.", batches_are_whole, 0},
     {"what a plugin is given has at least the sizes of 1.0", "base.h", "It starts with `uint32_t struct_size`.",
      structs_have_their_sizes, 0},
     {NULL, NULL, NULL, NULL, 0}};

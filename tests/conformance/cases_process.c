@@ -150,18 +150,18 @@ static void no_output(int unused) {
 }
 
 const conformance_case cases_process[] = {
-    {"no signal handler is set without being asked for", "odograph.h", "Without it no signal handler is ever set.",
-     no_handlers, 0},
-    {"crash notes set handlers where there are none", "odograph.h", "and SIGABRT where no other has been set",
-     handlers_on_request, 0},
+    {"no signal handler is set without being asked for", "odograph.h",
+     "Without the flag, no signal handler is installed.", no_handlers, 0},
+    {"crash notes set handlers where there are none", "odograph.h",
+     "and SIGABRT, unless a handler is already installed.", handlers_on_request, 0},
     {"a crash within a plugin is noted, and has its former effect", "odograph.h",
-     "Within a plugin's call they write plugin and call to standard error, then the signal has its former effect",
-     crash_is_noted, 0},
+     "they write the plugin and the call to standard error; then the signal takes its previous effect.", crash_is_noted,
+     0},
     {"the rounding mode of the app's thread stays", "plugin.h",
-     "The host's floating-point environment (rounding mode, traps) must be as it was when a call returns.",
+     "Each call must restore the floating-point environment of the host (rounding mode, traps) before it returns.",
      floating_point_stays, 0},
-    {"sessions leave no file open", "odograph.h", "Stops the session's thread, destroys the plugins' instances",
+    {"sessions leave no file open", "odograph.h", "Stops the thread of the session, destroys the plugin instances",
      nothing_is_left_open, 0},
     {"a session writes neither to standard output nor to standard error", "odograph.h",
-     "Within a plugin's call they write plugin and call to standard error", no_output, 0},
+     "they write the plugin and the call to standard error", no_output, 0},
     {NULL, NULL, NULL, NULL, 0}};

@@ -207,38 +207,40 @@ static void times_at_the_ends(int unused) {
 }
 
 #define NUMBERS "0 is none, 0x1 to 0xFFF are inputs, 0x1000 to 0x1FFF events, 0x2000 to 0x7FFFFFFF reserved"
-#define UNKNOWN                                                                                                     \
-  "An input or a vendor's message that a host does not know is ordered by time, recorded and given to the plugins " \
-  "that declare it."
+#define UNKNOWN                                                                                                      \
+  "A host orders inputs and vendor messages of unknown type by time, records them and delivers them to the plugins " \
+  "that declare them."
 const conformance_case cases_push[] = {
-    {"a reserved type is refused", "odograph.h", "ODO_E_ARGUMENT (an event's or a reserved type)", reserved_is_refused,
-     0},
-    {"an event's type is refused", "odograph.h", "ODO_E_ARGUMENT (an event's or a reserved type)", events_are_refused,
-     0},
+    {"a reserved type is refused", "odograph.h", "ODO_E_ARGUMENT (type of an event or reserved type)",
+     reserved_is_refused, 0},
+    {"an event's type is refused", "odograph.h", "ODO_E_ARGUMENT (type of an event or reserved type)",
+     events_are_refused, 0},
     {"a vendor's message reaches the plugin that declares it, byte by byte", "base.h", UNKNOWN, vendor_message_is_given,
      200},
     {"a vendor's message may be a head alone", "base.h",
-     "It starts with an odo_header and has at most ODO_LARGEST_MESSAGE bytes.", vendor_message_is_given,
-     sizeof(odo_header)},
+     "The message starts with an odo_header, contains no pointer and has at most ODO_LARGEST_MESSAGE bytes",
+     vendor_message_is_given, sizeof(odo_header)},
     {"a vendor's message may have the largest size", "base.h",
-     "It starts with an odo_header and has at most ODO_LARGEST_MESSAGE bytes.", vendor_message_is_given,
-     ODO_LARGEST_MESSAGE},
+     "The message starts with an odo_header, contains no pointer and has at most ODO_LARGEST_MESSAGE bytes",
+     vendor_message_is_given, ODO_LARGEST_MESSAGE},
     {"an input of a later version reaches the plugin that declares it, byte by byte", "base.h", UNKNOWN,
      newer_input_is_given, 200},
     {"a vendor's message beyond the largest size is refused", "base.h",
-     "It starts with an odo_header and has at most ODO_LARGEST_MESSAGE bytes.", too_large_is_refused, 0},
+     "The message starts with an odo_header, contains no pointer and has at most ODO_LARGEST_MESSAGE bytes",
+     too_large_is_refused, 0},
     {"a barometer's sample beyond the largest size is refused", "base.h", "ODO_LARGEST_MESSAGE", too_large_is_refused,
      ODO_TYPE_BAROMETER},
     {"a message that no plugin declares is counted as unknown", "odograph.h",
-     "samples of a type that neither the library nor any of its plugins knows", undeclared_is_counted, 0},
+     "samples of a type that neither the library nor any loaded plugin supports", undeclared_is_counted, 0},
     {"an unknown message is ordered by its time", "base.h", UNKNOWN, unknown_is_ordered, 0},
-    {"odo_session_push_imu pushes both sensors", "odograph.h", "Shorthand for the commonest sample.", push_imu_is_short,
+    {"odo_session_push_imu pushes both sensors", "odograph.h", "Pushes an odo_imu with both sensors", push_imu_is_short,
      0},
     {"gyroscope and accelerometer pushed apart are joined at the gyroscope's times", "samples.h",
-     "them by interpolating the accelerometer at the gyroscope's times", halves_are_joined, 0},
+     "host interpolates the accelerometer at the times of the gyroscope.", halves_are_joined, 0},
     {"a value outside of any sensor's range is refused", "odograph.h",
-     "ODO_E_DISCARD (not finite, outside any sensor's range, late)", wild_value_is_refused, 0},
-    {"an inertial spike is dropped", "odograph.h", "and is dropped if that does not confirm it", spike_is_dropped, 0},
-    {"times at the ends of the clock harm nothing", "base.h", "Time is int64_t nanoseconds of the sensor clock",
+     "ODO_E_DISCARD (not finite, outside the range of any sensor, late)", wild_value_is_refused, 0},
+    {"an inertial spike is dropped", "odograph.h", "is dropped if the next one does not confirm it", spike_is_dropped,
+     0},
+    {"times at the ends of the clock harm nothing", "base.h", "Times are int64_t nanoseconds of the sensor clock",
      times_at_the_ends, 0},
     {NULL, NULL, NULL, NULL, 0}};

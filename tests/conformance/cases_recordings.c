@@ -227,26 +227,30 @@ static void order_of_time(int unused) {
   }
 }
 
-#define APPENDS "Appends a message of any type as it is"
+#define APPENDS "Appends a message of any type unchanged"
 const conformance_case cases_recordings[] = {
     {"inputs of version 1.0 are recorded and read again", "recording.h", APPENDS, inputs, 0},
     {"later inputs are recorded and read with their ends", "recording.h",
-     "older or newer than this library, vendors' own too", inputs, 40},
+     "A recording contains messages in the version of their writer, which may be older or newer than this library, "
+     "including vendor messages.",
+     inputs, 40},
     {"events of version 1.0 are recorded and read again", "recording.h", APPENDS, events, 0},
     {"later events are recorded and read with their ends", "recording.h",
-     "older or newer than this library, vendors' own too", events, 40},
+     "A recording contains messages in the version of their writer, which may be older or newer than this library, "
+     "including vendor messages.",
+     events, 40},
     {"unknown inputs and vendors' messages are recorded and read again", "base.h",
-     "An input or a vendor's message that a host does not know is ordered by time, recorded", unknown_ones, 0},
+     "A host orders inputs and vendor messages of unknown type by time, records them", unknown_ones, 0},
     {"a reserved type is not recorded, and nothing of the recording is lost", "recording.h",
-     "ODO_E_ARGUMENT (a reserved type: ODO_IS_RESERVED)", reserved_ones, 0},
+     "ODO_E_ARGUMENT (reserved type: ODO_IS_RESERVED)", reserved_ones, 0},
     {"a vendor's borrowed message is not recorded", "recording.h",
-     "ODO_E_UNSUPPORTED (a borrowed message that is no frame)", borrowed_ones, (int)PROBE_BORROWED},
-    {"a later borrowed input is not recorded", "recording.h", "ODO_E_UNSUPPORTED (a borrowed message that is no frame)",
+     "ODO_E_UNSUPPORTED (borrowed message other than a frame)", borrowed_ones, (int)PROBE_BORROWED},
+    {"a later borrowed input is not recorded", "recording.h", "ODO_E_UNSUPPORTED (borrowed message other than a frame)",
      borrowed_ones, PROBE_NEWER_BORROWED},
-    {"a message that is too small is not recorded", "base.h", "A struct smaller than version 1.0 is refused", too_small,
-     0},
+    {"a message that is too small is not recorded", "base.h", "A struct smaller than in version 1.0 is rejected.",
+     too_small, 0},
     {"a frame is recorded with its encoded picture and without pointers", "recording.h",
-     "Of a frame the planes are null and *picture is its picture, encoded; otherwise *picture is null.", pictures, 0},
+     "For a frame, the planes are null and *picture is the encoded picture; otherwise *picture is null.", pictures, 0},
     {"messages are read in the order of time", "recording.h",
-     "The next message in the order of time; valid until the next call.", order_of_time, 0},
+     "Returns the next message in time order, valid until the next call.", order_of_time, 0},
     {NULL, NULL, NULL, NULL, 0}};

@@ -183,28 +183,29 @@ static void from_several_threads(int unused) {
   }
 }
 
-#define RETURNS                                                                                                  \
-  "ODO_E_ARGUMENT (null), ODO_E_VERSION, ODO_E_CONFIG (another registered plugin has its id) or what the entry " \
-  "returned"
+#define RETURNS                                                                                                     \
+  "ODO_E_ARGUMENT (null), ODO_E_VERSION, ODO_E_CONFIG (another registered plugin has its id) or the status of the " \
+  "entry"
 const conformance_case cases_register[] = {
     {"registering null is refused", "odograph.h", RETURNS, null_entry, 0},
-    {"a registered plugin is found by its id", "odograph.h", "sessions created later find it by its id", found_by_id,
+    {"a registered plugin is found by its id", "odograph.h", "Sessions created later find it by its id", found_by_id,
      0},
-    {"registering an entry again changes nothing", "odograph.h", "Registering an entry again changes nothing.",
+    {"registering an entry again changes nothing", "odograph.h", "Registering an entry again has no effect.",
      again_changes_nothing, 0},
     {"another plugin of a registered id is refused", "odograph.h", RETURNS, same_id, 0},
     {"an entry that refuses is refused with its reason", "odograph.h", RETURNS, bad_entries, 0},
     {"an entry for another ABI is refused with its reason", "odograph.h", RETURNS, bad_entries, 1},
-    {"a table of another draft is refused", "base.h", "host and plugin must be of the same draft, which is the minor",
-     bad_entries, 2},
+    {"a table of another draft is refused", "base.h", "host and plugin must have the same minor version", bad_entries,
+     2},
     {"a table without an id is refused", "odograph.h", "`error`, which may be null, has the reason", bad_entries, 3},
     {"a table without its functions is refused", "odograph.h", "`error`, which may be null, has the reason",
      bad_entries, 4},
-    {"a table smaller than 1.0 is refused", "base.h", "A struct smaller than version 1.0 is refused", bad_entries, 6},
+    {"a table smaller than 1.0 is refused", "base.h", "A struct smaller than in version 1.0 is rejected.", bad_entries,
+     6},
     {"an entry that fails gives its status", "odograph.h", RETURNS, bad_entries, 5},
     {"a registration that was refused does no harm to others", "odograph.h", RETURNS, refused_then_another, 0},
-    {"a registered plugin comes before one in a folder", "odograph.h",
-     "like one that lies in a folder, and before those", before_the_folder, 0},
+    {"a registered plugin comes before one in a folder", "odograph.h", "before plugins in directories",
+     before_the_folder, 0},
     {"a registered plugin serves several sessions", "base.h",
      "It is called once for each session or tool that uses the plugin", in_several_sessions, 0},
     {"a registered plugin cannot be isolated in a process", "odograph.h",

@@ -138,19 +138,21 @@ static void bad_arguments(int unused) {
   EXPECT(odo.session_load(NULL, "x", 1), ODO_E_ARGUMENT);
 }
 
-#define LOAD \
-  "ODO_E_DATA when the blob is damaged (nothing changed) or a plugin does not take its part (the others have theirs)."
+#define LOAD                                                                                                  \
+  "ODO_E_DATA if the blob is damaged (nothing changes) or if a plugin rejects its part (the other parts are " \
+  "restored)."
 const conformance_case cases_saved[] = {
     {"what a plugin saved it is given to load", "odograph.h", "as a blob for", there_and_back, 0},
     {"each plugin is given its own part, those of absent plugins are ignored", "odograph.h",
-     "Parts are by plugin id; those of plugins that this config does not have are ignored.", parts_by_id, 0},
-    {"another plugin of the same kind is not given the part", "plugin.h", "The host keeps it by the plugin's id.",
-     by_id_not_by_kind, 0},
+     "Its parts are identified by plugin id; those of plugins that the config does not contain are ignored.",
+     parts_by_id, 0},
+    {"another plugin of the same kind is not given the part", "plugin.h",
+     "The host stores the state under the id of the plugin.", by_id_not_by_kind, 0},
     {"every damage of a saved blob is found before a plugin is given its part", "odograph.h", LOAD,
      every_damage_is_found, 0},
     {"a plugin that refuses its part keeps it from nobody else", "odograph.h", LOAD, refused_part, 0},
     {"saved state that is too large is left out and reported", "plugin.h",
-     "bytes of saved state of one instance; more is not kept, and reported", too_large_a_part, 0},
-    {"saving and loading null is refused", "base.h", "the caller broke the contract; discarded, state unchanged",
+     "bytes of saved state of one instance; more is reported, not saved", too_large_a_part, 0},
+    {"saving and loading null is refused", "base.h", "the call violates the contract; discarded, state unchanged",
      bad_arguments, 0},
     {NULL, NULL, NULL, NULL, 0}};

@@ -243,18 +243,21 @@ static void wake_calls(int run) {
 
 const conformance_case cases_services[] = {
     {"the host's services are there and have their sizes", "plugin.h",
-     "A table of the service, or null where there is none: plugins cope.", host_services, 0},
+     "Returns the table of a service, or null if it is not available; a plugin must work without it.", host_services,
+     0},
     {"the app's services reach plugins, but not for the host's ids", "plugin.h",
-     "are the host's; all others are handed to the app (odo_session_options.get_service)", app_services, 0},
+     "The host provides the ids that start with \"odo.\"; it passes all others to the app "
+     "(odo_session_options.get_service).",
+     app_services, 0},
     {"a plugin's report is an event, once a second, with its count", "events.h",
-     "Of equal origin and key at most one a second is given; `count` says how many that one stands for.",
+     "The rate is limited to one report per second for each origin and key; `count` includes the suppressed ones.",
      reports_are_events, 0},
     {"random seeds are a function of seed, instance and stream", "plugin.h",
-     "Random numbers that are a function of the run's seed, the instance and the stream alone.", seeds_are_functions,
-     0},
+     "Reproducible random seeds: a function of the seed of the run, the instance and the stream only.",
+     seeds_are_functions, 0},
     {"assets are found by path and by contents", "plugin.h", "Contents of files that a config names.", asset_files, 0},
     {"a plugin of a replay that asked to be called is called with an empty batch", "plugin.h",
-     "the host calls process of this instance with a batch of no messages", wake_calls, ODO_RUN_REPLAY},
+     "The host calls process of this instance with an empty batch", wake_calls, ODO_RUN_REPLAY},
     {"a plugin of a live session that asked to be called is called with an empty batch", "plugin.h",
-     "the host calls process of this instance with a batch of no messages", wake_calls, ODO_RUN_LIVE},
+     "The host calls process of this instance with an empty batch", wake_calls, ODO_RUN_LIVE},
     {NULL, NULL, NULL, NULL, 0}};

@@ -228,22 +228,22 @@ static void place_sizes(int unused) {
   EXPECT(odo.anchor_create(self->session, &place.known, &id), ODO_OK);
 }
 
-#define OUTPUT(index, what)                                                                                 \
-  {what " of this version is written whole", "base.h",                                                      \
-   "Where a struct is output, it is the capacity on entry and the number of bytes written on return.",      \
-   out_of_this_version, index},                                                                             \
-      {what " of version 1.0 is written up to its end", "base.h",                                           \
-       "Where a struct is output, it is the capacity on entry and the number of bytes written on return.",  \
-       out_of_version_1_0, index},                                                                          \
-  {                                                                                                         \
-    what " of a later version is written up to what is known", "base.h",                                    \
-        "Where a struct is output, it is the capacity on entry and the number of bytes written on return.", \
-        out_of_later_version, index                                                                         \
+#define OUTPUT(index, what)                                                                                            \
+  {what " of this version is written whole", "base.h",                                                                 \
+   "For an output, it is the capacity on entry and the number of bytes written on return.", out_of_this_version,       \
+   index},                                                                                                             \
+      {what " of version 1.0 is written up to its end", "base.h",                                                      \
+       "For an output, it is the capacity on entry and the number of bytes written on return.", out_of_version_1_0,    \
+       index},                                                                                                         \
+  {                                                                                                                    \
+    what " of a later version is written up to what is known", "base.h",                                               \
+        "For an output, it is the capacity on entry and the number of bytes written on return.", out_of_later_version, \
+        index                                                                                                          \
   }
-#define TOO_SMALL(index, what)                                                                                     \
-  {                                                                                                                \
-    what " that is too small is refused", "base.h", "A struct smaller than version 1.0 is refused", out_too_small, \
-        index                                                                                                      \
+#define TOO_SMALL(index, what)                                                                           \
+  {                                                                                                      \
+    what " that is too small is refused", "base.h", "A struct smaller than in version 1.0 is rejected.", \
+        out_too_small, index                                                                             \
   }
 
 const conformance_case cases_sizes[] = {
@@ -260,12 +260,16 @@ const conformance_case cases_sizes[] = {
     OUTPUT(5, "a last error"),
     OUTPUT(6, "a recording's loss"),
     TOO_SMALL(6, "a recording's loss"),
-    {"a last error smaller than 1.0 is refused", "base.h", "A struct smaller than version 1.0 is refused",
+    {"a last error smaller than 1.0 is refused", "base.h", "A struct smaller than in version 1.0 is rejected.",
      last_error_too_small, 0},
     {"why a session could not be created fits into its struct", "odograph.h",
-     "struct_size: capacity in, bytes written out; message is UTF-8 and terminated.", error_of_create, 0},
+     "struct_size: capacity in, bytes written out. The message is UTF-8 and terminated.", error_of_create, 0},
     {"options are refused below the size of 1.0 and taken at every larger one", "base.h",
-     "A struct smaller than version 1.0 is refused; the end of a larger one is passed on unread.", options_sizes, 0},
+     "A struct smaller than in version 1.0 is rejected. Of a larger one, the part beyond the known fields is forwarded "
+     "unread.",
+     options_sizes, 0},
     {"an anchor's place is refused below the size of 1.0 and taken at a larger one", "base.h",
-     "A struct smaller than version 1.0 is refused; the end of a larger one is passed on unread.", place_sizes, 0},
+     "A struct smaller than in version 1.0 is rejected. Of a larger one, the part beyond the known fields is forwarded "
+     "unread.",
+     place_sizes, 0},
     {NULL, NULL, NULL, NULL, 0}};

@@ -231,20 +231,21 @@ static void statistics_do_not_wait(int unused) {
 }
 
 const conformance_case cases_threads[] = {
-    {"four threads push into a replay at once and nothing is lost", "odograph.h",
-     "from any thread, also several at once", push_from_four, ODO_RUN_REPLAY},
-    {"four threads push into a live session at once and nothing is lost", "odograph.h",
-     "from any thread, also several at once", push_from_four, ODO_RUN_LIVE},
+    {"four threads push into a replay at once and nothing is lost", "odograph.h", "any thread, several at once",
+     push_from_four, ODO_RUN_REPLAY},
+    {"four threads push into a live session at once and nothing is lost", "odograph.h", "any thread, several at once",
+     push_from_four, ODO_RUN_LIVE},
     {"poses and statistics asked for beside a replay are whole", "odograph.h",
      "Takes microseconds and never waits for the pipeline.", poses_meanwhile, ODO_RUN_REPLAY},
     {"poses and statistics asked for beside a live session are whole", "odograph.h",
      "Takes microseconds and never waits for the pipeline.", poses_meanwhile, ODO_RUN_LIVE},
     {"a live session is destroyed with frames in flight", "odograph.h",
-     "Stops the session's thread, destroys the plugins' instances, releases held frames.", destroyed_in_flight, 0},
+     "Stops the thread of the session, destroys the plugin instances and releases retained frames.",
+     destroyed_in_flight, 0},
     {"sessions on several threads are independent", "plugin.h", "Instances are independent of each other",
      sessions_are_independent, 0},
     {"pushes into a replay that is processing do not call plugins at once", "odograph.h",
-     "what others push is processed by it", replay_has_one_owner, 0},
+     "Samples that other threads push meanwhile are processed on the same thread", replay_has_one_owner, 0},
     {"poses and statistics do not wait for plugins", "odograph.h",
-     "Accumulated counters. Never waits for the pipeline.", statistics_do_not_wait, 0},
+     "Returns the statistics. Never waits for the pipeline.", statistics_do_not_wait, 0},
     {NULL, NULL, NULL, NULL, 0}};

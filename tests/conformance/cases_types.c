@@ -157,29 +157,29 @@ static void struct_is_copied(int index) {
         "its values were read after the push");
 }
 
-#define TAKEN "Hands in an input of samples.h or a vendor's message, with struct_size and type set."
+#define TAKEN "Adds an input of samples.h or a vendor message, with struct_size and type set."
 #define BASE(index, name)                                                                                           \
   {name " of version 1.0's size is taken and given to the plugin", "odograph.h", TAKEN, taken_at_1_0, index},       \
-      {name " that is too small is refused", "base.h", "A struct smaller than version 1.0 is refused",              \
+      {name " that is too small is refused", "base.h", "A struct smaller than in version 1.0 is rejected.",         \
        too_small_is_refused, index},                                                                                \
       {name " with a number that is not finite is refused", "odograph.h",                                           \
-       "ODO_E_DISCARD (not finite, outside any sensor's range, late)", not_finite_is_refused, index},               \
+       "ODO_E_DISCARD (not finite, outside the range of any sensor, late)", not_finite_is_refused, index},          \
       {"the host's bits are cleared on " name, "odograph.h", "bits of ODO_FLAG_HOST_MASK are cleared",              \
        host_bits_are_cleared, index},                                                                               \
   {                                                                                                                 \
-    "an unknown bit of " name " is passed on", "base.h",                                                            \
-        "Bits of header.flags: 0 to 23 have a meaning of their own in each type", unknown_bits_are_passed_on, index \
+    "an unknown bit of " name " is passed on", "base.h", "Bits of header.flags: 0 to 23 are specific to the type.", \
+        unknown_bits_are_passed_on, index                                                                           \
   }
-#define COPIED(index, name)                                                                             \
-  {"the end of a later " name " is passed on", "base.h", "the end of a larger one is passed on unread", \
-   later_end_is_passed_on, index},                                                                      \
-  {                                                                                                     \
-    name " is copied by its push", "odograph.h", "The struct is copied", struct_is_copied, index        \
+#define COPIED(index, name)                                                                                  \
+  {"the end of a later " name " is passed on", "base.h",                                                     \
+   "Of a larger one, the part beyond the known fields is forwarded unread.", later_end_is_passed_on, index}, \
+  {                                                                                                          \
+    name " is copied by its push", "odograph.h", "The struct is copied", struct_is_copied, index             \
   }
 
 const conformance_case cases_types[] = {
     BASE(0, "odo_imu"),
-    {"a later odo_imu is taken", "base.h", "the end of a larger one is passed on unread",
+    {"a later odo_imu is taken", "base.h", "Of a larger one, the part beyond the known fields is forwarded unread.",
      later_inertial_sample_is_taken, 0},
     BASE(1, "odo_magnetometer"),
     COPIED(1, "odo_magnetometer"),

@@ -1,6 +1,6 @@
 // swift-tools-version:5.7
 // SPDX-License-Identifier: Apache-2.0
-// Never built: there is no Swift compiler where this was written. clang compiles the module map (ctest -R languages), nothing else is tried.
+// Not built yet, because no Swift compiler was available. clang compiles the module map (ctest -R languages); nothing else is tested.
 import PackageDescription
 
 let package = Package(

@@ -6,8 +6,7 @@
 //   namespace {
 //   struct Example {
 //     double gain = 1.0;  // the initialiser is the parameter's default
-//     static constexpr odo::Description description{"scale/example", "1.0.0", "What it does.",
-//                                                   ODO_INTERFACE_SCALE_SOURCE};
+//     static constexpr odo::Description description{"scale/example", "1.0.0", "Summary.", ODO_INTERFACE_SCALE_SOURCE};
 //     static std::vector<odo::Parameter<Example>> parameters() {
 //       return {odo::real("gain", "m", 0.1, 10.0, &Example::gain, "Metres per unit.")};
 //     }
@@ -19,8 +18,7 @@
 // Optional members:
 //   void configured() or configured(odo::Output&)     after the parameters are set; throws odo::Error to reject them
 //   void reset()                                      default: a new object with the same parameters
-//   std::vector<uint8_t> save() const, void load(const uint8_t*, size_t)
-//   const void* extension(std::string_view id)
+//   std::vector<uint8_t> save() const, void load(const uint8_t*, size_t), const void* extension(std::string_view id)
 //   void woken(odo::Output&)                          called after Output::wake()
 //   static constexpr uint32_t extra_inputs[], extra_outputs[]   message types in addition to those of the kind
 //   using VendorMessages = odo::Messages<acme_wifi, ...>        vendor messages that on() receives

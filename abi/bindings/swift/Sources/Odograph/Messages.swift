@@ -1,4 +1,4 @@
-// Never compiled: there is no Swift compiler where this was written.
+// Not compiled yet, because no Swift compiler was available.
 // SPDX-License-Identifier: Apache-2.0
 // Written by abi/generate.py; do not edit.
 import COdograph

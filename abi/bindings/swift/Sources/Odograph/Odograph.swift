@@ -1,4 +1,4 @@
-// Never compiled: there is no Swift compiler where this was written. clang compiles the module map that it imports, nothing else is tried.
+// Not compiled yet, because no Swift compiler was available. clang compiles the imported module map; nothing else is tested.
 // SPDX-License-Identifier: Apache-2.0
 @_exported import COdograph
 

@@ -1,4 +1,4 @@
-// Never compiled: there is no Swift compiler where this was written.
+// Not compiled yet, because no Swift compiler was available.
 // SPDX-License-Identifier: Apache-2.0
 // A recording read, and a walk tracked live, in Swift: Walk CONFIG.yaml RECORDING.odo
 import Foundation
