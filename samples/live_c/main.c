@@ -210,6 +210,6 @@ int main(int argc, char** argv) {
     odo_session_destroy(session);
   }
   free(state);
-  printf("%d bytes learnt, %d pictures still lent\n", (int)size, lent);
+  printf("%d bytes of saved state, %d pictures still borrowed\n", (int)size, lent);
   return good && lent == 0 ? 0 : 1;
 }

@@ -39,25 +39,25 @@ std::vector<odo::Parameter<Fixer>> fixer_parameters() {
           "skylines", &Fixer::skylines,
           "database of skylines (`odograph city build`), beside the config; without a model also its edges"),
       odo::choice<Fixer>("sky", "robust|flood_fill", &Fixer::sky,
-                         "how sky is told from the rest: flood_fill is the paper's"),
+                         "method of sky segmentation; flood_fill is the paper's"),
       odo::choice<Fixer>("inclination", "pose|vanishing_point", &Fixer::inclination,
-                         "where pitch and roll come from: vanishing_point is the paper's"),
-      odo::real<Fixer>("interval", "s", 0, 3600, &Fixer::interval, "time between two fixes at least"),
-      odo::real<Fixer>("radius", "m", 2, 200, &Fixer::radius, "farthest from the prior that is searched"),
+                         "source of pitch and roll; vanishing_point is the paper's"),
+      odo::real<Fixer>("interval", "s", 0, 3600, &Fixer::interval, "minimum time between two fixes"),
+      odo::real<Fixer>("radius", "m", 2, 200, &Fixer::radius, "maximum search radius around the prior"),
       odo::real<Fixer>("min_agreement", "", 0.1, 1, &Fixer::min_agreement,
-                       "part of the directions with a roof's edge in which picture and model must agree"),
+                       "minimum fraction of the directions with a roof's edge in which picture and model agree"),
       odo::real<Fixer>("tilt_sigma", "rad", 0.0001, 0.5, &Fixer::tilt_sigma,
-                       "least standard deviation of the prior's inclination"),
+                       "minimum standard deviation of the prior's inclination"),
       odo::real<Fixer>("height_sigma", "m", 0.01, 100, &Fixer::height_sigma,
                        "standard deviation of the prior's height at the start"),
       odo::boolean<Fixer>("start_known", &Fixer::start_known,
-                          "the pose is right from the start; if not, it is looked for in all of the database"),
-      odo::boolean<Fixer>("join", &Fixer::join, "match a picture that sees too little together with those before it"),
-      odo::real<Fixer>("min_sigma", "m", 0.001, 100, &Fixer::min_sigma, "smallest standard deviation believed"),
+                          "the initial pose is known; otherwise the whole database is searched"),
+      odo::boolean<Fixer>("join", &Fixer::join, "match a picture with too little skyline jointly with earlier ones"),
+      odo::real<Fixer>("min_sigma", "m", 0.001, 100, &Fixer::min_sigma, "minimum standard deviation of a fix"),
       odo::boolean<Fixer>(
           "photographs", &Fixer::photographs,
-          "each frame is a photograph by itself, around the pose of its time and its covariance; pitch and "
-          "roll are looked for")};
+          "each frame is a separate photograph, searched around the pose at its time within its covariance; "
+          "pitch and roll are estimated")};
 }
 
 }  // namespace odograph::skyline

@@ -8,7 +8,7 @@ namespace {
 
 Why few_agree(double agreement, double least) {
   char text[120];
-  std::snprintf(text, sizeof text, "%.2f of the directions agree, %.2f are wanted", agreement, least);
+  std::snprintf(text, sizeof text, "%.2f of the directions agree, %.2f are required", agreement, least);
   return {kAgreement, text};
 }
 
@@ -24,7 +24,7 @@ Why reason_of(Refusal refusal) {
   switch (refusal) {
     case Refusal::few_edges: return {kSky, "too few directions with a roof's edge"};
     case Refusal::nothing_in_view: return {kAgreement, "the model has no roof in view"};
-    case Refusal::beyond: return {kAgreement, "the best place lies beyond what was searched"};
+    case Refusal::beyond: return {kAgreement, "the best place lies outside the searched area"};
     case Refusal::gathering: return {kAmbiguity, "lost: more pictures must agree"};
     default: return {kAmbiguity, "pictures disagree about the place"};
   }
@@ -47,10 +47,10 @@ std::optional<Why> PathJudge::judge(const Match& match, const Eigen::Vector3d& p
   if (match.second_best_ratio > p_.max_second_best_ratio) return another(match.second_best_ratio);
   before_ = Offset{q, match.p_n - q * p_n};
   if (match.agreement >= min_agreement) return std::nullopt;
-  if (!before) return Why{kAmbiguity, "few directions agree: the next match must tell the same"};
+  if (!before) return Why{kAmbiguity, "few directions agree: the next match must give the same place"};
   const double apart_m = (match.p_n - (before->q * p_n + before->p)).head<2>().norm();
   if (apart_m < p_.same_m && q.angularDistance(before->q) < p_.same_rad) return std::nullopt;
-  return Why{kAmbiguity, "few directions agree, and the match before told another place"};
+  return Why{kAmbiguity, "few directions agree, and the previous match gave another place"};
 }
 
 void PathJudge::correct(const Eigen::Quaterniond& q, const Eigen::Vector3d& p) {

@@ -32,7 +32,7 @@ PhotographFixer::Answer PhotographFixer::place(Picture picture, const Photograph
   if (prior.tilt_sigma_rad > p_.level_rad)
     levels = levels_of(lines_of(picture.grey, picture.lens, p_.level.lines), prior_up_c, p_.level);
   Answer found[2];  // from the sky in colour and in grey
-  for (Answer& answer : found) answer.no_sky = true, answer.gain = -1e300, answer.why = "no sky is seen over roofs";
+  for (Answer& answer : found) answer.no_sky = true, answer.gain = -1e300, answer.why = "no sky is visible above roofs";
   const Chroma chroma = picture.chroma;
   for (const PhotographLevel& level : levels) {
     PhotographPrior held = prior;

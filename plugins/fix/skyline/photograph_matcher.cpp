@@ -196,12 +196,12 @@ bool PhotographMatcher::judge(const Candidate& best, Match& match) {
   fit_.cost(line_, best.guess);
   match.agreement = fit_.agreement();
   if (none > others && other_ > p_.max_other)
-    why_ = words("only %.0f %% of the sky's edge lies where the model has a roof: that may be chance",
+    why_ = words("only %.0f %% of the sky's edge coincides with a roof of the model: that may be chance",
                  100 * match.agreement);
   else if (other_ > p_.max_other)
     why_ = words("it fits elsewhere too: the best place is right with %.0f %%", 100 * (1 - other_));
   else if (worst_m > p_.max_sigma_m)
-    why_ = words("the roofs in view tell the place to %.1f m only, %.1f m are wanted", worst_m, p_.max_sigma_m);
+    why_ = words("the visible roofs determine the place only to %.1f m; %.1f m are required", worst_m, p_.max_sigma_m);
   return why_.empty();
 }
 

@@ -110,7 +110,7 @@ class Skyline : public FixerConfig {
     const int64_t t_ns = frame.header.t_ns, wait_ns = odograph::nanoseconds(interval) - 1'000'000;
     if (last_ns_ != INT64_MIN && t_ns - last_ns_ < wait_ns) return;
     last_ns_ = t_ns;
-    if (waiting_) refuse(kPrior, "no pose came for a picture", output);
+    if (waiting_) refuse(kPrior, "no pose arrived for a picture", output);
     waiting_ = Picture{t_ns, odograph::grey_of(frame, converted_).clone(), odograph::mask_of(frame).clone(),
                        sky == "robust" ? chroma_of(frame) : Chroma{}, lens};
     if (pose_ && pose_->header.t_ns == t_ns) begin(*std::exchange(waiting_, std::nullopt), output);
@@ -138,10 +138,10 @@ class Skyline : public FixerConfig {
     const bool lost = !slack_m && (astray_m > radius || failures_ >= kParameters.hopeless);
     const bool anywhere = place_finder_ && (!placed_ || lost);
     if (lost && astray_m > radius && !anywhere)
-      return refuse(kPrior, "the pose may be farther off than is searched", output);
+      return refuse(kPrior, "the pose may be off by more than the search radius", output);
     if (anywhere && (!metric || pose_->state == ODO_LOST)) {
       place_finder_->clear();
-      return refuse(kPrior, "not placed, and the odometry tells no metres", output);
+      return refuse(kPrior, "not placed, and the odometry has no metric scale", output);
     }
     const double tilt = std::clamp(std::sqrt(std::max(pose_->covariance[0], pose_->covariance[7])), tilt_sigma,
                                    kParameters.max_tilt_rad);
@@ -246,8 +246,7 @@ class Skyline : public FixerConfig {
     if (!look_.sky_seen) return refuse(kSky, "no sky around the zenith, or too few roofs", output);
     if (look_.anywhere && !look_.match) {
       char text[120];
-      std::snprintf(text, sizeof text,
-                    "looked for everywhere: %zu pictures, the next best place is %.2g times as likely",
+      std::snprintf(text, sizeof text, "searched everywhere: %zu pictures, the next best place is %.2g times as likely",
                     place_finder_->pictures(), place_finder_->second_best_ratio());
       return refuse(kAmbiguity, text, output);
     }

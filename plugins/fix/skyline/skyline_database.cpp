@@ -71,7 +71,7 @@ SkylineDatabase SkylineDatabase::open(const std::string& file) {
   const auto size = static_cast<size_t>(what.st_size);
   if (!regular || size < sizeof(DatabaseHeader)) {
     ::close(fd);
-    throw std::runtime_error(file + (regular ? ": too short for a skyline database" : ": not a file but a device"));
+    throw std::runtime_error(file + (regular ? ": too short for a skyline database" : ": a device, not a file"));
   }
   void* mapped = mmap(nullptr, size, PROT_READ, MAP_PRIVATE, fd, 0);
   ::close(fd);
@@ -106,15 +106,14 @@ SkylineDatabase SkylineDatabase::view(std::string_view text, const std::string& 
   d.run_data_ = part(bytes, d.size_, h.runs_at, h.runs, sizeof(uint32_t));
   d.signatures_ = part(bytes, d.size_, h.signatures_at, h.places, kSectors);
   if (!d.edge_data_ || !d.place_data_ || !d.run_data_ || !d.signatures_)
-    wrong("damaged: a part of it would lie beyond its end");
+    wrong("damaged: a section extends beyond its end");
   if (h.edges >= kNoEdge || h.places > std::numeric_limits<uint32_t>::max())
-    wrong("damaged: more edges than it can tell");
+    wrong("damaged: more edges than a run can refer to");
   d.edges_ = h.edges, d.places_ = h.places, d.runs_ = h.runs;
   d.origin_ = Eigen::Vector3d(h.origin[0], h.origin[1], h.origin[2]), d.spacing_m_ = h.spacing_m;
-  if (!d.origin_.allFinite() || !(h.spacing_m >= 0 && h.spacing_m < kFarthest_m))
-    wrong("damaged: its origin is no place");
+  if (!d.origin_.allFinite() || !(h.spacing_m >= 0 && h.spacing_m < kFarthest_m)) wrong("damaged: invalid origin");
   for (size_t i = 0; i < d.places_; ++i)
-    if (!is_near(d.place(i))) wrong("damaged: place " + std::to_string(i) + " is none");
+    if (!is_near(d.place(i))) wrong("damaged: place " + std::to_string(i) + " is invalid");
   d.index();
   return d;
 }

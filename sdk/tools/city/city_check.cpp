@@ -87,7 +87,7 @@ class Checker {
     const auto t = root.find("transform");
     if (t == root.end()) return true;
     if (!t->is_object() || !is_point(t->value("scale", Json())) || !is_point(t->value("translate", Json())))
-      return wrong("\"transform\" wants \"scale\" and \"translate\", three numbers each");
+      return wrong("\"transform\" requires \"scale\" and \"translate\", three numbers each");
     scale_ = point((*t)["scale"]), shift_ = point((*t)["translate"]);
     for (size_t i = 0; i < 3; ++i) {
       if (!(std::abs(scale_[i]) > 0 && std::abs(scale_[i]) < 1e6))
@@ -152,7 +152,7 @@ class Checker {
 
   /// `depth` levels of lists above the indices of vertices.
   Result<bool> walk(const Json& part, int depth, bool surfaces) {
-    if (!part.is_array()) return wrong(id_ + ": \"boundaries\" are not nested as the geometry's type wants");
+    if (!part.is_array()) return wrong(id_ + ": \"boundaries\" are not nested as the geometry's type requires");
     if (depth == 0) {
       for (const Json& index : part)
         if (!index.is_number_unsigned() || index.get<uint64_t>() >= points_.size())
@@ -185,7 +185,7 @@ class Checker {
       if (!box[i].is_number() || !box[i + 3].is_number()) return;
       const double slack = std::max(0.01, 2 * std::abs(scale_[i]));
       if (low_[i] >= box[i].get<double>() - slack && high_[i] <= box[i + 3].get<double>() + slack) continue;
-      check_.warnings.push_back("vertices lie outside of \"geographicalExtent\"");
+      check_.warnings.push_back("vertices lie outside \"geographicalExtent\"");
       return;
     }
   }
@@ -216,7 +216,7 @@ Result<CityCheck> check_obj(const std::string& text, const std::string& name, co
       double x = 0;
       for (int i = 0; i < 3; ++i)
         if (!(words >> x) || !(std::abs(x) <= limits.farthest_m))
-          return wrong("a vertex wants three numbers of at most 1e8 m");
+          return wrong("a vertex requires three numbers of at most 1e8 m");
       ++check.vertices;
     } else if (key == "o" || key == "g") {
       ++check.objects;
@@ -273,7 +273,7 @@ Result<CityCheck> check_city_text(const std::string& text, const std::string& na
     }
     const bool feature = root.is_object() && root.value("type", Json()) == "CityJSONFeature";
     if (documents == 0 && feature) return checker.wrong("the first line of a CityJSONSeq must be of the type CityJSON");
-    if (documents > 0 && !feature) return checker.wrong("line " + std::to_string(number) + " is no CityJSONFeature");
+    if (documents > 0 && !feature) return checker.wrong("line " + std::to_string(number) + " is not a CityJSONFeature");
     checker.set_format("CityJSONSeq");
     if (const auto done = checker.document(root); !done) return done.failure();
     ++documents;
@@ -287,7 +287,7 @@ Result<CityCheck> check_city_model(const std::filesystem::path& file, const City
   const auto status = std::filesystem::status(file, error);
   if (!std::filesystem::exists(status)) return Failure{ODO_E_NOT_FOUND, file.string() + ": no such file"};
   if (!std::filesystem::is_regular_file(status))
-    return Failure{ODO_E_DATA, file.string() + ": not a file but a folder or a device"};
+    return Failure{ODO_E_DATA, file.string() + ": a folder or a device, not a file"};
   const uintmax_t size = std::filesystem::file_size(file, error);
   if (error || size > limits.file_bytes)
     return Failure{ODO_E_DATA, file.string() + ": " + std::to_string(size >> 20) + " MB; at most " +

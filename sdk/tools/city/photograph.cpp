@@ -97,7 +97,7 @@ Result<Photograph> read_photograph(const fs::path& file) {
   std::error_code error;
   if (!fs::exists(file, error)) return Failure{ODO_E_NOT_FOUND, file.string() + ": no such file"};
   if (!fs::is_regular_file(file, error))
-    return Failure{ODO_E_DATA, file.string() + ": not a file but a folder or a device"};
+    return Failure{ODO_E_DATA, file.string() + ": a folder or a device, not a file"};
   if (const auto size = picture_size(file, 0); !size) return size.failure();
   Photograph photograph{.file = file};
   try {

@@ -98,7 +98,7 @@ Result<std::unique_ptr<PhotographPlacer>> PhotographPlacer::make(const fs::path&
   made->plugin_ = std::move(*plugin);
   made->table_ = static_cast<const odo_skylines*>(made->plugin_->extension(ODO_EXTENSION_SKYLINES));
   if (!made->table_ || made->table_->struct_size < sizeof(odo_skylines))
-    return Failure{ODO_E_UNSUPPORTED, "this fix/skyline knows no photographs: is it an older one?"};
+    return Failure{ODO_E_UNSUPPORTED, "this fix/skyline does not support photographs; is it an older version?"};
   return made;
 }
 
@@ -136,7 +136,8 @@ Result<PlacedPhotograph> PhotographPlacer::place(const cv::Mat& photograph, doub
     placed.integrity = fix.integrity, placed.agreement = static_cast<double>(fix.header.quality);
   }
   frame->loan.release(frame->loan.owner);
-  if (!placed.placed && host_->why.empty()) return Failure{ODO_E_ERROR, "fix/skyline says nothing of the photograph"};
+  if (!placed.placed && host_->why.empty())
+    return Failure{ODO_E_ERROR, "fix/skyline reported no result for the photograph"};
   placed.why = host_->why;
   return placed;
 }

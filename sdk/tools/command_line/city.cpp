@@ -32,23 +32,25 @@ int check(const std::vector<std::string>& files) {
 }  // namespace
 
 void add_city(CLI::App& app, int& status) {
-  auto* city = app.add_subcommand("city", "3D city models: what is in them, skylines, routes through their streets");
+  auto* city = app.add_subcommand("city", "3D city models: contents, skylines, routes through their streets");
   city->require_subcommand(1);
   auto files = std::make_shared<std::vector<std::string>>();
   auto* checked =
-      city->add_subcommand("check", "Say what city models hold, or why they are refused; nothing is made of them");
+      city->add_subcommand("check", "Print the contents of city models, or why they are rejected; writes no file");
   checked->add_option("model", *files, "city models: CityJSON, CityJSONSeq or OBJ")->required();
   checked->callback([files, &status] { status = check(*files); });
   auto r = std::make_shared<CityScenario>();
   auto* draw = city->add_subcommand("route", "Draw a route through a model's streets as a scenario for `odograph sim`");
   draw->add_option("model", r->model, "city model: CityJSON or OBJ")->required();
   draw->add_option("-o,--output", r->output, "scenario file to write")->required();
-  draw->add_option("--seed", r->seed, "another seed, another route")->capture_default_str();
-  draw->add_option("--length", r->length_m, "in metres")->capture_default_str()->check(CLI::Range(20.0, 5000.0));
+  draw->add_option("--seed", r->seed, "seed of the random route")->capture_default_str();
+  draw->add_option("--length", r->length_m, "length of the route, m")
+      ->capture_default_str()
+      ->check(CLI::Range(20.0, 5000.0));
   draw->add_option("--lens", r->lens, "wide and narrow look up, forward looks ahead")
       ->capture_default_str()
       ->check(CLI::IsMember({"wide", "narrow", "forward"}));
-  draw->add_option("--carrier", r->carrier, "who goes there")
+  draw->add_option("--carrier", r->carrier, "carrier of the camera")
       ->capture_default_str()
       ->check(CLI::IsMember({"car", "walker"}));
   draw->callback([r, &status] {

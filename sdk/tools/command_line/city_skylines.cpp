@@ -45,7 +45,7 @@ class Skylines {
     if (!plugin) return Failure{ODO_E_DATA, made->said_.empty() ? file + ": " + plugin.failure().text : made->said_};
     made->plugin_ = std::move(*plugin);
     made->table_ = static_cast<const odo_skylines*>(made->plugin_->extension(ODO_EXTENSION_SKYLINES));
-    if (!made->table_) return Failure{ODO_E_UNSUPPORTED, "this fix/skyline knows no " ODO_EXTENSION_SKYLINES};
+    if (!made->table_) return Failure{ODO_E_UNSUPPORTED, "this fix/skyline does not provide " ODO_EXTENSION_SKYLINES};
     return made;
   }
 
@@ -132,7 +132,7 @@ Result<std::vector<Vector2d>> read_line(const std::string& file, const Vector3d&
       return Failure{ODO_E_DATA, file + ":" + std::to_string(number) + ": expected easting, northing"};
     line.emplace_back(northing - origin.y(), easting - origin.x());
   }
-  if (line.size() < 2) return Failure{ODO_E_DATA, file + ": a line has two points at least"};
+  if (line.size() < 2) return Failure{ODO_E_DATA, file + ": a line needs at least two points"};
   return line;
 }
 
@@ -284,7 +284,7 @@ void add_city_skylines(CLI::App& city, int& status) {
   auto* built = city.add_subcommand("build", "Compute the skylines of a model's streets and write them as a database");
   built->add_option("model", a->model, "city model: CityJSON")->required();
   built->add_option("-o,--output", a->output, "database to write")->required();
-  built->add_option("--spacing", a->places.spacing_m, "between two places, m")
+  built->add_option("--spacing", a->places.spacing_m, "distance between places, m")
       ->capture_default_str()
       ->check(CLI::Range(0.1, 1000.0));
   built->add_option("--eye", a->places.eye_m, "height above the ground, m")
@@ -294,16 +294,16 @@ void add_city_skylines(CLI::App& city, int& status) {
   built->callback([a, &status] { status = build(*a); });
   auto* asked =
       city.add_subcommand("query", "Skylines out of a database: elevation, height and distance of 720 directions");
-  asked->add_option("database", a->database, "of `city build`")->required();
+  asked->add_option("database", a->database, "database written by `city build`")->required();
   asked->add_option("--at", a->at, "easting and northing in the model's reference system, m")->expected(2);
-  asked->add_option("--to", a->to, "a road from --at to here")->expected(2);
-  asked->add_option("--step", a->step_m, "between two places of it, m")
+  asked->add_option("--to", a->to, "end of a road that starts at --at: easting and northing, m")->expected(2);
+  asked->add_option("--step", a->step_m, "distance between places of the road, m")
       ->capture_default_str()
       ->check(CLI::Range(0.01, 1000.0));
   asked->add_flag("--json", a->json, "print one JSON array");
   asked->callback([a, &status] { status = query(*a); });
-  auto* shown = city.add_subcommand("show", "Draw the skyline of a place, and a map of what is seen from it");
-  shown->add_option("database", a->database, "of `city build`")->required();
+  auto* shown = city.add_subcommand("show", "Draw the skyline of a place, and a map of what is visible from it");
+  shown->add_option("database", a->database, "database written by `city build`")->required();
   shown->add_option("--at", a->at, "easting and northing in the model's reference system, m")->required()->expected(2);
   shown->add_option("-o,--output", a->output, "picture to write: png, jpg")->required();
   shown->callback([a, &status] { status = show(*a); });

@@ -250,7 +250,7 @@ Result<CityModel> read_city_model(const fs::path& file, std::optional<Vector3d> 
   std::ifstream in(file, std::ios::binary);
   if (!in) return Failure{ODO_E_NOT_FOUND, file.string() + ": no such file"};
   if (std::error_code error; !fs::is_regular_file(file, error))
-    return Failure{ODO_E_DATA, file.string() + ": not a file but a folder or a device"};
+    return Failure{ODO_E_DATA, file.string() + ": a folder or a device, not a file"};
   if (file.extension() == ".obj") return read_obj(file, origin);
   std::stringstream text;
   text << in.rdbuf();
