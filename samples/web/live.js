@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // A phone's camera and motion sensors in a browser. Times are those of performance.now(), in ns; axes are Android's: x
-// right, y up, z out of the
-// screen of the phone held upright.
+// right, y up, z out of the screen of the phone held upright.
 import {cross, dot, length, multiply, scale, subtract} from './math.js';
 
 const DEGREE = Math.PI / 180;
@@ -33,8 +32,7 @@ export async function askForCamera() {
 const gravityIsReversed = () => navigator.vendor.startsWith('Apple'); // all browsers of iOS are WebKit
 
 /** Assignment of rotationRate's numbers to axes: browsers use alpha, beta, gamma as x, y, z; older versions of the
- * standard z, x, y. Gravity, which
- * rotates with the phone, decides: the order whose prediction fits better so far. */
+ * standard z, x, y. Gravity, which rotates with the phone, decides: the order whose prediction fits better so far. */
 export class AxisOrder {
   #last = null; #errors = [0, 0]; #turned = 0;
   static ORDERS = [r => [r.alpha, r.beta, r.gamma], r => [r.beta, r.gamma, r.alpha]];
@@ -55,12 +53,11 @@ export class AxisOrder {
   pick(rate) { return AxisOrder.ORDERS[this.order](rate); }
 }
 
-const WANTED_MS = 5, LONGEST_MS = 100; // between samples: what the tracker's sums of straight lines need; beyond that nothing is known of what was between
+const WANTED_MS = 5, LONGEST_MS = 100; // intervals between samples: wanted, for piecewise linear integration; longest that is interpolated
 
 /** Browsers give about 60 samples a second. Linear interpolation cuts off the peaks of a step: it made ten walks 1.1 %
- * too short on average, these curves
- * 0.1 % too long (docs/web.md). Cubics with the slopes of Catmull & Rom 1974; a sample is emitted when the next one
- * has arrived. */
+ * too short on average, these curves 0.1 % too long (docs/web.md). Cubics with the slopes of Catmull & Rom 1974; a
+ * sample is emitted when the next one has arrived. */
 export class Between {
   #last = []; // three at most; the newest is not emitted yet
 
@@ -123,10 +120,8 @@ export function listenToCamera(video, onPicture) {
 }
 
 /** Clockwise rotation in degrees that the browser has applied to the sensor's picture: the sensor's rows lie across the
- * upright phone, with the first
- * column at the phone's top, in nearly all rear cameras. The tracker gets the picture in sensor orientation, which it
- * needs for the rolling shutter and
- * which is independent of the screen's rotation. */
+ * upright phone, with the first column at the phone's top, in nearly all rear cameras. The tracker gets the picture in
+ * sensor orientation, which it needs for the rolling shutter and which is independent of the screen's rotation. */
 export const turnOf = (screen_deg, {width, height}) => ((width < height) === (screen_deg % 180 === 0) ? (450 - screen_deg) % 360 : 0);
 
 /** A guessed calibration, of the picture in sensor orientation. */

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Draws the picture and its overlay by WebGL: a metre grid on the ground, the path walked, marks. Points are in the
-// world n (north, east, down); the
-// lens is applied to each vertex.
+// world n (north, east, down); the lens is applied to each vertex.
 const LENS = `
 attribute vec3 point; attribute vec4 tint; varying vec4 colour;
 uniform vec4 q; uniform vec3 p; uniform vec4 lens; uniform vec2 size; uniform vec4 k, k2; uniform vec2 model; uniform vec4 place; uniform float dot_size;
