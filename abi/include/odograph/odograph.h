@@ -128,8 +128,9 @@ ODO_API int32_t ODO_CALL odo_session_get_pose(odo_session *session, int64_t t_ns
 ODO_API int32_t ODO_CALL odo_session_get_pose_of(odo_session *session, uint32_t of, uint32_t smooth, int64_t t_ns,
                                                  odo_pose *pose);
 
-/* [any] Like odo_session_get_pose, but corrections (see odo_correction) are blended in, never faster than 0.5 m/s and
- * 10 degrees/s beyond the true motion. Use it to render without jumps; positions in n refer to odo_session_get_pose. */
+/* [any] Like odo_session_get_pose, but corrections (see odo_correction) are blended in: beyond the true motion at most
+ * at 0.5 m/s and 10 degrees/s within 0.5 m and 10 degrees of it; a larger difference first decays with a time constant
+ * of 1 s. Use it to render without jumps; positions in n refer to odo_session_get_pose. */
 ODO_API int32_t ODO_CALL odo_session_get_smooth_pose(odo_session *session, int64_t t_ns, odo_pose *pose);
 
 /* Receives an event, which is valid during the call; cast it by event->type. Called on the thread of the session (live)

@@ -24,7 +24,7 @@ ODO_API int32_t ODO_CALL odo_recording_open(const odo_string *path, odo_recordin
 
 /* [any, one thread at a time] Returns the next message in time order, valid until the next call. For a frame, the
  * planes are null and *picture is the encoded picture; otherwise *picture is null. `picture` and `picture_size` may be
- * null. ODO_NOT_READY at the end. */
+ * null. ODO_NOT_READY at the end, ODO_E_DATA for a record that cannot be read. */
 ODO_API int32_t ODO_CALL odo_recording_next(odo_recording *recording, const odo_header **message, const void **picture,
                                             uint64_t *picture_size);
 
