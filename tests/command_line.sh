@@ -40,6 +40,8 @@ expect 0 '"relative":{"t":[0' cat eval.html
 cp tiny.odo same_walk.odo
 expect 0 "http://127.0.0.1:" "$odograph" view -c "$configs/phone_walk.yaml" -i tiny.odo --port 0 --once
 expect 0 "page-tiny.odo.html" "$odograph" compare "$configs/phone_walk.yaml" -i tiny.odo same_walk.odo -o page.html
+expect 0 " m with true scale (" "$odograph" compare "$configs/phone_walk.yaml" -i tiny.odo
+expect 0 '"rms_with_true_scale"' "$odograph" compare "$configs/phone_walk.yaml" -i tiny.odo --json
 expect 0 '"error_m"' "$odograph" compare "$configs/phone_walk.yaml" -i tiny.odo --json
 python3 -m json.tool out >/dev/null || { echo "FAILED: compare --json is not one JSON value"; failed=1; }
 expect 3 "no such file" "$odograph" compare "$configs/phone_walk.yaml" -i nothing

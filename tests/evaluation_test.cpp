@@ -32,6 +32,24 @@ Trajectory moved(const Trajectory& t, double scale, const Eigen::Quaterniond& q,
 
 }  // namespace
 
+TEST_CASE(
+    "a scale error's part is all of the error of a track that is only too long, and none of one that is only bent") {
+  const Trajectory truth = winding(200);
+  const Eigen::Quaterniond yaw(Eigen::AngleAxisd(0.7, Vector3d::UnitZ()));
+  const Pairs longer{truth, moved(truth, 1.25, yaw, {5, -3, 1})};
+  const auto of_scale = scale_part(truth, align(longer, Alignment::yaw, nullptr));
+  REQUIRE(of_scale);
+  CHECK(of_scale->scale == doctest::Approx(1.25));
+  CHECK(of_scale->rms_m < 1e-9);
+  Pairs both = longer;
+  for (size_t i = 0; i < both.estimate.size(); ++i) both.estimate[i].p.z() += i % 2 ? 0.1 : -0.1;
+  const auto rest = scale_part(truth, align(both, Alignment::yaw, nullptr));
+  REQUIRE(rest);
+  CHECK(rest->scale == doctest::Approx(1.25).epsilon(0.01));
+  CHECK(rest->rms_m == doctest::Approx(0.1 / 1.25).epsilon(0.02));
+  CHECK_FALSE(scale_part(truth, moved(truth, 0, yaw, {1, 2, 3})));
+}
+
 TEST_CASE("every figure of the reference results agrees with evo's" * doctest::test_suite("evaluation_data")) {
   const auto folder = data_or_skip("trajectories");
   if (folder.empty()) return;

@@ -24,16 +24,16 @@ struct CompareArguments {
 
 using Row = nlohmann::ordered_json;
 
-/// Null if the recording has no truth.
+/// Null if the recording has no truth. The scale's part is null if it has only waypoints, or if the run is not metric.
 Row errors_of(const Recording& recording, const RunResult& result) {
   const LaidRun laid = lay_over_truth(recording, result);
   if (laid.error_m.empty()) return nullptr;
   std::vector<double> errors;
   for (const auto& [t, error] : laid.error_m) errors.push_back(error);
-  return {{"rms", laid.rms_m()},
-          {"median", percentile(errors, 0.5)},
-          {"largest", percentile(errors, 1.0)},
-          {"end", errors.back()}};
+  Row row = {{"rms", laid.rms_m()},  {"median", percentile(errors, 0.5)}, {"largest", percentile(errors, 1.0)},
+             {"end", errors.back()}, {"rms_with_true_scale", nullptr},    {"scale", nullptr}};
+  if (laid.scale_part) row["rms_with_true_scale"] = laid.scale_part->rms_m, row["scale"] = laid.scale_part->scale;
+  return row;
 }
 
 Row row_of(const std::string& config, const std::string& name, const Recording& recording, const RunResult& result) {
@@ -58,10 +58,14 @@ void print(const Row& row) {
     if (!error.is_null()) std::snprintf(text, sizeof text, "%.2f", error[key].get<double>());
     return std::string(text);
   };
-  std::printf("%-36s %-32s %9.2f m %5llu steps  error rms %s, median %s, largest %s, end %s m\n",
+  char scale[64] = "";
+  if (!error.is_null() && !error["scale"].is_null())
+    std::snprintf(scale, sizeof scale, "; rms %.2f m with true scale (%+.1f %%)",
+                  error["rms_with_true_scale"].get<double>(), 100 * (error["scale"].get<double>() - 1));
+  std::printf("%-36s %-32s %9.2f m %5llu steps  error rms %s, median %s, largest %s, end %s m%s\n",
               row["recording"].get<std::string>().c_str(), row["config"].get<std::string>().c_str(),
               row["distance_m"].get<double>(), static_cast<unsigned long long>(row["steps"].get<uint64_t>()),
-              part("rms").c_str(), part("median").c_str(), part("largest").c_str(), part("end").c_str());
+              part("rms").c_str(), part("median").c_str(), part("largest").c_str(), part("end").c_str(), scale);
 }
 
 /// Path of a recording's page: as requested for a single recording, otherwise with the recording's name inserted before

@@ -167,6 +167,22 @@ Trajectory align(const Pairs& pairs, Alignment alignment, double* scale) {
   return transformed(pairs.estimate, s, T);
 }
 
+std::optional<ScalePart> scale_part(const Trajectory& reference, const Trajectory& aligned) {
+  Eigen::Vector3d from = Eigen::Vector3d::Zero(), to = Eigen::Vector3d::Zero();
+  const double n = static_cast<double>(reference.size());
+  for (size_t i = 0; i < reference.size(); ++i) from += aligned[i].p / n, to += reference[i].p / n;
+  double moments = 0, spread = 0, squares = 0;
+  for (size_t i = 0; i < reference.size(); ++i) {
+    moments += (aligned[i].p - from).dot(reference[i].p - to);
+    spread += (aligned[i].p - from).squaredNorm();
+  }
+  if (!(moments > 0)) return {};
+  const double factor = moments / spread;
+  for (size_t i = 0; i < reference.size(); ++i)
+    squares += (factor * (aligned[i].p - from) - (reference[i].p - to)).squaredNorm();
+  return ScalePart{1 / factor, std::sqrt(squares / n)};
+}
+
 PoseErrors absolute_errors(const Trajectory& reference, const Trajectory& estimate) {
   PoseErrors errors;
   for (size_t i = 0; i < reference.size(); ++i) {

@@ -41,6 +41,15 @@ Pairs associate(const Trajectory& reference, const Trajectory& estimate, double 
 /// factor applied.
 Trajectory align(const Pairs& pairs, Alignment alignment, double* scale);
 
+/// The share of a scale error in the position error of an aligned estimate.
+struct ScalePart {
+  double scale = 1;  ///< the estimate's displacements over the reference's: 1.02 is 2 % too long
+  double rms_m = 0;  ///< of the positions that remains with the reference's scale
+};
+/// The factor is the one of least squares about both centroids. Exact for estimates aligned by yaw or SE(3), whose best
+/// rotation does not depend on the scale. None if the estimate does not move.
+std::optional<ScalePart> scale_part(const Trajectory& reference, const Trajectory& aligned);
+
 /// Absolute pose error: translation in m, rotation in rad.
 struct PoseErrors {
   std::vector<double> translation_m, rotation_rad;

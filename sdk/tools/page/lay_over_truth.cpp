@@ -36,7 +36,9 @@ LaidRun lay_over_truth(const Recording& recording, const RunResult& result, std:
     const Pairs pairs = associate(recording.truth, track, kTogether_s);
     if (pairs.reference.size() < 3) return laid;
     from = pairs.estimate;
-    to = align(pairs, alignment.value_or(laid.metric ? Alignment::yaw : Alignment::sim3), &laid.scale);
+    const Alignment used = alignment.value_or(laid.metric ? Alignment::yaw : Alignment::sim3);
+    to = align(pairs, used, &laid.scale);
+    if (laid.metric && used == Alignment::yaw) laid.scale_part = scale_part(pairs.reference, to);
     for (size_t k = 0; k < to.size(); ++k)
       laid.error_m.emplace_back(since_start(to[k].t_ns), (to[k].p - pairs.reference[k].p).norm());
   } else {

@@ -28,6 +28,7 @@ struct LaidRun {
   /// Empty if the recording has neither.
   std::vector<std::pair<double, double>> error_m;
   double rms_m() const;
+  std::optional<ScalePart> scale_part;  ///< of a metric run against a truth, aligned by yaw
 };
 LaidRun lay_over_truth(const Recording& recording, const RunResult& result, std::optional<Alignment> alignment = {});
 
