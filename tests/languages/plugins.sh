@@ -35,9 +35,18 @@ for language in $languages; do
       quietly "$program" plugin check "$folder/build/$name.so" --only events # each case starts an interpreter, so only the events are checked
     fi
     quietly "$program" config check "$folder/pipeline.yaml"
+    quietly "$program" plugins "trial/$name" --plugins "$folder/build" # as its README has it
+    grep -q gain "$work/said"
     if [ "$kind" != scale_source ]; then # no steps beside it: the displacement is that of its single speed
       "$program" run -c "$folder/pipeline.yaml" -i "$work/short.odo" -o "$folder/out" --json >/dev/null || [ $? = 1 ]
       python3 -c "import json, sys; m = json.load(open(sys.argv[1]))['distance_m']; sys.exit(not 4 < m < 16 and f'$name: {m} m of 8 m')" "$folder/out/summary.json"
+    fi
+    if [ "$name" = python_scale_source ]; then # a parameter that was changed without a build
+      sed 's/"gain", /"pace", /; s/self\.gain/self.pace/' "$folder/$name.py" >"$work/changed.py"
+      cp "$folder/$name.py" "$work/kept.py" && cp "$work/changed.py" "$folder/$name.py"
+      "$program" plugin check "$folder/build/$name.so" --only life.starts >"$work/said" && { echo "FAILED: a changed table is not noticed"; exit 1; }
+      grep -q "build it again" "$work/said" || { echo "FAILED: a changed table is not named"; cat "$work/said"; exit 1; }
+      cp "$work/kept.py" "$folder/$name.py"
     fi
     echo "$language: $kind builds, passes the check and runs"
     done=$((done + 1))

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
  * Plugin library for an algorithm in Python (odograph/plugin.py). It runs the Python file in a separate process, sends
- * it each message and emits its events. `python3 PLUGIN.py --describe` writes plugin_description.h, the plugin's table.
- * PLUGIN_FILE is the path of the file, PLUGIN_PYTHON that of the interpreter, PLUGIN_PATH the folder of the package.
+ * it each message and emits its events. `python3 PLUGIN.py --describe` writes plugin_description.h, the plugin's table
+ * and its hash; a file whose table has changed since is refused. PLUGIN_FILE is the path of the file, PLUGIN_PYTHON
+ * that of the interpreter, PLUGIN_PATH the folder of the package.
  */
 #define _GNU_SOURCE
 #include <fcntl.h>
@@ -55,7 +56,7 @@ static char** with_package(void) {
 static int start(void) {
   char** variables = with_package();
   posix_spawn_file_actions_t actions;
-  char* arguments[] = {(char*)PLUGIN_PYTHON, (char*)PLUGIN_FILE, (char*)"3", NULL};
+  char* arguments[] = {(char*)PLUGIN_PYTHON, (char*)PLUGIN_FILE, (char*)"3", (char*)PLUGIN_DESCRIPTION, NULL};
   int ends[2], failed;
   pid_t child;
   if (!variables || socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0) {

@@ -186,19 +186,14 @@ odograph = { path = "odograph", default-features = false }
 
 inline constexpr char kRustReadme[] = R"(# @ID@
 
-@SUMMARY@.
-
 ```sh
 ln -s PREFIX/share/odograph/bindings/rust odograph   # PREFIX: where Odograph is installed
 cargo build --release && mkdir -p build && cp target/release/lib@FILE@.so build/@FILE@.so
 odograph plugin manifest build/@FILE@.so
 odograph plugin check build/@FILE@.so
+odograph plugins @ID@ --plugins build   # its summary and its parameters, as it was built
 odograph run -c pipeline.yaml -i RECORDING
 ```
-
-| parameter | unit | default | |
-|---|---|---|---|
-| `gain` | @UNIT@ | @DEFAULT@ | @HELP@ |
 )";
 
 }  // namespace odograph

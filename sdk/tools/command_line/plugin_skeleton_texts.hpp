@@ -339,17 +339,12 @@ set_tests_properties(pipeline PROPERTIES ENVIRONMENT ODOGRAPH_PLUGIN_PATH=${CMAK
 
 inline constexpr char kReadme[] = R"(# @ID@
 
-@SUMMARY@.
-
 ```sh
 cmake -B build -DCMAKE_PREFIX_PATH=PREFIX && cmake --build build   # PREFIX: where Odograph is installed
 odograph plugin check build/@FILE@.so
+odograph plugins @ID@ --plugins build   # its summary and its parameters, as it was built
 odograph run -c pipeline.yaml -i RECORDING
 ```
-
-| parameter | unit | default | |
-|---|---|---|---|
-| `gain` | @UNIT@ | @DEFAULT@ | @HELP@ |
 )";
 
 }  // namespace odograph

@@ -4,6 +4,7 @@ the end of the file. plugin_host.c is compiled to a plugin library that runs the
 --language python` writes an example."""
 import ctypes as c
 import dataclasses
+import hashlib
 import socket
 import struct
 import sys
@@ -40,8 +41,9 @@ def describe(kind: Any) -> str:
 
     rows = [f"{{sizeof(odo_parameter), ODO_PARAMETER_REAL, {text(p.name)}, {text(p.unit)}, {text(p.help)}, {text(f'{p.default:g}')}, {{0, 0}}, "
             f"{p.min!r}, {p.max!r}, 1, 0}}" for p in kind.PARAMETERS] or ["{0}"]
-    return (f"static const odo_string plugin_id = {text(kind.ID)}, plugin_version = {text(kind.VERSION)}, plugin_summary = {text(kind.SUMMARY)}, "
-            f"plugin_kind = {text(kind.KIND)};\nstatic const odo_parameter parameters[] = {{{', '.join(rows)}}};\n#define PARAMETER_COUNT {len(kind.PARAMETERS)}\n")
+    table = (f"static const odo_string plugin_id = {text(kind.ID)}, plugin_version = {text(kind.VERSION)}, plugin_summary = {text(kind.SUMMARY)}, "
+             f"plugin_kind = {text(kind.KIND)};\nstatic const odo_parameter parameters[] = {{{', '.join(rows)}}};\n#define PARAMETER_COUNT {len(kind.PARAMETERS)}\n")
+    return table + f'#define PLUGIN_DESCRIPTION "{hashlib.sha256(table.encode()).hexdigest()}"\n'
 
 
 def _message(data: bytes) -> Any:
@@ -59,8 +61,9 @@ def _message(data: bytes) -> Any:
 
 
 class _Server:
-    def __init__(self, kind: Any) -> None:
+    def __init__(self, kind: Any, built: str) -> None:
         self.kind = kind
+        self.stale = f'"{built}"' not in describe(kind)  # the library's table is not the file's
         self.instances: dict[int, Any] = {}
         self.values: dict[int, dict[str, float]] = {}
 
@@ -73,6 +76,8 @@ class _Server:
     def answer(self, what: int, number: int, data: bytes) -> bytes:
         """Handles a request. Returns the emitted events."""
         events = bytearray()
+        if what == CREATE and self.stale:
+            raise RuntimeError("PARAMETERS, ID, VERSION, SUMMARY or KIND have changed since the library was built: build it again")
         if what in (CREATE, CONFIGURE):
             rows = [line.split("=") for line in data.decode().splitlines()]
             self.values[number] = {name: float(value) for name, value in rows}
@@ -107,4 +112,4 @@ def serve(kind: Any) -> None:
     if sys.argv[1:] == ["--describe"]:
         print(describe(kind), end="")
     else:
-        _Server(kind).run(socket.socket(fileno=int(sys.argv[1])))
+        _Server(kind, sys.argv[2]).run(socket.socket(fileno=int(sys.argv[1])))
