@@ -31,6 +31,13 @@ env -u ODOGRAPH_PLUGIN_PATH "$root/bin/odograph" run -c "$root/share/odograph/sa
 "$build/bin/odograph" run -c "$source/samples/configs/phone_walk.yaml" -i walk.odo -o from_build --json > /dev/null
 cmp run/trajectory.tum from_build/trajectory.tum
 
+# What packages need and hold of others.
+plugin=$(echo packages/odograph-plugin-vo-odograph_*.deb)
+dpkg-deb -f "$plugin" Depends | grep -q 'odograph-plugin-abi-draft[0-9]'
+dpkg-deb -f packages/libodograph0_*.deb Provides | grep -q 'odograph-plugin-abi-draft[0-9]'
+dpkg-deb -f "$plugin" Static-Built-Using | grep -q 'ceres-solver (= .*eigen3 (= '
+if dpkg-deb -f "$plugin" Depends | grep -q atlas; then echo "vo/odograph needs ATLAS"; exit 1; fi
+
 key=$(openssl pkey -in key.pem -pubout -outform DER | tail -c 32 | od -An -v -tx1 | tr -d ' \n')
 printf 'odograph: 1\nplugins: {signers: [{key: %s}]}\nattitude: {plugin: attitude/vqf}\n' "$key" > signed.yaml
 "$root/bin/odograph" config check signed.yaml
