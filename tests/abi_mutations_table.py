@@ -7,7 +7,7 @@ MAP = "sdk/host/odograph.map"
 OUTPUT = "sdk/host/core/pose_publisher.cpp"
 WEINBERG = "plugins/step/weinberg2002/plugin.cpp"
 CORRECTION = "  if (moved) publish_correction(correction, corrected);\n"
-NEW_POSES = "  for (; any && is_whole(pose); any = s_.composer.take_pose(pose)) publish_pose(pose, true);\n"
+NEW_POSES = "  for (; any && is_finite(pose); any = s_.composer.take_pose(pose)) publish_pose(pose, true);\n"
 
 # Permitted additions.
 GROWTH = [

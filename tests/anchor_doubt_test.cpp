@@ -23,12 +23,12 @@ using Matrix12 = Eigen::Matrix<double, 12, 12>;
 using Vector12 = Eigen::Matrix<double, 12, 1>;
 
 /// Returns the given covariance of the held and the present pose.
-struct TwoPoses : HeldPoses {
-  HeldPose held, now;
-  uint64_t hold_pose(int64_t) override { return 1; }
-  void let_go(uint64_t) override {}
-  bool held_pose(uint64_t, HeldPose& out) const override { return out = held, true; }
-  bool pose_now(HeldPose& out) const override { return out = now, true; }
+struct TwoPoses : RetainedPoses {
+  RetainedPose held, now;
+  uint64_t retain_pose(int64_t) override { return 1; }
+  void release_pose(uint64_t) override {}
+  bool retained_pose(uint64_t, RetainedPose& out) const override { return out = held, true; }
+  bool pose_now(RetainedPose& out) const override { return out = now, true; }
   bool is_placed() const override { return true; }
 };
 
@@ -61,7 +61,7 @@ TEST_CASE("the covariance of an anchor on a held pose follows from the joint cov
     CAPTURE(seed);
     Numbers number{std::mt19937(seed)};
     TwoPoses poses;
-    HeldPose &held = poses.held, &now = poses.now;
+    RetainedPose &held = poses.held, &now = poses.now;
     held.q_n_b = number.rotation(), now.q_n_b = number.rotation();
     held.p_n_b = 3 * number.vector(), now.p_n_b = 3 * number.vector();
     Matrix12 A;
@@ -76,7 +76,7 @@ TEST_CASE("the covariance of an anchor on a held pose follows from the joint cov
     place.kind = ODO_ANCHOR_POSE;
     const Rigid T_n_a{number.rotation(), held.p_n_b + 4 * number.vector()};
     const uint64_t id = anchors.add_local(place, {0, {held.q_n_b, held.p_n_b}, T_n_a});
-    anchors.follow(poses, 0, nullptr);
+    anchors.update(poses, 0, nullptr);
     const auto known = anchors.get(id, 0);
     REQUIRE(known);
     CHECK((known->T_n_a.p - T_n_a.p).norm() < 1e-12);
@@ -99,7 +99,7 @@ TEST_CASE(
     "a geodetic anchor has the covariance of its position, and in the view that of the present pose in addition") {
   Numbers number{std::mt19937(4)};
   TwoPoses poses;
-  HeldPose& now = poses.now;
+  RetainedPose& now = poses.now;
   now.q_n_b = number.rotation(), now.p_n_b = 3 * number.vector();
   Eigen::Matrix<double, 6, 6> A;
   for (double& a : A.reshaped()) a = 0.1 * number();
@@ -111,7 +111,7 @@ TEST_CASE(
   place.kind = ODO_ANCHOR_GEODETIC, place.height_above = ODO_HEIGHT_ELLIPSOID, place.sigma_m = 0.7;
   place.latitude_rad = 0.8 + 2e-6, place.longitude_rad = 0.1 - 1e-6, place.height_m = 302;
   const uint64_t id = anchors.add_geodetic(place);
-  anchors.follow(poses, 0, nullptr);
+  anchors.update(poses, 0, nullptr);
   const auto known = anchors.get(id, 0);
   REQUIRE(known);
   REQUIRE(known->T_n_a.p.norm() > 5);

@@ -14,7 +14,7 @@
 
 #include "sdk/host/core/anchors.hpp"
 #include "sdk/host/messages/record_file.hpp"
-#include "sdk/host/plugin_host/breadcrumb.hpp"
+#include "sdk/host/plugin_host/plugin_call.hpp"
 #include "sdk/host/plugin_host/services.hpp"
 #include "tests/session_app.hpp"
 
@@ -152,10 +152,10 @@ TEST_CASE("the call of a thread is named, innermost first, as far as the buffer 
   const auto now = [&](size_t capacity) { return std::string(text, current_plugin_call(text, capacity)); };
   for (const size_t length : {1u, 7u, 8u, 9u, 94u, 95u, 96u, 200u}) {
     const std::string id(length, 'x');
-    const Breadcrumb outer("acme/outer", "reset");
+    const PluginCallScope outer("acme/outer", "reset");
     CHECK(now(256) == "acme/outer in reset");
     {
-      const Breadcrumb inner(id, "process");
+      const PluginCallScope inner(id, "process");
       CHECK(now(256) == id.substr(0, 95) + " in process");
       CHECK(now(3) == (id + " in process").substr(0, 3));
     }

@@ -160,16 +160,16 @@ TEST_SUITE("calibration") {
     const auto views = views_of({}, lens(ODO_CAMERA_PINHOLE), 6, 5);
     const auto few = calibrate_lens(views, {640, 480}, {});
     REQUIRE(few);
-    CHECK(doubts_about(*few).front().find("only") != std::string::npos);
+    CHECK(warnings_about(*few).front().find("only") != std::string::npos);
     // A board that differs from the pictures.
     const auto other = views_of({.columns = 8, .rows = 5, .family = "25h9"}, lens(ODO_CAMERA_PINHOLE), 6, 3);
     BoardFinder finder({.family = "16h5"});
     const BoardCamera camera({}, lens(ODO_CAMERA_PINHOLE));
     for (uint64_t i = 0; i < 3; ++i) CHECK_FALSE(finder.find(camera.picture(camera.pose(6, i), 6, i)));
     CHECK(other.size() == 3);
-    CHECK(mistake_in({.columns = 40, .rows = 40, .family = "16h5"})->find("16h5 has 30") != std::string::npos);
-    CHECK(mistake_in({.marker_m = 0.03})->find("0.95") != std::string::npos);
-    CHECK(mistake_in({.family = "4X4"})->find("36h11") != std::string::npos);
+    CHECK(invalid_reason({.columns = 40, .rows = 40, .family = "16h5"})->find("16h5 has 30") != std::string::npos);
+    CHECK(invalid_reason({.marker_m = 0.03})->find("0.95") != std::string::npos);
+    CHECK(invalid_reason({.family = "4X4"})->find("36h11") != std::string::npos);
   }
 
   TEST_CASE("the written camera.yaml is read back") {

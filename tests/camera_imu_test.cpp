@@ -102,7 +102,7 @@ TEST_CASE("an unobservable parameter keeps its given value and is reported") {
   CHECK_FALSE(found->focal_px.observable);
   CHECK(found->focal_px.value == held.focal_px);
   bool said = false;
-  for (const auto& doubt : doubts_about(*found)) said = said || doubt.find("row time is not observable") != doubt.npos;
+  for (const auto& warning : warnings_about(*found)) said = said || warning.find("row time is not observable") != warning.npos;
   CHECK(said);
 }
 

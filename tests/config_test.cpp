@@ -78,7 +78,7 @@ TEST_CASE("every broken config is reported with its location, the expected value
     const char* what;
     std::string yaml;
     std::string place;
-    std::vector<std::string> says;
+    std::vector<std::string> expected_texts;
   };
   std::string bomb =
       "odograph: 1\na: &a [x,x,x,x,x,x,x,x,x]\nb: &b [*a,*a,*a,*a,*a,*a,*a,*a,*a]\nc: &c [*b,*b,*b,*b,*b,*b,*b,*b]\n";
@@ -182,7 +182,7 @@ TEST_CASE("every broken config is reported with its location, the expected value
     const std::string text = mistake(c.yaml);
     CAPTURE(text);
     CHECK(text.compare(0, c.place.size(), c.place) == 0);
-    for (const auto& part : c.says) CHECK(contains(text, part));
+    for (const auto& part : c.expected_texts) CHECK(contains(text, part));
   }
 }
 

@@ -3,7 +3,7 @@
 // Curves of benchmarks with known points.
 #include <doctest/doctest.h>
 
-#include "sdk/tools/evaluation/corner_follower.hpp"
+#include "sdk/tools/evaluation/corner_flow.hpp"
 #include "sdk/tools/evaluation/evaluation.hpp"
 #include "sdk/tools/evaluation/gait_figures.hpp"
 
@@ -31,12 +31,12 @@ TEST_CASE("a distribution has its percentiles, and errors are compared at the sa
 TEST_CASE("the share of corners still tracked decreases with the track length, up to half of the frames") {
   TrackFigures f;
   f.lengths = {1, 2, 2, 4}, f.frames = 8;
-  const auto still = f.still_followed();
+  const auto still = f.survival();
   REQUIRE(still.size() == 4);
   CHECK(still[0] == std::pair(1.0, 1.0));
   CHECK(still[1] == std::pair(2.0, 0.75));
   CHECK(still[3] == std::pair(4.0, 0.25));
-  CHECK(TrackFigures{}.still_followed().empty());
+  CHECK(TrackFigures{}.survival().empty());
 }
 
 TEST_SUITE_END();

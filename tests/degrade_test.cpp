@@ -79,7 +79,7 @@ TEST_CASE("an empty degradation changes nothing") {
 
 TEST_CASE("the same seed is bit-identical, and another seed gives other noise") {
   const Recording r = recording();
-  const Degradation d{.imu_noise_factor = 5, .stamp_jitter_s = 1e-3, .wild_per_minute = 1};
+  const Degradation d{.imu_noise_factor = 5, .stamp_jitter_s = 1e-3, .outliers_per_minute = 1};
   const auto a = imu(degraded(r, d, 1)), b = imu(degraded(r, d, 1)), c = imu(degraded(r, d, 2));
   CHECK(std::memcmp(a.data(), b.data(), a.size() * sizeof(odo_imu)) == 0);
   CHECK(a[100].gyro_b[0] != c[100].gyro_b[0]);
@@ -165,12 +165,12 @@ TEST_CASE("jittering time stamps keep their order and have the requested deviati
 
 TEST_CASE("one outlier per minute is at full scale on every axis") {
   size_t wild = 0;
-  for (const odo_imu& s : imu(degraded(recording(), {.wild_per_minute = 1}, 4))) {
+  for (const odo_imu& s : imu(degraded(recording(), {.outliers_per_minute = 1}, 4))) {
     if (s.accel_b[2] == 9.81) continue;
     ++wild;
     for (int k = 0; k < 3; ++k) {
-      CHECK(std::abs(s.accel_b[k]) == kWildAccel_mps2);
-      CHECK(std::abs(s.gyro_b[k]) == kWildGyro_radps);
+      CHECK(std::abs(s.accel_b[k]) == kOutlierAccel_mps2);
+      CHECK(std::abs(s.gyro_b[k]) == kOutlierGyro_radps);
     }
   }
   CHECK(wild > 3);  // ten expected

@@ -39,7 +39,7 @@ M& of(AnyMessage& message) {
 }
 
 /// Disturbs a gyroscope and an accelerometer sample; false: the sample is lost.
-bool trouble(odo_imu& imu, double t, size_t number) {
+bool disturb(odo_imu& imu, double t, size_t number) {
   for (const Span silent : {Span{30, 30.15}, {33, 33.4}, {62, 65}, {99, 99.3}})
     if (silent.has(t)) return false;
   if (number < 3) std::fill_n(imu.accel_b, 3, 0.1);                            // free fall
@@ -51,7 +51,7 @@ bool trouble(odo_imu& imu, double t, size_t number) {
   return true;
 }
 
-bool trouble(odo_magnetometer& sample, double t, size_t number) {
+bool disturb(odo_magnetometer& sample, double t, size_t number) {
   if (Span{45, 60}.has(t)) sample.field_b[0] = 1.5 * sample.field_b[0] + 2e-5, sample.field_b[2] *= 1.3;
   if (Span{60, 62}.has(t)) std::fill_n(sample.field_b, 3, 0.0);
   if (Span{90, 96}.has(t)) sample.field_b[1] += number % 2 ? 3e-5 : -3e-5;
@@ -59,12 +59,12 @@ bool trouble(odo_magnetometer& sample, double t, size_t number) {
   return !Span{62, 80}.has(t) && t > 0.4;
 }
 
-bool trouble(odo_barometer& reading, double t, size_t number) {
+bool disturb(odo_barometer& reading, double t, size_t number) {
   if (number % 97 == 96) reading.pressure_pa = number % 2 ? 1000 : 2e5;
   return !Span{12, 44}.has(t) && !Span{50, 53}.has(t) && !Span{84, 95.5}.has(t);
 }
 
-bool trouble(odo_gnss& sample, double t, size_t number) {
+bool disturb(odo_gnss& sample, double t, size_t number) {
   if (Span{50, 70}.has(t)) sample.longitude_rad += 40 / 6378137.0 / std::cos(sample.latitude_rad);
   if (Span{88, 95}.has(t)) sample.header.flags &= ~ODO_GNSS_COVARIANCE;
   if (number % 5 == 4) sample.header.flags &= ~ODO_GNSS_HEIGHT;
@@ -84,7 +84,7 @@ void add_samples(const Recording& recording, int64_t start_ns, std::vector<AnyMe
     bool kept = true;
     const auto with = [&](auto& sample, size_t kind) {
       const size_t number = numbers[kind]++;
-      kept = trouble(sample, t, number);
+      kept = disturb(sample, t, number);
     };
     switch (m.header().type) {
       case ODO_TYPE_IMU: with(of<odo_imu>(m), 0); break;

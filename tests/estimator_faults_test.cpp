@@ -93,7 +93,7 @@ Run worst_of(const char* name, WalkMeasurements what, double for_s) {
 }
 
 /// After an outage the odometry restarts.
-void begins_anew(WalkMeasurements& what, double from_s) {
+void add_reinitialisation(WalkMeasurements& what, double from_s) {
   what.change = [from_s](double t, odo_vo_motion& m) {
     if (t > from_s) m.scale_group = 1;
   };
@@ -110,7 +110,7 @@ TEST_CASE("without a fault the error is small and consistent") {
 TEST_CASE("steps bound the error while the odometry fails for ten seconds") {
   WalkMeasurements what = usual();
   what.odometry.blind_from_s = kFrom_s, what.odometry.blind_to_s = kFrom_s + 10;
-  begins_anew(what, kFrom_s);
+  add_reinitialisation(what, kFrom_s);
   const Run r = worst_of("odometry dead for 10 s", what, 10);
   CHECK(r.worst_m < 3.0);  // of 13 m walked by steps
   CHECK(r.grown_m > 1.2 * r.sigma_m);
@@ -133,7 +133,7 @@ TEST_CASE("the error stays bounded without inertial samples for two seconds and 
   WalkMeasurements what = usual();
   what.no_imu_from_s = kFrom_s, what.no_imu_to_s = kFrom_s + 2;
   what.odometry.blind_from_s = kFrom_s, what.odometry.blind_to_s = kFrom_s + 2.5;
-  begins_anew(what, kFrom_s);
+  add_reinitialisation(what, kFrom_s);
   const Run r = worst_of("no IMU for 2 s", what, 2.5);
   CHECK(r.worst_m < 3.0);
   CHECK(r.grown_m > 1.2 * r.sigma_m);
@@ -169,7 +169,7 @@ TEST_CASE("steps that are reported twice count once") {
 TEST_CASE("steps are less certain once the phone is in a pocket with another orientation") {
   WalkMeasurements what = usual();
   what.odometry.blind_from_s = kFrom_s, what.odometry.blind_to_s = kFrom_s + 15;
-  begins_anew(what, kFrom_s);
+  add_reinitialisation(what, kFrom_s);
   what.change_step = [](double t, odo_step& s) {
     if (t < kFrom_s || t > kFrom_s + 15) return;
     s.mode = ODO_MODE_WALKING_POCKET;
@@ -184,7 +184,7 @@ TEST_CASE("steps are less certain once the phone is in a pocket with another ori
 TEST_CASE("a rotation of the phone on its way into the pocket, seen by the camera, does not bend the walk") {
   WalkMeasurements what = usual();
   what.odometry.blind_from_s = kFrom_s, what.odometry.blind_to_s = kFrom_s + 15;
-  begins_anew(what, kFrom_s);
+  add_reinitialisation(what, kFrom_s);
   what.change_step = [](double t, odo_step& s) {
     if (t < kFrom_s - 2 || t > kFrom_s + 15) return;
     s.mode = ODO_MODE_WALKING_POCKET;

@@ -60,7 +60,7 @@ void fill(Composer& composer, bool metric = true) {
 }
 
 /// The measurement of a fix with these flags for a body with errors of (heading, position).
-VectorXd measured(uint32_t flags, const HeldPose& at, const Vector4d& error) {
+VectorXd measured(uint32_t flags, const RetainedPose& at, const Vector4d& error) {
   const Quaterniond q = exp_rotation(Vector3d(0, 0, error[0])) * at.q_n_b;
   const Vector3d p = at.p_n_b + error.tail<3>() + q * kLever_b;
   VectorXd z(0);
@@ -75,7 +75,7 @@ VectorXd measured(uint32_t flags, const HeldPose& at, const Vector4d& error) {
 }
 
 /// A fix with a small residual, the covariance of its rows, and the residual.
-odo_fix a_fix(uint32_t flags, int64_t t_ns, const HeldPose& at, MatrixXd& noise, VectorXd& residual) {
+odo_fix a_fix(uint32_t flags, int64_t t_ns, const RetainedPose& at, MatrixXd& noise, VectorXd& residual) {
   auto fix = make_message<odo_fix>(ODO_TYPE_FIX, t_ns);
   fix.header.flags = flags | ODO_FIX_LEVER;
   Vector3d::Map(fix.yaw_axis_b) = kYawAxis_b, Vector3d::Map(fix.lever_b) = kLever_b;
@@ -120,9 +120,9 @@ TEST_CASE("a fix of any kind, present or late, is the Kalman update with its mea
       Composer composer(config, {.position_m = {1, 2, 3}, .given = true, .heading_given = true}, {true, false});
       fill(composer);
       const int64_t t_ns = (kNow_ms - ago_ms) * kMillisecond;
-      const uint64_t id = composer.hold_pose(t_ns);
-      HeldPose before, after, now, later;
-      REQUIRE(composer.held_pose(id, before));
+      const uint64_t id = composer.retain_pose(t_ns);
+      RetainedPose before, after, now, later;
+      REQUIRE(composer.retained_pose(id, before));
       REQUIRE(composer.pose_now(now));
       MatrixXd R, H, P(8, 8);
       VectorXd residual;
@@ -132,7 +132,7 @@ TEST_CASE("a fix of any kind, present or late, is the Kalman update with its mea
       for (int i = 0; i < 4; ++i)
         H.col(i) = (measured(flags, before, h * Vector4d::Unit(i)) - measured(flags, before, -h * Vector4d::Unit(i))) /
                    (2 * h);
-      const auto joint = [](const HeldPose& of) {
+      const auto joint = [](const RetainedPose& of) {
         MatrixXd out(8, 8);
         out << of.own.block<4, 4>(2, 2), of.cross.block<4, 4>(2, 2), of.cross.block<4, 4>(2, 2).transpose(),
             of.now.block<4, 4>(2, 2);
@@ -145,13 +145,13 @@ TEST_CASE("a fix of any kind, present or late, is the Kalman update with its mea
       REQUIRE(result.accepted);
       CHECK(result.dof == residual.size());
       CHECK(result.nis / residual.dot(S.inverse() * residual) == doctest::Approx(1).epsilon(1e-3));
-      REQUIRE(composer.held_pose(id, after));
+      REQUIRE(composer.retained_pose(id, after));
       REQUIRE(composer.pose_now(later));
       CHECK((joint(after) - expected).norm() < 1e-4 * (P - expected).norm());
-      VectorXd told_moved(8);
-      told_moved << log_rotation(after.q_n_b * before.q_n_b.conjugate()).z(), after.p_n_b - before.p_n_b,
+      VectorXd stated_move(8);
+      stated_move << log_rotation(after.q_n_b * before.q_n_b.conjugate()).z(), after.p_n_b - before.p_n_b,
           log_rotation(later.q_n_b * now.q_n_b.conjugate()).z(), later.p_n_b - now.p_n_b;
-      CHECK((told_moved - moved).norm() < 1e-3 * moved.norm());
+      CHECK((stated_move - moved).norm() < 1e-3 * moved.norm());
     }
 }
 

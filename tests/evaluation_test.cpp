@@ -148,7 +148,7 @@ TEST_CASE("waypoints: the heading is fitted over the first metres, and errors ar
   }
   const double rotation = heading_offset(track, waypoints, 10);
   CHECK(rotation == doctest::Approx(-EIGEN_PI / 2));
-  const auto errors = waypoint_errors(lay_over(track, waypoints, rotation), waypoints);
+  const auto errors = waypoint_errors(align_to_waypoints(track, waypoints, rotation), waypoints);
   CHECK(errors.distance_error() == doctest::Approx(0.1));
   CHECK(errors.position_m.back() == doctest::Approx(2.0));
 }
@@ -164,7 +164,7 @@ TEST_CASE("oracles separate heading errors from length errors") {
     bent.push_back({t, Eigen::Quaterniond::Identity(), bent.back().p + leg});
     longer.push_back({t, Eigen::Quaterniond::Identity(), longer.back().p + Eigen::Vector3d(0, 3.3, 0)});
   }
-  const auto bends = leg_oracles(bent, waypoints, 10), lengthens = leg_oracles(longer, waypoints, 10);
+  const auto bends = leg_errors(bent, waypoints, 10), lengthens = leg_errors(longer, waypoints, 10);
   CHECK(percentile(bends.true_headings_m, 1.0) < 1e-9);
   CHECK(percentile(bends.true_lengths_m, 1.0) > 10);
   CHECK(percentile(lengthens.true_headings_m, 1.0) == doctest::Approx(20 * 0.3));
@@ -172,7 +172,7 @@ TEST_CASE("oracles separate heading errors from length errors") {
   REQUIRE(bends.heading_rad.size() == 20);
   CHECK(bends.heading_rad.front() - bends.heading_rad.back() == doctest::Approx(19 * 0.05));
   CHECK(lengthens.length.front() == doctest::Approx(0.1));
-  CHECK(leg_oracles(bent, {}, 10).true_headings_m.empty());
+  CHECK(leg_errors(bent, {}, 10).true_headings_m.empty());
 }
 
 TEST_CASE("a drifting scale shows as a change of scale within windows") {

@@ -112,14 +112,14 @@ TEST_SUITE("evaluation") {
         track.push_back({i * kSecond, yaw(0), yaw(-off) * p + Vector3d(7, 8, 9)});
       }
       CHECK(is_near(heading_offset(track, marks, 9), off));
-      const WaypointErrors e = waypoint_errors(lay_over(track, marks, off), marks);
+      const WaypointErrors e = waypoint_errors(align_to_waypoints(track, marks, off), marks);
       CHECK(is_near(e.reference_m, 18));
       CHECK(is_near(e.estimate_m, 6 * 3.3));
       CHECK(is_near(e.distance_error(), 0.1));
       REQUIRE(e.position_m.size() == 6);
       CHECK(is_near(e.position_m[1], 0.6));
       CHECK(is_near(e.position_m[5], std::hypot(18 - 9.9, 9.9)));
-      const LegOracles legs = leg_oracles(track, marks, 9);
+      const LegErrors legs = leg_errors(track, marks, 9);
       CHECK(is_near(legs.true_headings_m[5], 1.8));
       CHECK(is_near(legs.true_lengths_m[5], 9 * std::sqrt(2.0)));
       REQUIRE(legs.heading_rad.size() == 6);

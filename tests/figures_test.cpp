@@ -8,7 +8,7 @@
 
 #include <opencv2/imgproc.hpp>
 
-#include "sdk/tools/evaluation/corner_follower.hpp"
+#include "sdk/tools/evaluation/corner_flow.hpp"
 #include "sdk/tools/evaluation/fix_figures.hpp"
 #include "sdk/tools/evaluation/gait_figures.hpp"
 #include "sdk/tools/evaluation/pose_consistency.hpp"
@@ -78,10 +78,10 @@ odo_step step_of(int64_t start_ns, int64_t end_ns, double length_m, double sigma
 TEST_CASE("a track that is correct up to position and heading has no error after either alignment") {
   const Trajectory truth = corner(60), track = moved(truth, 0.7, {20, 30, 0});
   CHECK(horizontal_error(truth, track, 30 * kSecond) > 10);
-  for (const double e : horizontal_errors(truth, started(truth, track, 12))) CHECK(e < 1e-9);
-  for (const double e : horizontal_errors(truth, started_by_pose(truth, track, 12))) CHECK(e < 1e-9);
+  for (const double e : horizontal_errors(truth, aligned_at_start(truth, track, 12))) CHECK(e < 1e-9);
+  for (const double e : horizontal_errors(truth, aligned_by_pose(truth, track, 12))) CHECK(e < 1e-9);
   const Trajectory small = moved(truth, 0.7, {20, 30, 0}, 0.5);
-  for (const double e : horizontal_errors(truth, started(truth, scaled_by_start(truth, small, 20), 12)))
+  for (const double e : horizontal_errors(truth, aligned_at_start(truth, scaled_by_start(truth, small, 20), 12)))
     CHECK(e < 1e-6);
 }
 
@@ -90,7 +90,7 @@ TEST_CASE("a track is rotated in all axes onto the first true pose") {
   const Quaterniond off(AngleAxisd(1.1, Vector3d(1, 2, 3).normalized()));
   Trajectory track = truth;
   for (StampedPose& x : track) x.p = off * x.p, x.q = off * x.q;
-  const Trajectory turned = turned_onto_first(truth, track);
+  const Trajectory turned = rotated_onto_first(truth, track);
   CHECK((turned.back().p - truth.back().p).norm() < 1e-9);
   CHECK(turned.back().q.angularDistance(truth.back().q) < 1e-9);
 }
@@ -198,7 +198,7 @@ TEST_CASE("steps are counted, timed and compared with the true ones") {
   CHECK(std::abs(f.mode_right_s / f.mode_all_s - 0.9) < 0.009);
   CHECK(f.tilt_deg.at(0) == doctest::Approx(2).epsilon(0.01));
   CHECK(f.drift_deg_min.at(0) == doctest::Approx(6).epsilon(0.01));
-  CHECK(f.wander_deg.at(0) == doctest::Approx(0.95 * 7).epsilon(0.02));
+  CHECK(f.heading_error_deg.at(0) == doctest::Approx(0.95 * 7).epsilon(0.02));
   std::vector<StampedPose> own;
   for (const TrueState& s : r.true_states) own.push_back({s.t_ns, s.q, s.p});
   CHECK(heading_drift(attitudes, own) == doctest::Approx(6).epsilon(0.01));
@@ -295,7 +295,7 @@ TEST_CASE("corners of a picture that moves by three pixels are tracked with that
                   cv::Scalar(random.uniform(0, 255)), cv::FILLED);
   auto c = make_message<odo_calibration>(ODO_TYPE_CALIBRATION, 0);
   c.model = ODO_CAMERA_PINHOLE, c.fx = c.fy = 300, c.cx = 160, c.cy = 120;
-  CornerFollower follower(12);
+  CornerFlowStatistics follower(12);
   for (int i = 0; i < 12; ++i) follower.add(wide(cv::Rect(3 * i, 0, 320, 240)).clone(), c);
   follower.finish();
   const TrackFigures& f = follower.figures;

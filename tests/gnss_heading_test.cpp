@@ -27,7 +27,7 @@ struct Change {
 };
 
 /// All yaws reported in a walk around two corners, with wandering positions and a jump.
-std::vector<PathHeading::Yaw> told_of(uint64_t seed, const Change& change) {
+std::vector<PathHeading::Yaw> yaws_of(uint64_t seed, const Change& change) {
   PathHeading path({});
   Random random(seed, 5);
   const double keep = std::exp(-1 / 20.0), kick = 6 * std::sqrt(1 - keep * keep), mirror = change.mirrored ? -1 : 1;
@@ -48,7 +48,7 @@ std::vector<PathHeading::Yaw> told_of(uint64_t seed, const Change& change) {
     path.add_position(t_ns, seen(place + error + Vector2d(s > 60 && s < 80 ? 40 : 0, 0)) + change.origin_m, 6);
     path.add_velocity(t_ns, seen(s > 4 ? Vector2d(2 * by) : Vector2d(0, 0)) + Vector2d::Constant(0), 0.4);
     if (s >= 4) place += 2 * by;
-    if (const auto news = path.news()) told.push_back(*news);
+    if (const auto news = path.new_information()) told.push_back(*news);
   }
   return told;
 }
@@ -69,28 +69,28 @@ void follows(const std::vector<PathHeading::Yaw>& plain, const std::vector<PathH
 
 TEST_CASE("the reported yaw of a path is independent of the offset of the attitude's heading") {
   for (const uint64_t seed : {1u, 2u, 3u}) {
-    const auto plain = told_of(seed, {});
+    const auto plain = yaws_of(seed, {});
     REQUIRE(plain.size() >= 4);
-    for (int k = 1; k < 72; ++k) follows(plain, told_of(seed, {.steps_rad = 0.0873 * k}), 1, -0.0873 * k, 1e-6);
+    for (int k = 1; k < 72; ++k) follows(plain, yaws_of(seed, {.steps_rad = 0.0873 * k}), 1, -0.0873 * k, 1e-6);
     // Reports of nearly half a turn may have either sign.
     for (const auto& yaw : plain)
       for (const double beside : {-0.01, 0.01})
-        follows(plain, told_of(seed, {.steps_rad = yaw.rad + M_PI + beside}), 1, -yaw.rad - M_PI - beside, 1e-6);
+        follows(plain, yaws_of(seed, {.steps_rad = yaw.rad + M_PI + beside}), 1, -yaw.rad - M_PI - beside, 1e-6);
   }
 }
 
 TEST_CASE("the yaw rotates with n, changes sign when mirrored, and is independent of time and origin") {
-  const auto plain = told_of(4, {});
+  const auto plain = yaws_of(4, {});
   REQUIRE(plain.size() >= 4);
   for (const double rotation : {0.4, 1.9, 3.1, -2.6})
-    follows(plain, told_of(4, {.places_rad = rotation}), 1, rotation, 1e-6);
-  follows(plain, told_of(4, {.mirrored = true}), -1, 0, 1e-6);
-  follows(plain, told_of(4, {.later_ns = 1'700'000'000'000'000'000}), 1, 0, 1e-6);
-  follows(plain, told_of(4, {.origin_m = {300, -500}}), 1, 0, 1e-3);  // of a position with a sigma of 100 km
+    follows(plain, yaws_of(4, {.places_rad = rotation}), 1, rotation, 1e-6);
+  follows(plain, yaws_of(4, {.mirrored = true}), -1, 0, 1e-6);
+  follows(plain, yaws_of(4, {.later_ns = 1'700'000'000'000'000'000}), 1, 0, 1e-6);
+  follows(plain, yaws_of(4, {.origin_m = {300, -500}}), 1, 0, 1e-3);  // of a position with a sigma of 100 km
 }
 
 TEST_CASE("a yaw offset is the attitude's error: positive if the path lies to the left of the positions") {
-  for (const auto& yaw : told_of(5, {.steps_rad = -0.8})) CHECK(apart(yaw.rad, 0.8) < 4 * yaw.sigma_rad + 0.2);
+  for (const auto& yaw : yaws_of(5, {.steps_rad = -0.8})) CHECK(apart(yaw.rad, 0.8) < 4 * yaw.sigma_rad + 0.2);
 }
 
 TEST_CASE("correlated errors, jumps and path corrections equal a reference calculation") {

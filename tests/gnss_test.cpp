@@ -121,7 +121,7 @@ void walk(PathHeading& path, uint64_t seed, double yaw, double velocity_sigma,
     if (velocity_sigma > 0)
       path.add_velocity(1'000'000'000LL * s, Eigen::Vector2d(s > 4 ? 1.35 : 0, 0) + off,
                         velocity_told > 0 ? velocity_told : velocity_sigma);
-    if (const auto told = path.news(); told && news) news->push_back(*told);
+    if (const auto told = path.new_information(); told && news) news->push_back(*told);
   }
 }
 
@@ -216,9 +216,9 @@ TEST_CASE("the successive reports of a yaw add up to its total information") {
 TEST_CASE("there is no heading without motion, and none from steps without positions") {
   PathHeading still({}), blind({});
   for (int s = 0; s < 60; ++s) still.add_position(1'000'000'000LL * s, {0.1 * (s % 3), 0}, 5);
-  CHECK_FALSE(still.news());
+  CHECK_FALSE(still.new_information());
   for (int s = 0; s < 60; ++s) blind.add_step(1'000'000'000LL * s, 1'000'000'000LL * (s + 1), 0.7, 0);
-  CHECK_FALSE(blind.news());
+  CHECK_FALSE(blind.new_information());
 }
 
 TEST_CASE(

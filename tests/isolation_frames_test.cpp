@@ -29,11 +29,11 @@ odo_frame grey_frame(const std::vector<uint8_t>& pixels, int number) {
   return frame;
 }
 
-/// Reports of test/keeper_vo about the frames it keeps, with this many frames in the session's store.
+/// Reports of test/retaining_vo about the frames it keeps, with this many frames in the session's store.
 std::vector<odo_vo_motion> keep(const std::string& isolation, int frames) {
-  const TestPlugins plugins{"keeper_vo"};
+  const TestPlugins plugins{"retaining_vo"};
   App app("odograph: 1\ntime_ordering: {frames: " + std::to_string(frames) +
-              "}\nvo_frontend: {plugin: test/keeper_vo, isolation: " + isolation + "}\n",
+              "}\nvo_frontend: {plugin: test/retaining_vo, isolation: " + isolation + "}\n",
           ODO_RUN_REPLAY, plugins.path());
   REQUIRE_MESSAGE(app.status == ODO_OK, app.message);
   const auto lens = calibration(kWidth, kHeight);

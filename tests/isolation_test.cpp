@@ -27,10 +27,10 @@ TEST_SUITE_BEGIN("isolation");
 
 namespace {
 
-const fs::path kZoo = fs::path(ODOGRAPH_BUILD) / "tests/zoo";
+const fs::path kFaultyPlugins = fs::path(ODOGRAPH_BUILD) / "tests/faulty_plugins";
 
-std::string install(const TemporaryFolder& folder, const std::string& animal, const std::string& kind) {
-  return install_unasked(folder, kZoo / (animal + ".so"), animal, "zoo/animal", kind);
+std::string install(const TemporaryFolder& folder, const std::string& faulty, const std::string& kind) {
+  return install_with_manifest(folder, kFaultyPlugins / (faulty + ".so"), faulty, "test/faulty", kind);
 }
 
 /// The poses and their states.
@@ -39,7 +39,7 @@ struct Outcome {
   std::string message;
   size_t poses = 0, degraded = 0;
   std::vector<std::string> said;  // reports about isolated plugins
-  bool says(const std::string& words) const {
+  bool contains(const std::string& words) const {
     return std::any_of(said.begin(), said.end(),
                        [&](const auto& text) { return text.find(words) != std::string::npos; });
   }
@@ -93,48 +93,48 @@ TEST_CASE("an isolated plugin's state is saved and loaded") {
 }
 
 TEST_CASE("the host continues and publishes poses with every faulty plugin isolated as a scale source or an odometry") {
-  size_t animals = 0, ended = 0;
-  for (const auto& entry : fs::directory_iterator(kZoo)) {
+  size_t run_count = 0, ended = 0;
+  for (const auto& entry : fs::directory_iterator(kFaultyPlugins)) {
     if (entry.path().extension() != ".so") continue;
-    const std::string animal = entry.path().stem().string();
+    const std::string faulty = entry.path().stem().string();
     for (const auto& each : std::map<std::string, std::string>{{"attitude", ODO_INTERFACE_ATTITUDE},
                                                                {"step_estimator", ODO_INTERFACE_STEP_ESTIMATOR},
                                                                {"scale_source", ODO_INTERFACE_SCALE_SOURCE}}) {
       const std::string &key = each.first, &kind = each.second;
       const TemporaryFolder folder;
-      const std::string plugins = install(folder, animal, kind);
-      CAPTURE(animal);
+      const std::string plugins = install(folder, faulty, kind);
+      CAPTURE(faulty);
       CAPTURE(key);
       // A good plugin of the kind comes first, so that poses do not depend on the faulty one.
       const std::string pipeline =
           "odograph: 1\nattitude:\n  - plugin: attitude/vqf\n" +
-          std::string(key == "attitude" ? "  - {plugin: zoo/animal, isolation: process, time_limit: 0.3 s}\n" : "") +
+          std::string(key == "attitude" ? "  - {plugin: test/faulty, isolation: process, time_limit: 0.3 s}\n" : "") +
           "step_estimator:\n  - plugin: step/renaudin2012\n" +
-          (key == "step_estimator" ? "  - {plugin: zoo/animal, isolation: process, time_limit: 0.3 s}\n" : "") +
+          (key == "step_estimator" ? "  - {plugin: test/faulty, isolation: process, time_limit: 0.3 s}\n" : "") +
           (key == "scale_source"
                ? "vo_frontend:\n  plugin: vo/five_point\nscale_source:\n  - plugin: "
-                 "scale/step_length\n  - {plugin: zoo/animal, isolation: process, time_limit: 0.3 s}\n"
+                 "scale/step_length\n  - {plugin: test/faulty, isolation: process, time_limit: 0.3 s}\n"
                : "");
       App app(pipeline, ODO_RUN_REPLAY, plugins);
-      ++animals;
+      ++run_count;
       const auto lens = calibration(64, 48);
       if (app.session) odo_session_push(app.session, &lens.header);
       for (int i = 0; app.session && i < 60; ++i)
         app.walk(5 * i, 5 * i + 5), app.frame(1'000'000'000 + 50'000'000LL * i);
       const Outcome out = walk(app, 300, 310);
       if (!app.session) {  // rejected with its name
-        CHECK(out.message.find(animal + ".so") != std::string::npos);
+        CHECK(out.message.find(faulty + ".so") != std::string::npos);
         continue;
       }
       if (key != "scale_source") CHECK(out.poses > 0);
-      ended += out.says("restarting") ? 1 : 0;
+      ended += out.contains("restarting") ? 1 : 0;
       odo_pose pose{};
       pose.header.struct_size = sizeof pose;
       CHECK(odo_session_get_pose(app.session, ODO_TIME_LATEST, &pose) == ODO_OK);
     }
   }
-  MESSAGE(animals << " times a plugin of the zoo, " << ended << " of them ended their process");
-  CHECK(animals >= 350);
+  MESSAGE(run_count << " times a faulty plugin, " << ended << " of them ended their process");
+  CHECK(run_count >= 350);
   CHECK(ended >= 10);
 }
 
@@ -147,27 +147,27 @@ TEST_CASE("the end of a plugin's process is reported with the plugin and the cal
       {"process_works__hangs", "took longer than 0.3 s in process"},
   };
   for (const auto& row : cases) {
-    const char *animal = row.first, *words = row.second;
+    const char *faulty = row.first, *words = row.second;
     const TemporaryFolder folder;
     std::string kind;
     for (const char* each : {ODO_INTERFACE_ATTITUDE, ODO_INTERFACE_STEP_ESTIMATOR, ODO_INTERFACE_SCALE_SOURCE}) {
-      const std::string plugins = install(folder, animal, each);
+      const std::string plugins = install(folder, faulty, each);
       const std::string key = each == std::string(ODO_INTERFACE_ATTITUDE)         ? "attitude"
                               : each == std::string(ODO_INTERFACE_STEP_ESTIMATOR) ? "step_estimator"
                                                                                   : "scale_source";
       std::string yaml = "odograph: 1\n";
       if (key != "attitude") yaml += "attitude:\n  plugin: attitude/vqf\n";
       if (key == "scale_source") yaml += "vo_frontend:\n  plugin: vo/five_point\n";
-      yaml += key + ":\n  {plugin: zoo/animal, isolation: process, time_limit: 0.3 s}\n";
+      yaml += key + ":\n  {plugin: test/faulty, isolation: process, time_limit: 0.3 s}\n";
       App app(yaml, ODO_RUN_REPLAY, plugins);
       if (!app.session) continue;
       const auto c = calibration(64, 48);
       odo_session_push(app.session, &c.header);
       for (int i = 0; i < 100; ++i) app.walk(10 * i, 10 * i + 10), app.frame(1'000'000'000 + 100'000'000LL * i);
       const Outcome out = walk(app, 1000, 1010);
-      if (out.says(std::string("zoo/animal: ")) && out.says(words)) kind = each;
+      if (out.contains(std::string("test/faulty: ")) && out.contains(words)) kind = each;
     }
-    CAPTURE(animal);
+    CAPTURE(faulty);
     CHECK_MESSAGE(!kind.empty(), words);
   }
 }
@@ -210,7 +210,7 @@ TEST_CASE("isolation adds less than 0.25 ms to a batch") {
 TEST_CASE("a plugin that crashes repeatedly waits longer each time, and is replaced by its fallback") {
   const TemporaryFolder folder;
   const std::string plugins = install(folder, "entry_loads__exit_in_static", ODO_INTERFACE_ATTITUDE);
-  const std::string chosen = "odograph: 1\nattitude: {plugin: zoo/animal, isolation: process";
+  const std::string chosen = "odograph: 1\nattitude: {plugin: test/faulty, isolation: process";
   {
     App app(chosen + "}\n", ODO_RUN_REPLAY, plugins);
     REQUIRE_MESSAGE(app.status == ODO_OK, app.message);
@@ -222,7 +222,7 @@ TEST_CASE("a plugin that crashes repeatedly waits longer each time, and is repla
   App app(chosen + ", fallback: attitude/vqf}\nstep_estimator: {plugin: step/renaudin2012}\n", ODO_RUN_REPLAY, plugins);
   REQUIRE_MESSAGE(app.status == ODO_OK, app.message);
   const Outcome out = walk(app, 0, 1000);
-  CHECK(out.says("attitude/vqf: replaces zoo/animal"));
+  CHECK(out.contains("attitude/vqf: replaces test/faulty"));
   CHECK(out.poses > 0);
 }
 
@@ -238,7 +238,7 @@ TEST_CASE("while a plugin restarts the pose continues as degraded, then as track
   CHECK(out.poses >= 15);
   CHECK(out.degraded >= 3);
   CHECK(out.degraded < out.poses / 2);
-  CHECK(out.says("test/crashing_attitude: was ended by a signal (Segmentation fault) in process; restarting"));
+  CHECK(out.contains("test/crashing_attitude: was ended by a signal (Segmentation fault) in process; restarting"));
 }
 
 TEST_CASE("a plugin that allocates without end fails alone" * doctest::skip(!kMemoryLimited)) {
@@ -326,9 +326,9 @@ TEST_CASE("events from a plugin's own thread are rejected and reported") {
   for (const char* isolation : {"none", "process"}) {
     CAPTURE(isolation);
     const TemporaryFolder folder;
-    fs::copy_file(fs::path(ODOGRAPH_BUILD) / "tests/zoo/life_emits_on_thread__own.so", folder / "one.so");
+    fs::copy_file(fs::path(ODOGRAPH_BUILD) / "tests/faulty_plugins/life_emits_on_thread__own.so", folder / "one.so");
     REQUIRE(write_manifest_beside(folder / "one.so").ok());
-    App app("odograph: 1\nattitude: {plugin: zoo/animal, isolation: " + std::string(isolation) + "}\n", ODO_RUN_REPLAY,
+    App app("odograph: 1\nattitude: {plugin: test/faulty, isolation: " + std::string(isolation) + "}\n", ODO_RUN_REPLAY,
             folder.path().string());
     REQUIRE_MESSAGE(app.status == ODO_OK, app.message);
     app.walk(0, 60);

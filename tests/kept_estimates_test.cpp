@@ -23,7 +23,7 @@ namespace {
 constexpr Tolerance kSame = {1e-6, false};
 
 /// A kind of walk: changes to the plain one, and further inputs of the estimator after each pose.
-struct Told {
+struct EstimatorCase {
   const char* name;
   std::function<void(WalkMeasurements&)> what = [](WalkMeasurements&) {};
   std::function<void(Composer&, double t_s)> beside = [](Composer&, double) {};
@@ -37,10 +37,10 @@ odo_barometer pressure(double t_s) {
 }
 
 odo_scale scale(double t_s) {
-  auto told = make_message<odo_scale>(ODO_TYPE_SCALE, MeasuredWalk::ns(t_s));
-  told.valid_from_ns = MeasuredWalk::ns(t_s - 1), told.valid_to_ns = MeasuredWalk::ns(t_s + 1);
-  told.scale = 1.9 + 0.02 * std::sin(3 * t_s), told.sigma = 0.1, told.displacement_m = 1;
-  return told;
+  auto one_case = make_message<odo_scale>(ODO_TYPE_SCALE, MeasuredWalk::ns(t_s));
+  one_case.valid_from_ns = MeasuredWalk::ns(t_s - 1), one_case.valid_to_ns = MeasuredWalk::ns(t_s + 1);
+  one_case.scale = 1.9 + 0.02 * std::sin(3 * t_s), one_case.sigma = 0.1, one_case.displacement_m = 1;
+  return cases;
 }
 
 /// Cycles through all parts of a fix.
@@ -55,8 +55,8 @@ void all_fixes(double t_s, odo_fix& fix) {
   }
 }
 
-const std::vector<Told>& all_told() {
-  static const std::vector<Told> told = {
+const std::vector<EstimatorCase>& all_cases() {
+  static const std::vector<EstimatorCase> cases = {
       {"plain"},
       {"known_scale", [](WalkMeasurements& w) { w.odometry.inverse_scale = 1, w.odometry.scale_sigma = 0.02; }},
       {"mount", [](WalkMeasurements& w) { w.q_b_c = Eigen::Quaterniond(0.3, 0.8, 0.4, -0.2).normalized(); }},
@@ -99,10 +99,10 @@ const std::vector<Told>& all_told() {
          s.given = s.heading_given = true, s.position_m = {3, -2, 1}, s.heading_rad = 0.4;
          return s;
        }()}};
-  return told;
+  return cases;
 }
 
-void add_held(Digest& digest, const HeldPose& held) {
+void add_held(Digest& digest, const RetainedPose& held) {
   digest.add("held.p_n_b", held.p_n_b.data(), 3);
   digest.add("held.q_n_b", held.q_n_b.coeffs().data(), 4);
   digest.add_blocks("held.own", held.own.data(), 6);
@@ -118,11 +118,11 @@ void add_estimate(Digest& digest, const Estimate& x) {
   digest.add("at.mean", x.velocity_is_mean);
 }
 
-std::string digest_of(const CouplingConfig& config, const Told& told) {
+std::string digest_of(const CouplingConfig& config, const EstimatorCase& one_case) {
   WalkMeasurements what;
-  if (told.what) told.what(what);
+  if (one_case.what) one_case.what(what);
   MeasuredWalk walk(walk_scenario(24), what, 5);
-  Composer composer(config, told.start, {.vo = what.camera, .scale = false});
+  Composer composer(config, one_case.start, {.vo = what.camera, .scale = false});
   Digest digest;
   std::vector<uint64_t> held;
   double next_held_s = 3;
@@ -153,17 +153,17 @@ std::string digest_of(const CouplingConfig& config, const Told& told) {
         digest.add("scale.by_steps", known.by_steps);
         digest.add("placed", composer.is_placed());
         if (t > next_held_s && held.size() < 4)
-          held.push_back(composer.hold_pose(MeasuredWalk::ns(t - 0.2))), next_held_s += 2;
-        if (told.beside) told.beside(composer, t);
+          held.push_back(composer.retain_pose(MeasuredWalk::ns(t - 0.2))), next_held_s += 2;
+        if (one_case.beside) one_case.beside(composer, t);
       },
       [&](const Correction& correction, const odo_pose&) {
         digest.add("correction.p", correction.p.data(), 3);
         digest.add("correction.q", correction.q.coeffs().data(), 4);
         digest.add("correction.reason", correction.reason);
       });
-  HeldPose pose;
+  RetainedPose pose;
   for (const uint64_t id : held)
-    if (composer.held_pose(id, pose)) add_held(digest, pose);
+    if (composer.retained_pose(id, pose)) add_held(digest, pose);
   if (composer.pose_now(pose)) digest.add_blocks("now.covariance", pose.now.data(), 6);
   return digest.text();
 }
@@ -176,22 +176,22 @@ TEST_CASE("the localizer's estimates are as kept with each kind of input") {
   if (!kept_for_this_machine()) return;
   CouplingConfig config;
   config.type = CouplingType::localizer;
-  for (const Told& told : all_told())
-    compare_kept(std::string("estimate_localizer_") + told.name, digest_of(config, told), kSame);
+  for (const EstimatorCase& one_case : all_cases())
+    compare_kept(std::string("estimate_localizer_") + one_case.name, digest_of(config, one_case), kSame);
 }
 
 TEST_CASE("the papers' rules give the kept estimates with each kind of input and each source of orientation") {
   if (!kept_for_this_machine()) return;
-  for (const Told& told : all_told())
-    if (const std::string name = told.name; name != "no_imu" && name != "pressure" && name != "scales")
-      compare_kept(std::string("estimate_paper_") + told.name, digest_of({}, told), kSame);
+  for (const EstimatorCase& one_case : all_cases())
+    if (const std::string name = one_case.name; name != "no_imu" && name != "pressure" && name != "scales")
+      compare_kept(std::string("estimate_paper_") + one_case.name, digest_of({}, one_case), kSame);
   CouplingConfig config;
   for (const auto& [name, orientation] :
        {std::pair("gyroscope", Orientation::gyroscope), std::pair("attitude", Orientation::attitude)}) {
     config.orientation = orientation, config.vertical = Vertical::scaled;
-    const auto mount = std::find_if(all_told().begin(), all_told().end(),
-                                    [](const Told& told) { return std::string(told.name) == "fixes_and_mount"; });
-    REQUIRE(mount != all_told().end());
+    const auto mount = std::find_if(all_cases().begin(), all_cases().end(),
+                                    [](const EstimatorCase& one_case) { return std::string(one_case.name) == "fixes_and_mount"; });
+    REQUIRE(mount != all_cases().end());
     compare_kept(std::string("estimate_paper_") + name, digest_of(config, *mount), kSame);
   }
 }

@@ -16,7 +16,7 @@ namespace {
 
 constexpr Tolerance kSame = {1e-6, false};
 
-const std::vector<AnyMessage>& troubled_walk() {
+const std::vector<AnyMessage>& disturbed_walk() {
   static const DisturbedWalk walk;
   return walk.messages;
 }
@@ -66,13 +66,13 @@ std::string digest_of(const std::vector<Choice>& choices) {
   for (const Choice& choice : choices) {
     CAPTURE(std::string(choice.plugin));
     PluginRun run(choice.plugin, choice.settings);
-    const auto events = run(troubled_walk());
+    const auto events = run(disturbed_walk());
     CHECK(events.size() >= choice.at_least);
     const std::string of = std::to_string(10 + number++) + "_" + choice.plugin;
     for (const auto& event : events)
-      add(digest, of + "." + message_name(event.header().type), event.header(), troubled_walk().front().header().t_ns);
+      add(digest, of + "." + message_name(event.header().type), event.header(), disturbed_walk().front().header().t_ns);
     run.reset();
-    CHECK(same_events(events, run(troubled_walk())));
+    CHECK(same_events(events, run(disturbed_walk())));
   }
   return digest.text();
 }

@@ -21,7 +21,7 @@ Pose beside(const Pose& pose, double right_m) {
 
 TEST_CASE("a second copy in the plane is recognised from a part of it, through every lens and in shadow") {
   const PlaneObject o = poster();
-  const Surroundings surroundings({}, {o});
+  const CopySearch copy_search({}, {o});
   for (int kind = 0; kind < 3; ++kind)
     for (const double oblique : {0.0, 25.0, 50.0})
       for (const double right_m : {-1.45, -1.25, 1.25, 1.45}) {
@@ -33,18 +33,18 @@ TEST_CASE("a second copy in the plane is recognised from a part of it, through e
         const Pose pose = scene.pose(o), second = beside(pose, right_m);
         PosterCamera::Shot shot;
         shot.shadow = 0.6, shot.noise = 4;
-        const auto both = surroundings.look(
+        const auto both = copy_search.search(
             0, frame_of({flat(o, o.picture, pose), flat(o, o.picture, second)}, c, shot), {}, lens_of(c), pose);
-        CHECK(both.twin);
+        CHECK(both.has_copy);
         CHECK(both.offset_m.x() == doctest::Approx(right_m).epsilon(0.06));
-        const auto single = surroundings.look(0, frame_of({flat(o, o.picture, pose)}, c, shot), {}, lens_of(c), pose);
-        CHECK_FALSE(single.twin);
+        const auto single = copy_search.search(0, frame_of({flat(o, o.picture, pose)}, c, shot), {}, lens_of(c), pose);
+        CHECK_FALSE(single.has_copy);
         CHECK(single.clear[0]);
         CHECK(single.clear[1]);
         // Another board of the same layout beside it is not a copy.
-        const auto other = surroundings.look(
+        const auto other = copy_search.search(
             0, frame_of({flat(o, o.picture, pose), flat(o, poster(2).picture, second)}, c, shot), {}, lens_of(c), pose);
-        CHECK_FALSE(other.twin);
+        CHECK_FALSE(other.has_copy);
       }
   // A third of it in the picture, from the side.
   const odo_calibration c = calibration(0);
@@ -56,19 +56,19 @@ TEST_CASE("a second copy in the plane is recognised from a part of it, through e
     scene.R_n_c = Eigen::AngleAxisd(-0.01, Vector3d::UnitZ()).toRotationMatrix() * scene.R_n_c;
     second = beside(scene.pose(o), 1.25);
   }
-  CHECK(surroundings
-            .look(0, frame_of({flat(o, o.picture, scene.pose(o)), flat(o, o.picture, second)}, c), {}, lens_of(c),
+  CHECK(copy_search
+            .search(0, frame_of({flat(o, o.picture, scene.pose(o)), flat(o, o.picture, second)}, c), {}, lens_of(c),
                   scene.pose(o))
-            .twin);
+            .has_copy);
 }
 
 TEST_CASE("a side that is outside the picture or masked is not clear") {
   const PlaneObject o = poster();
-  const Surroundings surroundings({}, {o});
+  const CopySearch copy_search({}, {o});
   const odo_calibration c = calibration(0);
   const Scene scene(o, 5, 0), aside(o, 2.2, 0, -0.8);  // the latter does not see its left rim
   const auto look = [&](const Scene& s, const cv::Mat& mask) {
-    return surroundings.look(0, frame_of({flat(o, o.picture, s.pose(o))}, c), mask, lens_of(c), s.pose(o)).clear;
+    return copy_search.search(0, frame_of({flat(o, o.picture, s.pose(o))}, c), mask, lens_of(c), s.pose(o)).clear;
   };
   CHECK(look(scene, {})[0]);
   CHECK(look(scene, {})[1]);
@@ -85,21 +85,21 @@ TEST_CASE(
     "copy") {
   const PlaneObject o = poster();
   const Scene scene(o, 5, 0.3);
-  Judge judge({});
+  SightingValidator validator({});
   const auto told = [&](const Prior& prior, std::array<bool, kSides> first, std::array<bool, kSides> then) {
-    judge.forget();
+    validator.clear();
     bool any = false;
     for (int k = 0; k < 12; ++k) {
       Sighting s = sighting_of(scene, o, k * 100'000'000LL, -1);
       s.clear = k < 6 ? first : then;
-      any = any || judge.judge(s, o, lens_of(calibration(0)), prior);
+      any = any || validator.validate(s, o, lens_of(calibration(0)), prior);
     }
     return any;
   };
   const std::array<bool, kSides> left = {true, false, true, true}, right = {false, true, true, true};
   CHECK_FALSE(told(scene.prior(), left, left));
   CHECK_FALSE(told(scene.prior(), right, right));
-  CHECK(judge.refusals().beside > 0);
+  CHECK(validator.rejections().possible_copy > 0);
   CHECK(told(scene.prior(), left, right));  // one after the other
   Prior prior = scene.prior();
   prior.horizontal_sigma_m = 0.3;  // a copy 1.2 m to the side is four sigmas away
@@ -117,11 +117,11 @@ TEST_CASE("passing the copy first, with the original out of the picture, gives n
   const odo_calibration c = calibration(0);
   const RollingLens lens = lens_of(c);
   const double spacing_m = 1.3;
-  Judge::Parameters careless;
-  careless.unseen_copy = -1e9;
-  const auto pass = [&](bool alone, const Judge::Parameters& parameters) {
+  SightingValidator::Parameters without_copy_check;
+  without_copy_check.unobserved_copy = -1e9;
+  const auto pass = [&](bool alone, const SightingValidator::Parameters& parameters) {
     Finder finder({}, {o});
-    Judge judge(parameters);
+    SightingValidator validator(parameters);
     std::vector<double> error_m;
     // To the right along the wall at 2.5 m; the copy hangs on the left, or there is none.
     for (int k = 0; k < 30; ++k) {
@@ -134,12 +134,12 @@ TEST_CASE("passing the copy first, with the original out of the picture, gives n
       std::vector<FlatPicture> hung = {flat(o, o.picture, pose)};
       if (!alone) hung.push_back(flat(o, o.picture, beside(pose, -spacing_m)));
       for (const Sighting& s : finder.find(t, frame_of(hung, c), {}, lens, {}))
-        if (const auto e = judge.judge(s, o, lens, scene.prior())) error_m.push_back((e->p_n - scene.p_n).norm());
+        if (const auto e = validator.validate(s, o, lens, scene.prior())) error_m.push_back((e->p_n - scene.p_n).norm());
     }
     return error_m;
   };
   CHECK(pass(false, {}).empty());
-  const auto wrong = pass(false, careless);  // result without the check
+  const auto wrong = pass(false, without_copy_check);  // result without the check
   REQUIRE_FALSE(wrong.empty());
   CHECK(wrong.front() == doctest::Approx(spacing_m).epsilon(0.1));
   const auto right = pass(true, {});

@@ -24,7 +24,7 @@ struct Walker {
     Finder::Parameters finder;
     finder.search_interval_s = 0;
     auto result =
-        std::make_unique<ObjectFixer>(ObjectFixer::Parameters{}, finder, Judge::Parameters{}, std::vector{object});
+        std::make_unique<ObjectFixer>(ObjectFixer::Parameters{}, finder, SightingValidator::Parameters{}, std::vector{object});
     result->set_mount(Eigen::Quaterniond::Identity(), Vector3d::Zero());
     return result;
   }

@@ -9,7 +9,7 @@
 
 #include <opencv2/imgproc.hpp>
 
-#include "plugins/fix/known_object/judge.hpp"
+#include "plugins/fix/known_object/sighting_validator.hpp"
 #include "sdk/host/messages/messages.hpp"
 #include "sdk/tools/simulation/poster.hpp"
 #include "sdk/tools/simulation/random.hpp"
@@ -130,12 +130,12 @@ inline Sighting sighting_of(const Scene& scene, const PlaneObject& o, int64_t t_
   return s;
 }
 
-inline std::optional<Estimate> after_frames(Judge& judge, const Scene& scene, const PlaneObject& o, const Prior& prior,
+inline std::optional<Estimate> after_frames(SightingValidator& validator, const Scene& scene, const PlaneObject& o, const Prior& prior,
                                             int frames, double cost_of_other = -1, int first = 0) {
   std::optional<Estimate> last;
   for (int k = first; k < first + frames; ++k)
     if (auto e =
-            judge.judge(sighting_of(scene, o, k * 100'000'000LL, cost_of_other), o, lens_of(calibration(0)), prior))
+            validator.validate(sighting_of(scene, o, k * 100'000'000LL, cost_of_other), o, lens_of(calibration(0)), prior))
       last = e;
   return last;
 }

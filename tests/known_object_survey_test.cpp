@@ -66,14 +66,14 @@ TEST_CASE("survey errors of the corners shift and rotate the camera as the covar
   using namespace known_object_tests;
   PlaneObject o = poster();
   o.sigma_m = 0.02;
-  Judge::Parameters p;
+  SightingValidator::Parameters p;
   p.confirmations = 1, p.focal_sigma = 0, p.pixel_sigma = 1e-3;
   for (const double oblique_rad : {-0.6, 0.0, 0.9}) {
     CAPTURE(oblique_rad);
     const known_object_tests::Scene scene(o, 4, oblique_rad);
     Sighting sighting = sighting_of(scene, o, 0, -1);
     sighting.poses[0].information *= 1e6;
-    const auto told = Judge(p).judge(sighting, o, lens_of(calibration(0)), scene.prior());
+    const auto told = SightingValidator(p).validate(sighting, o, lens_of(calibration(0)), scene.prior());
     REQUIRE(told);
     Random random(5, 1);
     Eigen::Matrix<double, 3, 4> stated, true_o;

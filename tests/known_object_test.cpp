@@ -65,7 +65,7 @@ TEST_CASE("a poster is found from the side, and mirrored, exchanged and doubled 
   const RollingLens lens = lens_of(c);
   Finder finder({}, {o});
   const auto look = [&](const std::vector<FlatPicture>& pictures) {
-    finder.forget();
+    finder.clear();
     return finder.find(1'000'000'000, frame_of(pictures, c), {}, lens, {});
   };
   for (const double oblique : {0.0, 30.0, 55.0}) {
@@ -136,83 +136,83 @@ TEST_CASE("a tag is found and tracked, another number is not") {
 TEST_CASE("of a plane's two poses the better or the possible one is used, or none") {
   const PlaneObject o = poster();
   const Scene scene(o, 5, 0.6);
-  Judge judge({});
-  const auto clear = after_frames(judge, scene, o, scene.prior(), 5, 30);
+  SightingValidator validator({});
+  const auto clear = after_frames(validator, scene, o, scene.prior(), 5, 30);
   REQUIRE(clear);
   CHECK((clear->p_n - scene.p_n).norm() < 0.04);
   // Equal by the picture: the other one is 5 m away, which the prior excludes.
-  judge.forget();
+  validator.clear();
   Prior prior = scene.prior();
   prior.horizontal_sigma_m = 0.3;
-  CHECK(after_frames(judge, scene, o, prior, 5, 1));
-  judge.forget();
+  CHECK(after_frames(validator, scene, o, prior, 5, 1));
+  validator.clear();
   prior.placed = false;
-  CHECK_FALSE(after_frames(judge, scene, o, prior, 20, 1));
-  CHECK(judge.refusals().ambiguous > 0);
+  CHECK_FALSE(after_frames(validator, scene, o, prior, 20, 1));
+  CHECK(validator.rejections().ambiguous > 0);
 }
 
 TEST_CASE("a tilted or misplaced object is rejected") {
   const PlaneObject o = poster();
   const Scene scene(o, 5, 0.3);
-  Judge judge({});
+  SightingValidator validator({});
   Prior prior = scene.prior();
   prior.q_n_c = Eigen::Quaterniond(Eigen::AngleAxisd(10 * kDegree, Vector3d::UnitX())) * prior.q_n_c;
-  CHECK_FALSE(after_frames(judge, scene, o, prior, 20));
-  CHECK(judge.refusals().not_upright == 20);
+  CHECK_FALSE(after_frames(validator, scene, o, prior, 20));
+  CHECK(validator.rejections().not_upright == 20);
   prior = scene.prior();
   prior.p_n += Vector3d(0, 12, 0);
-  CHECK_FALSE(after_frames(judge, scene, o, prior, 20));
-  CHECK(judge.refusals().elsewhere == 20);
+  CHECK_FALSE(after_frames(validator, scene, o, prior, 20));
+  CHECK(validator.rejections().implausible_position == 20);
   prior = scene.prior();
   prior.q_n_c = Eigen::Quaterniond(Eigen::AngleAxisd(60 * kDegree, Vector3d::UnitZ())) * prior.q_n_c;
-  CHECK_FALSE(after_frames(judge, scene, o, prior, 20));
+  CHECK_FALSE(after_frames(validator, scene, o, prior, 20));
   for (const double off_m : {4.0, 6.0}) {  // 3.5 sigmas and a metre
-    judge.forget();
+    validator.clear();
     prior = scene.prior();
     prior.p_n += Vector3d(0, off_m, 0), prior.horizontal_sigma_m = 1;
-    CHECK(after_frames(judge, scene, o, prior, 20).has_value() == (off_m < 4.5));
+    CHECK(after_frames(validator, scene, o, prior, 20).has_value() == (off_m < 4.5));
   }
-  judge.forget();
+  validator.clear();
   // 12 m off after a path of 300 m is drift, which the object corrects.
   prior = scene.prior();
   prior.p_n += Vector3d(0, 12, 0), prior.path_m = 300;
-  CHECK(after_frames(judge, scene, o, prior, 5));
+  CHECK(after_frames(validator, scene, o, prior, 5));
 }
 
 TEST_CASE("the drift allowance counts from the last fix, not from the start of the walk") {
   const PlaneObject o = poster();
   const Scene scene(o, 5, 0.3);
-  Judge judge({});
+  SightingValidator validator({});
   Prior prior = scene.prior();
   prior.path_m = 300;
-  REQUIRE(after_frames(judge, scene, o, prior, 5));
+  REQUIRE(after_frames(validator, scene, o, prior, 5));
   prior.path_m = 320;  // 3.5 sigmas, a metre, and a metre of drift
   prior.p_n += Vector3d(0, 9, 0);
-  CHECK_FALSE(after_frames(judge, scene, o, prior, 20, -1, 200));
-  CHECK(judge.refusals().elsewhere == 20);
+  CHECK_FALSE(after_frames(validator, scene, o, prior, 20, -1, 200));
+  CHECK(validator.rejections().implausible_position == 20);
   prior.path_m = 600;
-  CHECK(after_frames(judge, scene, o, prior, 20, -1, 400));
+  CHECK(after_frames(validator, scene, o, prior, 20, -1, 400));
 }
 
 TEST_CASE("standing in front of the object gives a fix that later ones while walking do not replace") {
   const PlaneObject o = poster();
   const Scene scene(o, 3, 0.1), grazing(o, 3, 1.1);
-  Judge judge({});
-  CHECK_FALSE(after_frames(judge, scene, o, scene.prior(), 2));  // not confirmed
-  auto e = after_frames(judge, scene, o, scene.prior(), 3, -1, 2);
+  SightingValidator validator({});
+  CHECK_FALSE(after_frames(validator, scene, o, scene.prior(), 2));  // not confirmed
+  auto e = after_frames(validator, scene, o, scene.prior(), 3, -1, 2);
   REQUIRE(e);
   CHECK_FALSE(e->standing);
-  e = after_frames(judge, scene, o, scene.prior(), 40, -1, 5);
+  e = after_frames(validator, scene, o, scene.prior(), 40, -1, 5);
   REQUIRE(e);
   CHECK(e->standing);
-  CHECK_FALSE(after_frames(judge, grazing, o, grazing.prior(), 20, -1, 45));
+  CHECK_FALSE(after_frames(validator, grazing, o, grazing.prior(), 20, -1, 45));
 }
 
 TEST_CASE("distant views have less weight than near ones") {
   const PlaneObject o = poster();
   const auto told = [&](const Scene& scene) {
-    Judge judge({});
-    const auto e = after_frames(judge, scene, o, scene.prior(), 5);
+    SightingValidator validator({});
+    const auto e = after_frames(validator, scene, o, scene.prior(), 5);
     REQUIRE(e);
     return e->covariance_n.trace();
   };

@@ -107,7 +107,7 @@ TEST_SUITE("localizer") {
     seen.residual[0] = 3;
     seen.H(0, kNorth) = seen.H(0, kBarometer) = 1;
     seen.noise(0, 0) = 1;
-    const auto result = localizer.update(seen, 0, these({kBarometer}));
+    const auto result = localizer.update(seen, 0, only({kBarometer}));
     CHECK(result.accepted);
     CHECK(std::abs(result.nis - 9.0 / 10) < 1e-12);
     CHECK(std::abs(localizer.x[kNorth] - (1 + 3 * 4.0 / 10)) < 1e-12);
@@ -179,14 +179,14 @@ TEST_SUITE("localizer") {
   TEST_CASE("A held pose is corrected by a later fix through their correlation") {
     Composer composer(coupling(CouplingType::localizer), given_start(), {true, false});
     walk(composer, 1, 100);
-    const uint64_t id = composer.hold_pose(kStart_ns + 50 * kFrame_ns);
-    HeldPose before, after;
-    REQUIRE(composer.held_pose(id, before));
+    const uint64_t id = composer.retain_pose(kStart_ns + 50 * kFrame_ns);
+    RetainedPose before, after;
+    REQUIRE(composer.retained_pose(id, before));
     walk(composer, 101, 150);
     const odo_fix fix = north_east(kStart_ns + 150 * kFrame_ns, position(composer) + Vector3d(0.2, 0.1, 0), 0.1);
     const Vector3d now = position(composer);
     REQUIRE(composer.update(&fix).accepted);
-    REQUIRE(composer.held_pose(id, after));
+    REQUIRE(composer.retained_pose(id, after));
     const double held_m = (after.p_n_b - before.p_n_b).norm(), now_m = (position(composer) - now).norm();
     CHECK(held_m > 0.1 * now_m);
     CHECK(held_m < now_m);
@@ -347,11 +347,11 @@ TEST_SUITE("localizer") {
     steps.reset(localizer);
     localizer.set(kLogFactor, 0.3, 1e-6);
     const odo_step step = step_of(kStart_ns, kStart_ns + 5 * kFrame_ns, 0.7);
-    steps.go_on(localizer, step, true);
+    steps.propagate(localizer, step, true);
     localizer.set(kLogFactor, 0.3, 1e-6);
-    for (int i = 0; i < 200; ++i) steps.go_on(localizer, step, true);
+    for (int i = 0; i < 200; ++i) steps.propagate(localizer, step, true);
     CHECK(std::abs(localizer.x[kLogFactor] - 0.3 / std::exp(1)) < 1e-3);
-    for (int i = 0; i < 5000; ++i) steps.go_on(localizer, step, true);
+    for (int i = 0; i < 5000; ++i) steps.propagate(localizer, step, true);
     CHECK(std::abs(localizer.sigma(kLogFactor) - 0.10) < 1e-3);
   }
 

@@ -143,8 +143,8 @@ class MeasuredWalk {
       for (int i = 0; i < 2; ++i) tilt_[i] = 0.015 * random_.normal();
     }
     Eigen::Quaterniond q = exp_rotation(tilt_) * Eigen::Quaterniond(state.T_n_b.linear());
-    if (!told_attitude_) q = exp_rotation(w_.first_tilt_rad * Eigen::Vector3d::UnitX()) * q;
-    told_attitude_ = true;
+    if (!has_first_attitude_) q = exp_rotation(w_.first_tilt_rad * Eigen::Vector3d::UnitX()) * q;
+    has_first_attitude_ = true;
     if (w_.compass_sigma_rad > 0) {
       a.header.flags |= ODO_ATTITUDE_MAGNETIC_NORTH;
       a.covariance_n[8] = w_.compass_sigma_rad * w_.compass_sigma_rad;
@@ -241,7 +241,7 @@ class MeasuredWalk {
   Eigen::Quaterniond q_b_c_;
   Eigen::Vector3d p_b_c_{0.03, 0.06, -0.005};
   double log_units_, log_factor_, step_offset_;
-  bool tilted_ = false, told_attitude_ = false;
+  bool tilted_ = false, has_first_attitude_ = false;
   Eigen::Vector3d tilt_ = Eigen::Vector3d::Zero();
   Eigen::Vector3d error_m_ = Eigen::Vector3d::Zero(), error_rad_ = Eigen::Vector3d::Zero(),
                   turned_rad_ = Eigen::Vector3d::Zero(), map_n_ = Eigen::Vector3d::Zero(),

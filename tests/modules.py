@@ -36,12 +36,12 @@ SYSTEM = re.compile(r"#\s*include\s*<((sys|linux|mach|netinet|arpa)/[^>]*|unistd
                     r"|\b(_WIN32|__APPLE__|__ANDROID__|__EMSCRIPTEN__)\b")
 PLUGIN_HOST = "sdk/host/plugin_host/"
 SYSTEM_FILES = {PLUGIN_HOST + name for name in (
-    "call_filter.cpp", "file_rules.cpp", "host_main.cpp", "keeper.cpp", "library_check.cpp", "process_backend.cpp", "process_backend.hpp", "sandbox.cpp",
+    "call_filter.cpp", "file_rules.cpp", "host_main.cpp", "supervisor.cpp", "library_check.cpp", "process_backend.cpp", "process_backend.hpp", "sandbox.cpp",
     "sealed_copy.cpp", "shared_memory.cpp", "shared_pixels.cpp", "thread_gate.cpp", "thread_gate.hpp")}
 # Of the tools, which run on a developer's machine: child processes, pipes, the terminal.
 SYSTEM_FILES |= {"sdk/tools/" + name for name in (
     "console/console.cpp", "replay/marked_run.cpp", "replay/picture_source.cpp", "replay/run_files.cpp", "validator/child.cpp", "validator/entry_cases.cpp",
-    "validator/fault_cases.cpp", "validator/life_cases.cpp", "validator/subject.cpp")}
+    "validator/fault_cases.cpp", "validator/life_cases.cpp", "validator/plugin_driver.cpp")}
 LOUD = re.compile(r"std::(cout|cerr|exit|getenv)|(?<!sn)(?<!vsn)printf *\(|[^a-z_]getenv *\(")
 
 wrong = []

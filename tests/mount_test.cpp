@@ -81,7 +81,7 @@ TEST_CASE("the camera's covariance is the body's, propagated over the lever arm"
   double worst = 0, told = 0;
   walk.run(composer, [&](double, const odo_pose&) {
     Estimate newest;
-    HeldPose body;
+    RetainedPose body;
     if (composer.at(INT64_MIN, newest) != ODO_OK || !composer.pose_now(body)) return;
     if (newest.p_n_b != body.p_n_b || !(newest.pose.header.flags & ODO_POSE_POSITION)) return;  // of another time
     const Vector3d lever_n = body.q_n_b * walk.p_b_c();
@@ -120,20 +120,20 @@ TEST_CASE("heading uncertainty gives position uncertainty across the path, in pr
   CouplingConfig config;
   config.orientation = Orientation::attitude;
   PaperTrack coupling(config, {}, {true, true});
-  const auto tell_attitude = [&](int64_t t_ns) {
+  const auto add_attitude = [&](int64_t t_ns) {
     odo_attitude a = attitude(t_ns, Quaterniond::Identity());
     a.header.flags |= ODO_ATTITUDE_MAGNETIC_NORTH;
     a.covariance_n[8] = 0.01;  // of the heading, rad^2
     coupling.on_attitude(a);
   };
-  tell_attitude(0);
+  add_attitude(0);
   coupling.on_first_frame(0);
   auto scale = make_message<odo_scale>(ODO_TYPE_SCALE, 0);
   scale.header.flags = ODO_SCALE_HORIZONTAL;
   scale.scale = 1;
   odo_pose pose{};
   for (int64_t k = 1; k <= 2; ++k) {
-    tell_attitude(k * kSecond);
+    add_attitude(k * kSecond);
     auto motion = make_message<odo_vo_motion>(ODO_TYPE_VO_MOTION, k * kSecond);
     motion.header.flags = ODO_VO_ROTATION | ODO_VO_TRANSLATION;
     motion.t_from_ns = (k - 1) * kSecond;

@@ -20,12 +20,12 @@ struct Radio {
   static std::vector<odo::Parameter<Radio>> parameters() { return {}; }
   static inline const odo::Output* newest = nullptr;
   static inline std::atomic<int> calls{0};
-  static inline std::atomic<bool> asks_again{false};
+  static inline std::atomic<bool> requests_wake{false};
   void configured(odo::Output& output) { newest = &output; }
   void on(const odo_imu& imu, odo::Output&) { last_ns = imu.header.t_ns; }
   void woken(odo::Output& output) {
     ++calls;
-    if (asks_again) output.wake();
+    if (requests_wake) output.wake();
     auto attitude = odo::make<odo_attitude>(last_ns);
     attitude.q_n_b[0] = 1;
     output.emit(attitude);
@@ -131,10 +131,10 @@ TEST_CASE("a plugin that requests it is called without a message, at the latest 
   odo_session_flush(app.session);
   CAPTURE(app.said());
   CHECK(app.all<odo_attitude>(ODO_TYPE_ATTITUDE).size() == 1);  // one call serves several requests
-  Radio::asks_again = true;
+  Radio::requests_wake = true;
   CHECK(Radio::newest->wake());
   CHECK(odo_session_flush(app.session) == ODO_OK);  // returns although each call requests another
-  Radio::asks_again = false;
+  Radio::requests_wake = false;
 }
 
 TEST_CASE("a live session calls a plugin on request while no sample arrives") {

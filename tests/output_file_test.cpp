@@ -53,7 +53,7 @@ TEST_CASE("a chain of 39 links is followed") {
 }
 
 TEST_CASE("a new file is written beside its destination or in place, as requested, and an existing one always beside") {
-  for (const auto beside : {OutputFile::Beside::always, OutputFile::Beside::if_exists})
+  for (const auto beside : {OutputFile::PartFile::always, OutputFile::PartFile::if_exists})
     for (const bool exists : {false, true}) {
       const TemporaryFolder folder;
       const fs::path file = folder / "out.txt";
@@ -62,7 +62,7 @@ TEST_CASE("a new file is written beside its destination or in place, as requeste
       fs::create_symlink("stranger", folder / "out.txt.part");
       auto out = OutputFile::create(file, beside);
       REQUIRE(out.ok());
-      const bool apart = exists || beside == OutputFile::Beside::always;
+      const bool apart = exists || beside == OutputFile::PartFile::always;
       CHECK((fs::is_regular_file(fs::symlink_status(folder / "out.txt.part"))) == apart);
       CHECK(fs::exists(file) == (exists || !apart));
       OutputFile moved(std::move(*out));
@@ -88,9 +88,9 @@ TEST_CASE("abandoned output stays, and dropped output beside an existing file is
 }
 
 TEST_CASE("two writers of one destination exclude each other, in either mode and through links") {
-  using Beside = OutputFile::Beside;
-  for (const auto first : {Beside::always, Beside::if_exists})
-    for (const auto second : {Beside::always, Beside::if_exists})
+  using PartFile = OutputFile::PartFile;
+  for (const auto first : {PartFile::always, PartFile::if_exists})
+    for (const auto second : {PartFile::always, PartFile::if_exists})
       for (const bool exists : {false, true}) {
         const TemporaryFolder folder;
         const fs::path file = folder / "out.txt";

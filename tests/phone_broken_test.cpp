@@ -43,7 +43,7 @@ void replace(const fs::path& file, const std::string& from, const std::string& t
 }
 
 /// The first row's part up to the second comma, replaced.
-void spoil_row(const fs::path& file, const std::string& row) {
+void corrupt_row(const fs::path& file, const std::string& row) {
   const std::string text = read_text(file);
   const size_t head = text.find('\n') + 1;
   write_text(file, text.substr(0, head) + row + "\n" + text.substr(head));
@@ -64,10 +64,10 @@ std::vector<Broken> broken_sensor_logger() {
        [](const fs::path& f) { replace(f / "Gyroscope.csv", "z,y,x", "z,y,w"); },
        {"Gyroscope.csv", "no column 'x'"}},
       {1,
-       [](const fs::path& f) { spoil_row(f / "Gyroscope.csv", "1.7818E+18,0,0,0,0"); },
+       [](const fs::path& f) { corrupt_row(f / "Gyroscope.csv", "1.7818E+18,0,0,0,0"); },
        {"Gyroscope.csv:2", "'time'", "spreadsheet"}},
       {1,
-       [](const fs::path& f) { spoil_row(f / "Gyroscope.csv", "1781801311000000000,0,0.1,abc,0"); },
+       [](const fs::path& f) { corrupt_row(f / "Gyroscope.csv", "1781801311000000000,0,0.1,abc,0"); },
        {"Gyroscope.csv:2", "'y'", "abc"}},
       {0,
        [](const fs::path& f) {
@@ -99,7 +99,7 @@ std::vector<Broken> broken_others() {
   const auto without = [](const char* name) { return [name](const fs::path& folder) { fs::remove(folder / name); }; };
   return {
       {5,
-       [](const fs::path& f) { spoil_row(f / "data.jsonl", "{\"sensor\":"); },
+       [](const fs::path& f) { corrupt_row(f / "data.jsonl", "{\"sensor\":"); },
        {"data.jsonl:2", "not a JSON object"}},
       {5, [](const fs::path& f) { write_text(f / "calibration.json", "{}"); }, {"calibration.json", "no 'cameras'"}},
       {5,

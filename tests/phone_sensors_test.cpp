@@ -112,7 +112,7 @@ TEST_CASE("acceleration and warming change the gyro bias, and the truth's bias i
 
 TEST_CASE("outliers have the requested frequency, and some exceed the sensor's range") {
   Scenario s = walk_of(60);
-  s.imu.wild_interval_s = 4;
+  s.imu.outlier_interval_s = 4;
   const auto samples = imu_of(recorded(s, 3));
   size_t outside = 0, spikes = 0;
   for (const odo_imu& sample : samples) {
@@ -289,7 +289,7 @@ TEST_CASE("excitation: S is the motion beyond a quadratic, N the error beyond on
   CHECK(e.windows == 19);
   CHECK(std::abs(e.motion_m - swing_m / std::sqrt(2.0)) < 0.05 * swing_m / std::sqrt(2.0));
   CHECK(std::abs(e.error_m - wrong_m / std::sqrt(2.0)) < 0.08 * wrong_m / std::sqrt(2.0));
-  CHECK(std::abs(e.pull - 9.0 / 13) < 0.1 * 9.0 / 13);
+  CHECK(std::abs(e.attenuation - 9.0 / 13) < 0.1 * 9.0 / 13);
   // Standing segments are excluded; a track that never moves has the whole motion as its error.
   Pairs standing = pairs;
   for (auto& p : standing.reference) p.p *= 0.01;

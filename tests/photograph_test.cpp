@@ -59,7 +59,7 @@ Quaterniond camera(double heading, double pitch, double roll = 0) {
 /// The sky's edge in a picture of 70 by 54 degrees.
 std::vector<SkyEdge> seen_in(const std::vector<Edge>& houses, const Vector3d& p_n, const Quaterniond& q_n_c) {
   City city(houses);
-  city.look_near(p_n, 1, 0.01);
+  city.select_near_edges(p_n, 1, 0.01);
   Horizon horizon;
   city.horizon(p_n, horizon);
   std::vector<SkyEdge> edges;

@@ -8,7 +8,7 @@
 
 #include <doctest/doctest.h>
 
-#include "sdk/tools/validator/bench.hpp"
+#include "sdk/tools/validator/case_fixture.hpp"
 #include "tests/support.hpp"
 
 /// A plugin of the build, run manually on whole recordings.
@@ -18,30 +18,30 @@ class PluginRun {
 
   /// `name` of its library: "attitude_vqf".
   explicit PluginRun(const std::string& name, const Settings& settings = {})
-      : bench_(plugin_folder() / (name + ".so"), settings, 0) {
-    const std::string why = bench_.load();
+      : fixture_(plugin_folder() / (name + ".so"), settings, 0) {
+    const std::string why = fixture_.load();
     REQUIRE_MESSAGE(why.empty(), why);
     std::string refusal;
-    subject_ = bench_.started(refusal);
-    REQUIRE_MESSAGE(subject_, name, ": ", refusal);
+    driver_ = fixture_.start_instance(refusal);
+    REQUIRE_MESSAGE(driver_, name, ": ", refusal);
   }
 
   /// Passes those messages that the plugin's kind receives, one by one; returns its output.
   std::vector<odograph::AnyMessage> operator()(const std::vector<odograph::AnyMessage>& messages) {
     std::vector<odograph::AnyMessage> wanted, out;
     for (const auto& message : messages)
-      if (bench_.wants(message.header().type)) wanted.push_back(message);
-    subject_->events.clear();
-    subject_->process(wanted);
-    CHECK(subject_->breaches.empty());
-    for (auto& event : subject_->events) out.push_back(std::move(event.message));
+      if (fixture_.accepts(message.header().type)) wanted.push_back(message);
+    driver_->events.clear();
+    driver_->process(wanted);
+    CHECK(driver_->violations.empty());
+    for (auto& event : driver_->events) out.push_back(std::move(event.message));
     return out;
   }
-  void reset() { REQUIRE(subject_->reset() == ODO_OK); }
+  void reset() { REQUIRE(driver_->reset() == ODO_OK); }
 
  private:
-  odograph::Bench bench_;
-  std::unique_ptr<odograph::Subject> subject_;
+  odograph::CaseFixture fixture_;
+  std::unique_ptr<odograph::PluginDriver> driver_;
 };
 
 /// Whether two runs gave the same events, byte by byte.

@@ -37,7 +37,7 @@ struct Replay {
   double position_noise_m = 0.0005;
   Quaterniond q_b_c = Quaterniond(0, 1, 0, 0);
   Vector3d p_b_c{0.03, 0.05, 0};
-  bool tells_velocity = false;
+  bool has_velocity = false;
   std::mt19937 generator{7};  // portable, unlike the distributions
 
   double noise(double sigma) {  // from twelve uniform numbers
@@ -71,7 +71,7 @@ struct Replay {
     const auto state = walk.phone.at(t_s);
     out.q_n_b = Quaterniond(state.T_n_b.rotation());
     out.p_n_b = state.T_n_b.translation() + error;
-    if (tells_velocity) out.v_n_b = state.velocity_n;
+    if (has_velocity) out.v_n_b = state.velocity_n;
     return out;
   }
   std::function<void(PosePredictor::Base&)> add_hook = [](PosePredictor::Base&) {};
@@ -125,12 +125,12 @@ double percentile(std::vector<double> x, double part) {
 }  // namespace
 
 TEST_CASE("the pose predicted by 30 ms matches the phone's") {
-  for (const bool tells_velocity : {false, true}) {
+  for (const bool has_velocity : {false, true}) {
     for (const double camera_hz : {10.0, 30.0}) {
-      CAPTURE(tells_velocity);
+      CAPTURE(has_velocity);
       CAPTURE(camera_hz);
       Replay replay;
-      replay.tells_velocity = tells_velocity;
+      replay.has_velocity = has_velocity;
       replay.camera_hz = camera_hz;
       std::vector<double> degrees, metres;
       int repeated = 0;
@@ -167,7 +167,7 @@ TEST_CASE("between the newest pose and the newest sample the pose follows the me
 
 TEST_CASE("an estimate newer than the published pose is propagated from its own time") {
   Replay replay;
-  replay.tells_velocity = true;
+  replay.has_velocity = true;
   replay.run(10, none, [&](double now_s) {
     if (now_s < 2) return;
     const auto published = replay.base(now_s - 0.05);
@@ -260,10 +260,10 @@ TEST_CASE("a correction that rotates the track causes no false velocity") {
 TEST_CASE("after a correction that rotates the track the pose follows it before there is another pose") {
   const Quaterniond q(Eigen::AngleAxisd(2.0, Vector3d::UnitZ()));
   const Vector3d p(3, 2, 0);
-  for (const bool tells_velocity : {false, true}) {
-    CAPTURE(tells_velocity);
+  for (const bool has_velocity : {false, true}) {
+    CAPTURE(has_velocity);
     Replay replay;
-    replay.tells_velocity = tells_velocity;
+    replay.has_velocity = has_velocity;
     bool turned = false;
     replay.run(9, none, [&](double now_s) {
       if (now_s < 8.95 || turned) return;

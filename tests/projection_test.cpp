@@ -20,7 +20,7 @@ namespace {
 
 struct Known {
   const char* name;
-  GridPlace rd;
+  GridPoint rd;
   Geodetic wgs84;
 };
 
@@ -43,7 +43,7 @@ TEST_CASE("RD New agrees with PROJ to a millimetre") {
   for (const Known& k : kByProj) {
     CAPTURE(k.name);
     CHECK(apart_m(rd_new_to_wgs84(k.rd), k.wgs84) < 1e-3);
-    const GridPlace back = wgs84_to_rd_new(rd_new_to_wgs84(k.rd));
+    const GridPoint back = wgs84_to_rd_new(rd_new_to_wgs84(k.rd));
     CHECK(std::hypot(back.easting_m - k.rd.easting_m, back.northing_m - k.rd.northing_m) < 1e-6);
   }
 }
@@ -52,21 +52,21 @@ TEST_CASE("RD New agrees with this machine's PROJ over the whole of the Netherla
           doctest::test_suite("projection_proj")) {
   if (std::system("command -v cs2cs > /dev/null 2>&1") != 0) return skip("no cs2cs (PROJ)");
   const TemporaryFolder folder;
-  std::vector<GridPlace> places;
+  std::vector<GridPoint> places;
   for (const Known& k : kByProj) places.push_back(k.rd);
   for (double e = 20'000; e < 290'000; e += 45'000)
     for (double n = 320'000; n < 620'000; n += 60'000) places.push_back({e, n});
   {
     std::ofstream out(folder / "rd.txt");
     out.precision(12);
-    for (const GridPlace& p : places) out << p.easting_m << ' ' << p.northing_m << " 0\n";
+    for (const GridPoint& p : places) out << p.easting_m << ' ' << p.northing_m << " 0\n";
   }
   const std::string command =
       "PROJ_NETWORK=OFF cs2cs -f %.10f EPSG:28992 EPSG:4326 < " + (folder / "rd.txt").string() + " 2> /dev/null";
   FILE* pipe = popen(command.c_str(), "r");
   REQUIRE(pipe != nullptr);
   double worst_m = 0;
-  for (const GridPlace& p : places) {
+  for (const GridPoint& p : places) {
     Geodetic theirs;
     double height = 0;
     const int read = std::fscanf(pipe, "%lf %lf %lf", &theirs.latitude_deg, &theirs.longitude_deg, &height);

@@ -289,7 +289,7 @@ TEST_CASE("times near the ends of int64 are skipped and counted") {
   const auto recording = euroc.read();
   REQUIRE(recording.ok());
   CHECK(recording->messages.size() == 2);
-  CHECK(recording->loss.wild_times == 2);
+  CHECK(recording->loss.times_out_of_range == 2);
   CHECK(recording->loss.any());
   CHECK(recording->warnings.at(0).find("2 messages have times beyond") != std::string::npos);
   for (const char* text : {"--99999999999", "9300000000", "-9300000000", "9.3e9"})

@@ -159,7 +159,7 @@ TEST_CASE("a run's summary has each statistic under its own name") {
   run.final_state = ODO_LOST, run.final_reason = ODO_REASON_TOO_DARK, run.heading_offset_rad = 0.75;
   run.frame_ms = {1, 2, 3, 4, 105}, run.imu_us = {10, 20, 30, 40, 1050};
   run.loss.file = {.records_lost = 21, .bytes = 22, .places = 23, .cut = true};
-  run.loss.pictures = 24, run.loss.wild_times = 25, run.loss.impossible = 26;
+  run.loss.pictures = 24, run.loss.times_out_of_range = 25, run.loss.impossible = 26;
   run.notices["p: k"] = {.count = 31, .text = "said"};
   run.plugins = {{1, "attitude", "a/b", "1.2.3", "12ab"}};
   run.reports = {"a report"}, run.config_text = "a: config\n";
@@ -265,9 +265,9 @@ TEST_CASE("the page of a run shows its own numbers, and each run aligned with th
 
   Recording known = recording;  // rotated, shifted, and one pose 2 m off
   for (const StampedPose& x : run.track) known.truth.push_back({x.t_ns, x.q, {-x.p.y() + 5, x.p.x() + 1, x.p.z() + 4}});
-  for (const auto& [t, error] : lay_over_truth(known, run).error_m) CHECK(error < 1e-9);
+  for (const auto& [t, error] : align_to_truth(known, run).error_m) CHECK(error < 1e-9);
   run.track[2].p.z() += 2;
-  const auto errors = lay_over_truth(known, run).error_m;
+  const auto errors = align_to_truth(known, run).error_m;
   REQUIRE(errors.size() == 5);
   CHECK(errors[2].first == 2);
   CHECK(std::abs(errors[2].second - 1.6) < 1e-9);
@@ -276,10 +276,10 @@ TEST_CASE("the page of a run shows its own numbers, and each run aligned with th
   run.track[2].p.z() -= 2;
   RunResult moved = run;  // the same track in another frame: an equally good run
   for (StampedPose& x : moved.track) x.p = {x.p.y() + 100, -x.p.x(), x.p.z()};
-  const LaidRun laid = lay_over_truth(known, moved);
-  CHECK(laid.rms_m() < 1e-9);
+  const AlignedRun aligned = align_to_truth(known, moved);
+  CHECK(aligned.rms_m() < 1e-9);
   for (size_t k = 0; k < known.truth.size(); ++k)
-    CHECK((laid.to_truth.q * moved.track[k].p * laid.scale + laid.to_truth.p - known.truth[k].p).norm() < 1e-6);
+    CHECK((aligned.to_truth.q * moved.track[k].p * aligned.scale + aligned.to_truth.p - known.truth[k].p).norm() < 1e-6);
 }
 
 TEST_SUITE_END();

@@ -52,10 +52,10 @@ std::string file_state(const fs::path& path) {
 }
 
 /// Everything of this process, this user's files and this machine that an attacker might change, as text.
-std::string outside(const Victim& victim) {
+std::string outside(const AttackTarget& target) {
   std::stringstream text;
-  text << file_state(victim.folder.path());
-  for (const auto& entry : fs::recursive_directory_iterator(victim.folder.path()))
+  text << file_state(target.folder.path());
+  for (const auto& entry : fs::recursive_directory_iterator(target.folder.path()))
     text << file_state(entry.path()) << read_all(entry.path()) << '\n';
   for (int what = 0; what < 16; ++what) {
     rlimit limit{};
@@ -91,8 +91,8 @@ std::string attacked(const char* plugins_folder) {
 
 TEST_CASE("no attempt on the host, its user's files or the machine succeeds") {
   const TestPlugins plugins{"escape"};
-  const Victim victim("attempts");
-  const std::string before = outside(victim);
+  const AttackTarget target("attempts");
+  const std::string before = outside(target);
   const std::string said = in_a_process([&] {
     setenv("ODOGRAPH_TEST_HOST", std::to_string(getpid()).c_str(), 1);
     return attacked(plugins.path().c_str());
@@ -100,13 +100,13 @@ TEST_CASE("no attempt on the host, its user's files or the machine succeeds") {
   MESSAGE(said);
   CHECK(said.find("attempts: none") != std::string::npos);
   CHECK(said.find("reads files, has threads") != std::string::npos);
-  CHECK(outside(victim) == before);
+  CHECK(outside(target) == before);
 }
 
 TEST_CASE("without namespaces and Landlock that is reported, and nothing outside can be changed") {
   const TestPlugins plugins{"escape"};
-  const Victim victim("attempts");
-  const std::string before = outside(victim);
+  const AttackTarget target("attempts");
+  const std::string before = outside(target);
   const std::string said = in_a_process([&] {
     setenv("ODOGRAPH_TEST_HOST", std::to_string(getpid()).c_str(), 1);
     refuse_calls({SYS_unshare}, EPERM);
@@ -122,17 +122,17 @@ TEST_CASE("without namespaces and Landlock that is reported, and nothing outside
                               "[open the first process]", "[open a kernel's log]", "[a terminal]", "[a device]"})
     if (const auto at = done.find(looking); at != std::string::npos) done.erase(at, std::string(looking).size());
   CHECK_MESSAGE((done == "attempts: " || done == "attempts: none"), said);
-  CHECK(outside(victim) == before);
+  CHECK(outside(target) == before);
 }
 
 TEST_CASE("a second mount of the process file system is closed like the first, and its neighbours stay open") {
   const TestPlugins plugins{"escape"};
-  const Victim victim("second names");
-  for (const char* name : {"names", "beside"}) fs::create_directory(victim.folder / name);
-  write_text(victim.folder / "beside/file", "a model");
+  const AttackTarget target("second names");
+  for (const char* name : {"names", "beside"}) fs::create_directory(target.folder / name);
+  write_text(target.folder / "beside/file", "a model");
   const std::string said = in_a_process([&]() -> std::string {
     if (unshare(CLONE_NEWNS) != 0 || mount("", "/", "", MS_REC | MS_PRIVATE, "") != 0 ||
-        mount("proc", (victim.folder / "names").c_str(), "proc", 0, "") != 0)
+        mount("proc", (target.folder / "names").c_str(), "proc", 0, "") != 0)
       return "not allowed to mount";
     return attacked(plugins.path().c_str());
   });
@@ -144,7 +144,7 @@ TEST_CASE("a second mount of the process file system is closed like the first, a
 TEST_CASE("threads and the content of pipes are bounded") {
   const TestPlugins plugins{"escape"};
   for (const auto& [attack, what, most] : {std::tuple{"threads", " threads", 300}, {"pipes", " MiB in pipes", 32}}) {
-    const Victim victim(attack);
+    const AttackTarget target(attack);
     const std::string said = attacked(plugins.path().c_str());
     const auto end = said.find(what);
     REQUIRE_MESSAGE(end != std::string::npos, said);
@@ -158,7 +158,7 @@ TEST_CASE("threads and the content of pipes are bounded") {
 
 TEST_CASE("a plugin that blocks every signal and thread ends with its host") {
   const TestPlugins plugins{"escape"};
-  const Victim victim("outlive");
+  const AttackTarget target("outlive");
   const pid_t host = fork();
   if (host == 0) {
     IsolatedPlugin plugin("attitude: {plugin: test/escape, isolation: process, time_limit: 60 s}\n", plugins.path());
@@ -170,23 +170,23 @@ TEST_CASE("a plugin that blocks every signal and thread ends with its host") {
   REQUIRE_FALSE(below.empty());
   kill(host, SIGKILL);
   waitpid(host, nullptr, 0);
-  const auto some_live = [&] { return std::any_of(below.begin(), below.end(), lives); };
+  const auto some_live = [&] { return std::any_of(below.begin(), below.end(), is_alive); };
   for (int i = 0; i < 100 && some_live(); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(10));
   std::string living;
   for (const pid_t each : below)
-    if (lives(each)) living += read_all("/proc/" + std::to_string(each) + "/status");
+    if (is_alive(each)) living += read_all("/proc/" + std::to_string(each) + "/status");
   CHECK_MESSAGE(living.empty(), living);
   for (const pid_t each : below)
-    if (lives(each)) kill(each, SIGKILL);
+    if (is_alive(each)) kill(each, SIGKILL);
 }
 
 TEST_CASE("random system calls change nothing outside") {
   const TestPlugins plugins{"escape"};
-  const Victim victim("");
+  const AttackTarget target("");
   const char* wanted = std::getenv("ODOGRAPH_SYSTEM_CALLS");
   const long calls = wanted ? std::atol(wanted) : 1'000'000, a_sample = 5'000;
   setenv("ODOGRAPH_TEST_CALLS", std::to_string(a_sample).c_str(), 1);
-  const std::string before = outside(victim);
+  const std::string before = outside(target);
   IsolatedPlugin plugin(kEscape, plugins.path());
   long done = 0, samples = 0;
   for (; done < calls && samples < calls; ++samples) {
@@ -197,7 +197,7 @@ TEST_CASE("random system calls change nothing outside") {
   }
   MESSAGE(done << " calls, ended " << plugin.plugin->faults() << " times");
   CHECK(done >= calls);
-  CHECK(outside(victim) == before);
+  CHECK(outside(target) == before);
 }
 
 TEST_SUITE_END();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Common parts of the tests of the sandbox and its keeper: a victim, a host in a separate process, its descendants.
+// Common parts of the tests of the sandbox and its supervisor: a victim, a host in a separate process, its descendants.
 #pragma once
 
 #include <csignal>
@@ -33,16 +33,16 @@ inline std::string read_all(const std::filesystem::path& path) {
 }
 
 /// A folder for the attacker to damage, with this process named as the host.
-struct Victim {
+struct AttackTarget {
   TemporaryFolder folder;
-  explicit Victim(const char* attack) {
+  explicit AttackTarget(const char* attack) {
     write_text(folder / "file", "what the user has written");
     setxattr((folder / "file").c_str(), "user.keep", "x", 1, 0);
     setenv("ODOGRAPH_TEST_VICTIM", folder.path().c_str(), 1);
     setenv("ODOGRAPH_TEST_HOST", std::to_string(getpid()).c_str(), 1);
     setenv("ODOGRAPH_TEST_ATTACK", attack, 1);
   }
-  ~Victim() {
+  ~AttackTarget() {
     for (const char* name : {"VICTIM", "HOST", "ATTACK", "CALLS"})
       unsetenv((std::string("ODOGRAPH_TEST_") + name).c_str());
   }
@@ -94,7 +94,7 @@ inline std::vector<pid_t> descendants(pid_t of) {
   return found;
 }
 /// False for a zombie, which has no memory left.
-inline bool lives(pid_t process) {
+inline bool is_alive(pid_t process) {
   const std::string pages = read_all("/proc/" + std::to_string(process) + "/statm");
   return !pages.empty() && pages.rfind("0 ", 0) != 0;
 }

@@ -203,7 +203,7 @@ struct Driven {
     const Vector3d d(by_m.x() / scale, by_m.y() / scale, 0.3);
     fit.add_motion(t, t + kFrame, d, group);
     t += kFrame, place += by_m;
-    if (variance > 0) fit.add_place(t, place + off, variance);
+    if (variance > 0) fit.add_position(t, place + off, variance);
   }
 };
 

@@ -111,14 +111,14 @@ TEST_SUITE("phone_sensors") {
 
   TEST_CASE("outliers alternate between a thousand ranges and nine tenths of one, on every axis and with both signs") {
     Scenario::Imu imu;
-    imu.wild_interval_s = 0.5, imu.gyro_range = 3, imu.accel_range = 7;
-    SimWildSamples wild(imu, 3);
+    imu.outlier_interval_s = 0.5, imu.gyro_range = 3, imu.accel_range = 7;
+    SimOutliers wild(imu, 3);
     std::map<std::pair<int, double>, int> seen;  // by axis, the accelerometer's from 3 on, and value
     double parts = 0;
     int count = 0;
     for (int i = 0; i < 200'000; ++i) {
       Vector3d gyro = Vector3d::Zero(), accel = Vector3d::Zero();
-      wild.spoil(i / 200.0, gyro, accel);
+      wild.apply(i / 200.0, gyro, accel);
       for (int k = 0; k < 3; ++k) {
         if (gyro[k] != 0) ++seen[{k, gyro[k] / 3}], ++count, parts += std::abs(gyro[k]) > 100;
         if (accel[k] != 0) ++seen[{k + 3, accel[k] / 7}], ++count, parts += std::abs(accel[k]) > 100;

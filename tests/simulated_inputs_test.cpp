@@ -111,10 +111,10 @@ TEST_CASE("both sensors of a scenario's IMU at rest are reported") {
     const auto points = imu_at_rest(imu, gyroscope, 0.2, 1);
     REQUIRE(points.size() > 5);
     CHECK(points[0].averaging_s == doctest::Approx(0.02));
-    CHECK(std::abs(points[0].simulated - points[0].asked_for) < 0.05 * points[0].asked_for);
+    CHECK(std::abs(points[0].simulated - points[0].expected) < 0.05 * points[0].expected);
     CHECK(points[2].averaging_s == doctest::Approx(0.2));
   }
-  CHECK(imu_at_rest(imu, true, 0.2, 1)[0].asked_for < imu_at_rest(imu, false, 0.2, 1)[0].asked_for);
+  CHECK(imu_at_rest(imu, true, 0.2, 1)[0].expected < imu_at_rest(imu, false, 0.2, 1)[0].expected);
 }
 
 TEST_CASE("a scenario is simulated without a camera, identically for the same seed") {

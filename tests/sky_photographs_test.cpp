@@ -73,7 +73,7 @@ void judge(const cv::Mat& bgr, const cv::Mat& truth, const cv::Mat& counts, cons
   cv::Mat odds;
   for (const int k : {0, 1}) {
     const Chroma chroma = k == 0 ? planes.chroma : Chroma{};
-    network.look(planes.grey, {}, chroma, up_c);
+    network.segment(planes.grey, {}, chroma, up_c);
     network.log_odds(planes.grey, chroma, bgr.size(), odds);
     const cv::Mat right = ((odds > 0) == (truth > 127)) & counts;
     score.right[k] += cv::countNonZero(right);

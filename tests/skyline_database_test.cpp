@@ -57,7 +57,7 @@ double wrong_part(const SkylineDatabase& database, const std::vector<Edge>& edge
   Horizon there, exact;
   size_t wrong = 0, all = 0;
   for (size_t i = 0; i < database.size(); ++i) {
-    city.look_near(database.place(i), 0.1, 0.0175);
+    city.select_near_edges(database.place(i), 0.1, 0.0175);
     city.horizon(database.place(i), exact);
     REQUIRE(database.horizon(i, there));
     for (size_t j = 0; j < Horizon::kDirections; ++j) {

@@ -3,8 +3,8 @@
 // Pictures with a narrow view each, matched jointly along a path.
 #include <doctest/doctest.h>
 
-#include "plugins/fix/skyline/judge_match.hpp"
-#include "plugins/fix/skyline/look.hpp"
+#include "plugins/fix/skyline/validate_match.hpp"
+#include "plugins/fix/skyline/picture_job.hpp"
 #include "plugins/fix/skyline/view_window.hpp"
 #include "tests/skyline_streets.hpp"
 
@@ -68,17 +68,17 @@ TEST_CASE("pictures of another street are not taken for this one") {
   for (int i = 0; i < 7; ++i) add_box(other, -60 + 19.0 * i, i % 2 ? 22 : -19, 9 + i, 13, 7 + 2.5 * (i % 4));
   Matcher matcher{City(other)};
   const auto match = matcher.match(walk.newest, walk.prior, nullptr, walk.older);
-  PathJudge judge;
-  const auto speaks_against = [&] {
-    return !match || judge.judge(*match, walk.prior.p_n, walk.prior.q_n_c, 0.75).has_value();
+  PathMatchValidator validator;
+  const auto is_rejected = [&] {
+    return !match || validator.validate(*match, walk.prior.p_n, walk.prior.q_n_c, 0.75).has_value();
   };
-  CHECK(speaks_against());
+  CHECK(is_rejected());
 }
 
 TEST_CASE("the skyline of a sector is the whole one's there, and nothing elsewhere") {
   City city(a_street(16));
   const Vector3d eye(2, 1, -1.5);
-  city.look_around(eye, 10, 0.05);
+  city.select_edges(eye, 10, 0.05);
   Horizon all, part;
   city.quick_horizon(eye, all);
   const auto sector = Sector::between(300 * kDegree, 400 * kDegree);  // through north
@@ -95,22 +95,22 @@ TEST_CASE("the skyline of a sector is the whole one's there, and nothing elsewhe
 TEST_CASE("the window keeps the newest pictures that lie apart or look elsewhere, and follows corrections") {
   ViewWindow window;
   const auto at = [](double north_m) { return View{{}, Vector3d(north_m, 0, 0), kLevel}; };
-  CHECK(window.wants({0, 0, 0}, kLevel));
+  CHECK(window.adds_information({0, 0, 0}, kLevel));
   window.add(at(0), 0);
-  CHECK_FALSE(window.wants({1.9, 0, 0}, kLevel));
-  CHECK(window.wants({2.1, 0, 0}, kLevel));
-  CHECK(window.wants({0, 0, 0}, about_down(0.6) * kLevel));
+  CHECK_FALSE(window.adds_information({1.9, 0, 0}, kLevel));
+  CHECK(window.adds_information({2.1, 0, 0}, kLevel));
+  CHECK(window.adds_information({0, 0, 0}, about_down(0.6) * kLevel));
   for (int i = 1; i <= 11; ++i) window.add(at(2.1 * i), 2.1 * i);
   CHECK(window.views().size() == 10);
   CHECK(window.views().front().p_n.x() == doctest::Approx(4.2));
   Match match{.p_n = Vector3d::Zero(), .q_n_c = kLevel, .landmark_n = Vector3d::Zero()};
   match.covariance = 0.09 * Eigen::Matrix2d::Identity(), match.yaw_sigma_rad = 0.01;
   Match again = match;
-  window.doubt(match, 0.02);  // of 18.9 m
+  window.inflate_covariance(match, 0.02);  // of 18.9 m
   CHECK(match.covariance(0, 0) == doctest::Approx(0.09 + 0.189 * 0.189));
   CHECK(match.yaw_sigma_rad == doctest::Approx(0.01));
   window.add(at(25.2), 25.2), window.add(at(27.3), 27.3);
-  window.doubt(again, 0.02);  // two of ten are new
+  window.inflate_covariance(again, 0.02);  // two of ten are new
   CHECK(again.covariance(1, 1) == doctest::Approx(5 * match.covariance(1, 1)));
   CHECK(again.yaw_sigma_rad == doctest::Approx(0.01 * std::sqrt(5)));
   window.correct(about_down(0.5 * std::numbers::pi), {0, 0, 1});
@@ -125,51 +125,51 @@ TEST_CASE("a path in which few directions agree must be told twice, whatever n i
   const Quaterniond rotation = about_down(0.1);
   Match match{.landmark_n = Vector3d::Zero()};
   match.p_n = Vector3d(12, 4, -1.5), match.q_n_c = rotation * kLevel, match.agreement = 0.5;
-  PathJudge judge;
+  PathMatchValidator validator;
   SUBCASE("the same offset again") {
-    CHECK(judge.judge(match, thought, kLevel, 0.75));
+    CHECK(validator.validate(match, thought, kLevel, 0.75));
     // n is corrected meanwhile, so that the prior at x is at C x now, and the walker goes on.
     const Quaterniond q = about_down(-0.3);
     const Vector3d p(3, -2, 0), on(4, 1, 0);
-    judge.correct(q, p);
+    validator.correct(q, p);
     match.p_n += rotation * on;
-    CHECK_FALSE(judge.judge(match, q * (thought + on) + p, q * kLevel, 0.75));
+    CHECK_FALSE(validator.validate(match, q * (thought + on) + p, q * kLevel, 0.75));
   }
   SUBCASE("another place") {
-    CHECK(judge.judge(match, thought, kLevel, 0.75));
+    CHECK(validator.validate(match, thought, kLevel, 0.75));
     match.p_n.x() += 2.5;
-    CHECK(judge.judge(match, thought, kLevel, 0.75));
+    CHECK(validator.validate(match, thought, kLevel, 0.75));
   }
   SUBCASE("another heading") {
-    CHECK(judge.judge(match, thought, kLevel, 0.75));
+    CHECK(validator.validate(match, thought, kLevel, 0.75));
     match.q_n_c = about_down(0.2) * kLevel;
-    CHECK(judge.judge(match, thought, kLevel, 0.75));
+    CHECK(validator.validate(match, thought, kLevel, 0.75));
   }
   SUBCASE("many agree: once is enough") {
     match.agreement = 0.8;
-    CHECK_FALSE(judge.judge(match, thought, kLevel, 0.75));
+    CHECK_FALSE(validator.validate(match, thought, kLevel, 0.75));
   }
   SUBCASE("too few agree, or another place is likely") {
     match.agreement = 0.3;
-    CHECK(judge.judge(match, thought, kLevel, 0.75)->first == kAgreement);
+    CHECK(validator.validate(match, thought, kLevel, 0.75)->first == kAgreement);
     match.agreement = 0.9, match.second_best_ratio = 1e-5;
-    CHECK(judge.judge(match, thought, kLevel, 0.75)->first == kAmbiguity);
+    CHECK(validator.validate(match, thought, kLevel, 0.75)->first == kAmbiguity);
   }
 }
 
 TEST_CASE("a match that comes late is carried on by the odometry's displacement since, with its doubt") {
-  Look look;
-  look.q_n_c = kLevel;
-  look.prior.q_n_c = about_down(1.2) * kLevel;  // as found in a database without an initial position
-  look.p_n = Vector3d(1, 2, -1.5);
+  PictureJob job;
+  job.q_n_c = kLevel;
+  job.prior.q_n_c = about_down(1.2) * kLevel;  // as found in a database without an initial position
+  job.p_n = Vector3d(1, 2, -1.5);
   Match match{.landmark_n = Vector3d::Zero()};
   match.p_n = Vector3d(5, 5, -1.5), match.q_n_c = about_down(0.5 * std::numbers::pi) * kLevel;
   match.yaw_sigma_rad = 0.02, match.covariance = 0.01 * Eigen::Matrix2d::Identity();
-  look.match = match;
-  look.correct(about_down(0.25), {7, 0, 0});  // correction of n since the picture
+  job.match = match;
+  job.correct(about_down(0.25), {7, 0, 0});  // correction of n since the picture
   // The walker has gone on by 10 m to the estimated north, and has rotated by 0.3 rad.
-  const Vector3d now_n = look.corrected(Vector3d(1, 2, -1.5)) + about_down(0.25) * Vector3d(10, 0, 0);
-  const Match later = look.carried_to(now_n, about_down(0.25 + 0.3) * kLevel, 0.01);
+  const Vector3d now_n = job.corrected(Vector3d(1, 2, -1.5)) + about_down(0.25) * Vector3d(10, 0, 0);
+  const Match later = job.propagated_to(now_n, about_down(0.25 + 0.3) * kLevel, 0.01);
   CHECK(later.p_n.isApprox(Vector3d(5, 15, -1.5), 1e-9));
   CHECK(later.q_n_c.angularDistance(about_down(0.5 * std::numbers::pi + 0.3) * kLevel) < 1e-6);
   CHECK(later.covariance(1, 1) == doctest::Approx(0.01 + 0.01));         // along: 1 % of 10 m

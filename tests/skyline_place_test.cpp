@@ -57,7 +57,7 @@ SkylineDatabase database_of(const std::vector<Edge>& edges, const std::string& f
 /// The view of a camera that faces up in a town; the picture's border is five degrees above the horizon.
 std::vector<SkyEdge> seen_from(const std::vector<Edge>& edges, const Vector3d& eye, const Eigen::Quaterniond& q_n_c) {
   City city(edges);
-  city.look_near(eye, 0.1, 0);
+  city.select_near_edges(eye, 0.1, 0);
   Horizon horizon;
   city.horizon(eye, horizon);
   std::vector<SkyEdge> seen;
@@ -90,7 +90,7 @@ Drive drive(const std::vector<Edge>& real, const SkylineDatabase& database, doub
     const double east = 4.5 * k;
     d.place = start + Vector3d(0, east, 0);
     const Vector3d p_odometry = kMetre * (turned * (d.place - start));
-    if (!finder.wants(p_odometry)) continue;
+    if (!finder.is_far_enough(p_odometry)) continue;
     d.found = finder.add(seen_from(real, d.place, up), turned * up, p_odometry, [](uint64_t) {});
     ++d.pictures;
     if (d.found) CHECK(std::abs(std::remainder(d.found->yaw_rad - kHeading, 2 * std::numbers::pi)) < 2 * kDegree);

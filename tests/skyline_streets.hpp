@@ -38,7 +38,7 @@ inline std::vector<SkyEdge> seen_from(const std::vector<Edge>& houses, const Eig
                                       const Eigen::Quaterniond& q_n_c, double lowest_deg = 10, double first_deg = 0,
                                       double end_deg = 360) {
   City city(houses);
-  city.look_near(p_n, 1, 0.05);
+  city.select_near_edges(p_n, 1, 0.05);
   Horizon horizon;
   city.horizon(p_n, horizon);
   std::vector<SkyEdge> edges;

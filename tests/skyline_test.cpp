@@ -69,7 +69,7 @@ TEST_CASE("the skyline of a wall is where geometry puts it") {
   add_box(edges, 30, 0, 20, 40, 25);  // its near wall 20 m to the north, 40 m wide
   City city(edges);
   const Vector3d eye(0, 0, -1.5);
-  city.look_around(eye, 5, 0.05);
+  city.select_edges(eye, 5, 0.05);
   Horizon horizon;
   city.horizon(eye, horizon);
   CHECK(horizon.height_m[0] == doctest::Approx(23.5));
@@ -83,7 +83,7 @@ TEST_CASE("the skyline of a wall is where geometry puts it") {
 TEST_CASE("a place and a heading are found again, and an inclination is told from a place") {
   City city(a_street());
   const Vector3d place(3.2, -1.7, -1.5);
-  city.look_around(place, 60, 0.05);
+  city.select_edges(place, 60, 0.05);
   const auto edges = seen_from(city, place, kUp);
   Matcher matcher{City(a_street())};
   const Eigen::Quaterniond off(Eigen::AngleAxisd(2 * kDegree, Vector3d::UnitZ()));
@@ -105,7 +105,7 @@ TEST_CASE("houses that the model lacks cost agreement, not the place") {
   add_box(with_new, 20, 22, 14, 12, 90);  // newer than the model
   City now(with_new);
   const Vector3d place(1.0, 0.5, -1.5);
-  now.look_around(place, 60, 0.05);
+  now.select_edges(place, 60, 0.05);
   Matcher matcher{City(a_street())};
   const auto match =
       matcher.match(seen_from(now, place, kUp), {place + Vector3d(1.5, -1, 0), kUp, 2.0, kDegree, 0.5 * kDegree, 40});
@@ -119,7 +119,7 @@ TEST_CASE("one who is lost is placed when several pictures agree, by as much as 
   Matcher matcher{City(a_street())};
   for (int picture = 0; picture < 6; ++picture) {
     const Vector3d place(-6.0 + 2 * picture, 0.5, -1.5), error(13.0 + 0.3 * picture, -9, 0);
-    city.look_around(place, 60, 0.05);
+    city.select_edges(place, 60, 0.05);
     const auto match = matcher.match(seen_from(city, place, kUp), {.p_n = place + error,
                                                                    .q_n_c = kUp,
                                                                    .position_sigma_m = 8,
@@ -138,7 +138,7 @@ TEST_CASE("who knows the start but no heading is found on the circle around it, 
     CAPTURE(astray_deg);
     Matcher matcher{City(a_street())};
     City city(a_street());
-    city.look_around(place, 5, 0.05);
+    city.select_edges(place, 5, 0.05);
     const Eigen::Quaterniond astray(Eigen::AngleAxisd(astray_deg * kDegree, Vector3d::UnitZ()));
     // The odometry's path is 4 % too long.
     const Prior prior{.p_n = start + astray * (1.04 * (place - start)),
@@ -163,7 +163,7 @@ TEST_CASE("a straight canyon without ends is a long cloud along the street") {
   std::vector<Edge> edges;
   add_box(edges, 0, -25, 2000, 20, 50), add_box(edges, 0, 25, 2000, 20, 50);
   City city(edges);
-  city.look_around({0, 0, -1.5}, 60, 0.05);
+  city.select_edges({0, 0, -1.5}, 60, 0.05);
   Matcher matcher{City(edges)};
   const auto match =
       matcher.match(seen_from(city, {0, 0, -1.5}, kUp), {{0, 0, -1.5}, kUp, 3.0, kDegree, 0.3 * kDegree, 40});
@@ -256,7 +256,7 @@ TEST_CASE("the fast skyline is the plain one; the quick one, without hidden edge
     add_box(edges, random.uniform(-200.0, 200.0), random.uniform(-200.0, 200.0), random.uniform(5.0, 25.0),
             random.uniform(5.0, 25.0), random.uniform(4.0, 25.0));
   City city(edges);
-  city.look_around({0, 0, -1.5}, 8, 0.05);
+  city.select_edges({0, 0, -1.5}, 8, 0.05);
   Horizon horizon, quick;
   int quick_wrong = 0;
   for (const Vector3d& eye : {Vector3d(0, 0, -1.5), Vector3d(7, -6, -1.5), Vector3d(-8, 8, -1.5)}) {
@@ -321,7 +321,7 @@ TEST_CASE("pixels and rays of a fisheye lens are inverse to each other, beyond 9
 TEST_CASE("a refused picture says why") {
   City city(a_street());
   const Vector3d place(1, 0.5, -1.5);
-  city.look_around(place, 60, 0.05);
+  city.select_edges(place, 60, 0.05);
   auto edges = seen_from(city, place, kUp);
   Matcher matcher{City(a_street())};
   const Prior prior{place, kUp, 1.0, kDegree, 0.5 * kDegree, 40};
@@ -337,7 +337,7 @@ TEST_CASE("a refused picture says why") {
 TEST_CASE("the height over the ground is found with the place") {
   City city(a_street());
   const Vector3d place(3.2, -1.7, -1.5);
-  city.look_around(place, 60, 0.05);
+  city.select_edges(place, 60, 0.05);
   const auto edges = seen_from(city, place, kUp);
   Matcher matcher{City(a_street())};
   Prior prior{place + Vector3d(1.0, -0.8, 1.2), kUp, 1.0, kDegree, 0.2 * kDegree, 40};

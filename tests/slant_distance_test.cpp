@@ -32,7 +32,7 @@ TEST_CASE("eq. (5): the scale is the line through positions, for any heading and
     at += turned * Eigen::Vector2d(1.0, 0.05 * k / 100);
     scale.add_motion(t - 100'000'000, t, {1.0 / true_scale, 0.05 * k / 100 / true_scale, 0}, 1);
     if (k % 5 == 0)
-      scale.add_place(t, at + Eigen::Vector2d(k == 50 ? 25.0 : 0.2 * std::sin(k), 0.2 * std::cos(3 * k)), 0.25);
+      scale.add_position(t, at + Eigen::Vector2d(k == 50 ? 25.0 : 0.2 * std::sin(k), 0.2 * std::cos(3 * k)), 0.25);
   }
   REQUIRE(scale.scale());
   CHECK(scale.scale()->scale == doctest::Approx(true_scale).epsilon(0.03));
@@ -53,7 +53,7 @@ TEST_CASE("each new scale group continues with the previous speed, also without 
   };
   for (int k = 1; k <= 100; ++k) {  // 10 m/s, a metre per unit
     move(1, 1);
-    if (k % 5 == 0) scale.add_place(t, {static_cast<double>(k), 0}, 0.01);
+    if (k % 5 == 0) scale.add_position(t, {static_cast<double>(k), 0}, 0.01);
   }
   REQUIRE(scale.scale());
   CHECK(scale.scale()->scale == doctest::Approx(1.0).epsilon(0.01));
@@ -72,7 +72,7 @@ TEST_CASE("eq. (5) taken literally decreases with the distance driven and is not
   std::vector<double> at_10_40_160;
   for (int metre = 1; metre <= 160; ++metre) {
     scale.add_motion({1 / u, 0, 0}, 1);
-    scale.add_place({double(metre), 0, 0}, 40);
+    scale.add_position({double(metre), 0, 0}, 40);
     if (metre == 10 || metre == 40 || metre == 160) at_10_40_160.push_back(*scale.scale());
   }
   CHECK(at_10_40_160[0] == doctest::Approx(40.0 / 8));  // the previous position: one frame behind, 2 units

@@ -48,7 +48,7 @@ TEST_CASE("a scale that is off by ten stated sigmas counts as wrong and certain,
   CHECK(w.groups == 1);
   CHECK(w.log_scale == doctest::Approx(std::log(1.1)).epsilon(1e-6));
   CHECK(w.worst_sigmas == doctest::Approx(std::log(1.1) / 0.01).epsilon(1e-6));
-  CHECK(w.claims.size() == 4);  // after 1, 2, 4 s and at the end
+  CHECK(w.scales.size() == 4);  // after 1, 2, 4 s and at the end
   CHECK(w.sim3_rmse_m < 1e-9);
   CHECK(w.se3_rmse_m > 0.05);
   CHECK(start_window(right.truth, right.motions, 0).worst_sigmas < 3);
@@ -67,11 +67,11 @@ TEST_CASE("an odometry that is never metric has no scale, and neither has a stan
   const Flight never(1, 0.01, 1000);
   const StartWindow w = start_window(never.truth, never.motions, 0);
   CHECK(std::isnan(w.start_s));
-  CHECK(w.claims.empty());
+  CHECK(w.scales.empty());
   CHECK(std::isnan(w.worst_sigmas));
   Flight stands(1, 0.01, 1);
   for (StampedPose& x : stands.truth) x.p *= 0.01;
-  CHECK(start_window(stands.truth, stands.motions, 0).claims.empty());
+  CHECK(start_window(stands.truth, stands.motions, 0).scales.empty());
 }
 
 TEST_SUITE_END();

@@ -129,9 +129,9 @@ TEST_CASE("the surge gives the walking direction in the phone's frame, with a co
 
 TEST_CASE("a leg's swing is a pocket from the second step on") {
   CarryModeClassifier carry;
-  Carry mode = Carry::texting;
+  CarryMode mode = CarryMode::texting;
   for (const FoundStep& step : found_in(kLeg, 1.8, 10, 7)) mode = carry.classify(step, {0, 0.98, 0});
-  CHECK(mode == Carry::pocket);
+  CHECK(mode == CarryMode::pocket);
   CHECK(carry.on_leg());
 }
 

@@ -32,13 +32,13 @@ TEST_CASE("a summary combines numbers and lists of all rows") {
   const Rows rows = {{{"config", "a"}, {"x", {1, -2, nullptr}}, {"y", 1.0}, {"pair", {1, 4}}},
                      {{"config", "b"}, {"x", {9}}, {"y", 5.0}},
                      {{"config", "a"}, {"x", {3}}, {"y", 3.0}, {"pair", {2, 2}}}};
-  const std::vector<Column> columns = {{"", "", "x/worst", 0, As{.part = 1, .absolute = true}, "x"},
-                                       {"", "", "x/median", 0, As{}, "x"},
+  const std::vector<Column> columns = {{"", "", "x/worst", 0, Format{.part = 1, .absolute = true}, "x"},
+                                       {"", "", "x/median", 0, Format{}, "x"},
                                        {"", "", "mean", 0, kMean, "y"},
                                        {"", "", "sum", 0, kSum, "y"},
                                        {"", "", "share", 0, kShare, "pair"},
                                        {"", "", "all", -1, kAll, "y"},
-                                       {"", "", "none", 0, As{}, "z"}};
+                                       {"", "", "none", 0, Format{}, "z"}};
   const Rows summaries = summaries_of(rows, "config", columns);
   REQUIRE(summaries.size() == 2);
   CHECK(summaries[0]["config"] == "a");
@@ -51,7 +51,7 @@ TEST_CASE("a summary combines numbers and lists of all rows") {
   CHECK(summaries[0]["all"] == Json{1.0, 3.0});
   CHECK(Json(summaries[0]).dump().find("\"none\":null") != std::string::npos);
   CHECK(summaries[1]["x"]["worst"] == 9);
-  CHECK(printed({{{"x", 1}, {"_y", 2}}}).dump() == R"([{"x":1}])");
+  CHECK(visible_rows({{{"x", 1}, {"_y", 2}}}).dump() == R"([{"x":1}])");
 }
 
 TEST_CASE("a figure is described once, for rows, tables and summaries") {
@@ -63,10 +63,10 @@ TEST_CASE("a figure is described once, for rows, tables and summaries") {
   const Rows rows = {row(1.5, {1, 2}), row(2.5, {3})};
   CHECK(rows[0]["x"] == 1.5);
   CHECK(rows[0]["hidden"]["deep"] == 3);
-  CHECK(printed({rows[0]}).dump() == R"([{"x":1.5,"hidden":{"deep":3}}])");
+  CHECK(visible_rows({rows[0]}).dump() == R"([{"x":1.5,"hidden":{"deep":3}}])");
   const auto columns = columns_of({Json::object(), rows[0]});
   REQUIRE(columns.size() == 5);
-  CHECK(columns[0].as.sign);
+  CHECK(columns[0].format.sign);
   CHECK(columns[2].unit == "m median");
   CHECK(columns[3].unit == "90 %");
   CHECK(columns[4].key == "error/worst");

@@ -41,7 +41,7 @@ class TestPlugins {
 
 /// Copies a library into the folder as NAME.so, with a manifest that is not queried from it, which hostile ones would
 /// not survive. Returns the folder's path.
-inline std::string install_unasked(const TemporaryFolder& folder, const std::filesystem::path& library,
+inline std::string install_with_manifest(const TemporaryFolder& folder, const std::filesystem::path& library,
                                    const std::string& name, const std::string& id, const std::string& kind) {
   const auto copy = folder / (name + ODOGRAPH_LIBRARY);
   std::filesystem::copy_file(library, copy, std::filesystem::copy_options::overwrite_existing);

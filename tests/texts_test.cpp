@@ -168,7 +168,7 @@ TEST_CASE("a sensor is silent beyond the longest gap, not at it, and each gap co
   const auto see = [](SensorWatch& watch, uint32_t type, int64_t t_ns) {
     odo_header h{};
     h.type = type, h.t_ns = t_ns;
-    watch.see(h);
+    watch.on_message(h);
   };
   for (const uint32_t type : {ODO_TYPE_IMU, ODO_TYPE_FRAME}) {
     const uint32_t other = type == ODO_TYPE_IMU ? ODO_TYPE_FRAME : ODO_TYPE_IMU;

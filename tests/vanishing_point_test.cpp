@@ -105,7 +105,7 @@ TEST_CASE("pitch and roll by vanishing points in pictures of real cities are wit
       Random random(9, 2);
       std::vector<double> errors;
       size_t pictures = 0, beyond = 0;
-      ToldCamera camera;
+      CalibratedCamera camera;
       cv::Mat converted;
       for (const RecordedMessage& message : recording->messages) {
         if (message.message.header().type == ODO_TYPE_CALIBRATION)

@@ -279,13 +279,13 @@ TEST_CASE("a start in motion uses that the phone stood shortly before, which imp
 TEST_CASE("the flow beyond a rotation is the parallax") {
   const Scene turning(0.3, 0), moving(0.3, 0.5);
   const auto flow = [](const Scene& s) {
-    return flow_beside_rotation(s.frames[4].corners, s.frames[12].corners, global_shutter(), 15);
+    return residual_flow(s.frames[4].corners, s.frames[12].corners, global_shutter(), 15);
   };
   REQUIRE(flow(turning));
   CHECK(*flow(turning) < 0.6);
   REQUIRE(flow(moving));
   CHECK(*flow(moving) > 2);
-  CHECK_FALSE(flow_beside_rotation(turning.frames[4].corners, turning.frames[12].corners, global_shutter(), 500));
+  CHECK_FALSE(residual_flow(turning.frames[4].corners, turning.frames[12].corners, global_shutter(), 500));
 }
 
 TEST_CASE("the hot pixels of a dark picture are not corners") {

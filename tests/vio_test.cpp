@@ -105,7 +105,7 @@ TEST_CASE("an observation's derivatives equal finite differences") {
     for (int k = 0; k < block::clone; ++k)
       CHECK((by_state(state.clone_at(0) + k) - o->by_clone.col(k)).norm() < 1e-3 * (1 + o->by_clone.norm()));
     CHECK((by_state(block::line_time) - o->by_line_time).norm() < 1e-3 * (1 + o->by_line_time.norm()));
-    CHECK((by_state(block::follow) - o->by_follow).norm() < 1e-3 * (1 + o->by_follow.norm()));
+    CHECK((by_state(block::gain) - o->by_gain).norm() < 1e-3 * (1 + o->by_gain.norm()));
     for (int k = 0; k < kLensStates; ++k)
       CHECK((by_state(block::lens + k) - o->by_lens.col(k)).norm() < 1e-3 * (1 + o->by_lens.col(k).norm()));
   }
@@ -156,19 +156,19 @@ TEST_CASE("a stabilised lens's shift and its covariance follow the gyroscope") {
   generator.seed(15);
   const ImuBuffer imu = some_imu();
   State state = some_state();
-  state.camera.follow = 0.6;
+  state.camera.gain = 0.6;
   state.camera.shift_px = {1, -2};
   FilterParameters p;
-  p.stabiliser.drive_error = p.stabiliser.follow_walk = 0;
+  p.stabiliser.drive_error = p.stabiliser.gain_walk = 0;
   const auto shift = [&](double follow, Eigen::Vector2d from, double leak = 0.3) {
     State s = state;
-    s.camera.follow = follow, s.camera.shift_px = from, s.camera.leak = leak;
+    s.camera.gain = follow, s.camera.shift_px = from, s.camera.leak = leak;
     propagate(s, state.t_ns + 100'000'000, imu, p);
     return s;
   };
   const State moved = shift(0.6, state.camera.shift_px);
   state.camera.leak = 0.3;
-  CHECK((lens_moves(state, state.t_ns + 100'000'000, imu, p) - (moved.camera.shift_px - state.camera.shift_px)).norm() <
+  CHECK((predict_lens_shift(state, state.t_ns + 100'000'000, imu, p) - (moved.camera.shift_px - state.camera.shift_px)).norm() <
         1e-9);
   const double h = 1e-4;
   Eigen::Matrix<double, 2, 4> J;
@@ -209,16 +209,16 @@ TEST_CASE("a patch is matched after growth, shear, shift and a change of light")
   Patch::Parameters p;
   p.affine_sigma = 0.2;
   Patch patch;
-  REQUIRE(patch.remember(texture, at, p));
+  REQUIRE(patch.store(texture, at, p));
   const auto match = patch.find(now, {now_at + Eigen::Vector2d(0.7, -0.5), Eigen::Matrix2d::Identity()}, p);
   REQUIRE(match);
   CHECK((match->map.at - now_at).norm() < 0.05);
   CHECK((match->map.A - A).norm() < 0.03);
   CHECK(match->difference < 1.5);
   // Without texture, and at the border.
-  CHECK_FALSE(patch.remember(cv::Mat(100, 100, CV_8U, cv::Scalar(80)), {50, 50}, p));
-  CHECK_FALSE(patch.remember(texture, {4, 100}, p));
-  REQUIRE(patch.remember(texture, at, p));
+  CHECK_FALSE(patch.store(cv::Mat(100, 100, CV_8U, cv::Scalar(80)), {50, 50}, p));
+  CHECK_FALSE(patch.store(texture, {4, 100}, p));
+  REQUIRE(patch.store(texture, at, p));
   CHECK_FALSE(patch.find(now, {{2, 2}, Eigen::Matrix2d::Identity()}, p));
 }
 

@@ -15,7 +15,7 @@ namespace {
 constexpr int64_t kFrame_ns = 100'000'000;  // 10 Hz
 
 /// Report of an odometry for one frame, beside the true motion.
-struct Says {
+struct StatedScale {
   double scale = 1;
   uint32_t flags = ODO_VO_ROTATION | ODO_VO_TRANSLATION | ODO_VO_METRIC | ODO_VO_INERTIAL;
   uint32_t group = 0;
@@ -26,10 +26,10 @@ struct Says {
 struct Run {
   Trajectory truth;
   std::vector<odo_vo_motion> motions;
-  std::vector<int64_t> known_ns, frames_ns;
+  std::vector<int64_t> emitted_ns, frames_ns;
 
   VoFigures figures(const VoFigureParameters& parameters = {}) const {
-    return vo_figures(truth, motions, known_ns, frames_ns, parameters);
+    return vo_figures(truth, motions, emitted_ns, frames_ns, parameters);
   }
 };
 
@@ -39,7 +39,7 @@ Run run(const Trajectory& truth, Speaker says, const Vector3d& down = Vector3d::
   Run r{truth, {}, {}, {truth.front().t_ns}};
   for (size_t i = 1; i < truth.size(); ++i) {
     const StampedPose &a = truth[i - 1], &b = truth[i];
-    const Says s = says(i);
+    const StatedScale s = says(i);
     auto m = make_message<odo_vo_motion>(ODO_TYPE_VO_MOTION, b.t_ns);
     m.header.flags = s.flags;
     m.t_from_ns = a.t_ns, m.state = s.state, m.scale_group = s.group, m.scale_sigma = s.sigma;
@@ -47,12 +47,12 @@ Run run(const Trajectory& truth, Speaker says, const Vector3d& down = Vector3d::
     const Vector3d p = s.scale * (a.q.conjugate() * (b.p - a.p)), g = b.q.conjugate() * down;
     m.q_c0_c1[0] = q.w(), m.q_c0_c1[1] = q.x(), m.q_c0_c1[2] = q.y(), m.q_c0_c1[3] = q.z();
     Vector3d::Map(m.p_c0_c1) = p, Vector3d::Map(m.gravity_c1) = g;
-    r.motions.push_back(m), r.known_ns.push_back(b.t_ns), r.frames_ns.push_back(b.t_ns);
+    r.motions.push_back(m), r.emitted_ns.push_back(b.t_ns), r.frames_ns.push_back(b.t_ns);
   }
   return r;
 }
 
-Says right(size_t) { return {}; }
+StatedScale right(size_t) { return {}; }
 
 /// A number of frames of a camera that looks about while it moves along `at` (m, by s).
 template <class Path>
@@ -98,12 +98,12 @@ TEST_CASE("correct motions compose to the true path") {
   CHECK(f.groups == 1);
   CHECK(f.holes == 0);
   CHECK(f.start_s == doctest::Approx(0.1));
-  CHECK(f.wrongly_certain_share == 0);
+  CHECK(f.overconfident_share == 0);
   CHECK(f.scale_nees < 1e-9);
 }
 
 TEST_CASE("a scale that is wrong everywhere gives its factor, and an error in proportion to the path's spread") {
-  Run r = run(line(300), [](size_t) { return Says{.scale = 1.25}; });
+  Run r = run(line(300), [](size_t) { return StatedScale{.scale = 1.25}; });
   const VoFigures f = r.figures();
   CHECK(f.scale == doctest::Approx(0.8));
   r.truth.erase(r.truth.begin());  // no motion ends at the first pose
@@ -131,12 +131,12 @@ TEST_CASE("yaw alignment takes the vertical from the gravity of the motions, for
 TEST_CASE("poses before the first metric motion of a group are not metric and are counted separately") {
   const auto truth = path(200, [](double s) { return Vector3d(std::max(0.0, s - 1), 0, 0); });
   Run r = run(truth, [](size_t i) {
-    Says s;
+    StatedScale s;
     if (i <= 40) s.flags &= ~uint32_t{ODO_VO_METRIC | ODO_VO_INERTIAL}, s.scale = 7;
     if (i > 100) s.flags &= ~uint32_t{ODO_VO_METRIC};  // the group is metric, flagged once
     return s;
   });
-  for (int64_t& t : r.known_ns) t += 30'000'000;
+  for (int64_t& t : r.emitted_ns) t += 30'000'000;
   const VoFigures f = r.figures();
   CHECK(f.se3_rmse_m < 1e-9);
   CHECK(f.metric_share == doctest::Approx(159.0 / 200));
@@ -148,18 +148,18 @@ TEST_CASE("poses before the first metric motion of a group are not metric and ar
 
 TEST_CASE("an odometry that is never metric has no metric figures") {
   const VoFigures f =
-      run(line(100), [](size_t) { return Says{.flags = ODO_VO_ROTATION | ODO_VO_TRANSLATION}; }).figures();
+      run(line(100), [](size_t) { return StatedScale{.flags = ODO_VO_ROTATION | ODO_VO_TRANSLATION}; }).figures();
   CHECK(f.metric_share == 0);
   CHECK(f.placed_share == doctest::Approx(0.99));
   CHECK(std::isnan(f.se3_rmse_m));
   CHECK(std::isnan(f.start_s));
-  CHECK(std::isnan(f.wrongly_certain_share));
+  CHECK(std::isnan(f.overconfident_share));
   CHECK(f.before_metric_share == 0);
 }
 
 TEST_CASE("a new group without metric scale keeps the position") {
   const Run r = run(line(300), [](size_t i) {
-    Says s;
+    StatedScale s;
     if (i > 100) s.group = 1;
     if (i > 100 && i <= 150) s.flags = ODO_VO_ROTATION | ODO_VO_TRANSLATION, s.scale = 3;
     return s;
@@ -167,7 +167,7 @@ TEST_CASE("a new group without metric scale keeps the position") {
   const ComposedMotions composed = compose(r.motions);
   CHECK((composed.poses[150].p_m - composed.poses[100].p_m).norm() == 0);
   CHECK((composed.poses[299].p_m - composed.poses[150].p_m).norm() == doctest::Approx(0.12 * 149));
-  CHECK((composed.poses[150].own - composed.poses[100].own).norm() == doctest::Approx(3 * 0.12 * 50));
+  CHECK((composed.poses[150].unscaled - composed.poses[100].unscaled).norm() == doctest::Approx(3 * 0.12 * 50));
   const VoFigures f = r.figures();
   CHECK(f.groups == 2);
   CHECK(f.longest_group_share == doctest::Approx(199.0 / 300));
@@ -176,15 +176,15 @@ TEST_CASE("a new group without metric scale keeps the position") {
 }
 
 TEST_CASE("motions without a displacement, lost ones and gaps are counted") {
-  Run r = run(line(100), [](size_t i) { return Says{.flags = i % 10 == 0 ? ODO_VO_ROTATION : Says{}.flags}; });
+  Run r = run(line(100), [](size_t i) { return StatedScale{.flags = i % 10 == 0 ? ODO_VO_ROTATION : StatedScale{}.flags}; });
   for (size_t i = 50; i < 60; ++i) r.motions[i].state = ODO_LOST;
   r.motions.erase(r.motions.begin() + 70);
   const ComposedMotions composed = compose(r.motions);
   CHECK(composed.holes == 1);
-  CHECK(composed.poses[10].own == composed.poses[9].own);
+  CHECK(composed.poses[10].unscaled == composed.poses[9].unscaled);
   CHECK_FALSE(composed.poses[10].placed);
   CHECK_FALSE(composed.poses[55].placed);
-  CHECK(composed.poses[56].own != composed.poses[55].own);
+  CHECK(composed.poses[56].unscaled != composed.poses[55].unscaled);
 }
 
 TEST_CASE("an error of a hand's breadth at a reversal is not counted as a scale error") {
@@ -193,20 +193,20 @@ TEST_CASE("an error of a hand's breadth at a reversal is not counted as a scale 
     const double phase = std::fmod(s, 14.2);
     return Vector3d(phase < 7.1 ? phase : 14.2 - phase, 0, 0);
   };
-  Run r = run(path(1400, there_and_back), [](size_t) { return Says{.sigma = 0.02}; });
+  Run r = run(path(1400, there_and_back), [](size_t) { return StatedScale{.sigma = 0.02}; });
   for (size_t i = 71; i < r.motions.size(); i += 142) {
     const Vector3d aside = r.truth[i].q.conjugate() * Vector3d(-0.15, 0, 0);
     Vector3d::Map(r.motions[i - 1].p_c0_c1) += aside;
   }
-  CHECK(r.figures().wrongly_certain_share == 0);
+  CHECK(r.figures().overconfident_share == 0);
   CHECK(r.figures().windows.size() > 10);
 }
 
 TEST_CASE("tracked segments are measured separately, without those in between") {
   // 48 m: 24 m correct, 12 m degraded and twice too long, 12 m a tenth too long.
   const Run r = run(line(401), [](size_t i) {
-    if (i <= 200) return Says{};
-    return i <= 300 ? Says{.scale = 2, .state = ODO_DEGRADED} : Says{.scale = 1.1};
+    if (i <= 200) return StatedScale{};
+    return i <= 300 ? StatedScale{.scale = 2, .state = ODO_DEGRADED} : StatedScale{.scale = 1.1};
   });
   const VoFigures f = r.figures();
   REQUIRE(f.tracked.size() == 2);
@@ -216,7 +216,7 @@ TEST_CASE("tracked segments are measured separately, without those in between") 
   // A line too long by a tenth, with centres aligned: a tenth of L / sqrt(12).
   CHECK(std::abs(f.worst_tracked - 0.1 / std::sqrt(12)) < 0.02 * 0.1 / std::sqrt(12));
   CHECK(f.se3_rmse_m > 1);
-  CHECK(std::isnan(run(line(401), [](size_t) { return Says{.state = ODO_DEGRADED}; }).figures().worst_tracked));
+  CHECK(std::isnan(run(line(401), [](size_t) { return StatedScale{.state = ODO_DEGRADED}; }).figures().worst_tracked));
 }
 
 TEST_CASE("stops are detected from the camera's displacement, not from the sway of the trunk") {
@@ -235,7 +235,7 @@ TEST_CASE("stops are detected from the camera's displacement, not from the sway 
 TEST_CASE("a scale that changes while the camera stands is found with and without a new group") {
   const auto jumping = [](bool said) {
     return run(with_stop(5), [said](size_t i) {
-      Says s{.flags = ODO_VO_ROTATION | ODO_VO_TRANSLATION};
+      StatedScale s{.flags = ODO_VO_ROTATION | ODO_VO_TRANSLATION};
       if (i > 225) s.scale = 2.5, s.group = said ? 1 : 0;
       return s;
     });
@@ -273,15 +273,15 @@ TEST_CASE("drift while standing is given per minute") {
 
 TEST_CASE("a scale is wrong and certain if it is off by more than three of its own sigmas") {
   const auto figures = [](double sigma) {
-    return run(line(600), [sigma](size_t i) { return Says{.scale = i > 300 ? std::exp(0.06) : 1.0, .sigma = sigma}; })
+    return run(line(600), [sigma](size_t i) { return StatedScale{.scale = i > 300 ? std::exp(0.06) : 1.0, .sigma = sigma}; })
         .figures();
   };
-  CHECK(std::abs(figures(0.01).wrongly_certain_share - 0.5) < 0.025);
+  CHECK(std::abs(figures(0.01).overconfident_share - 0.5) < 0.025);
   CHECK(figures(0.01).scale_nees == doctest::Approx(18).epsilon(0.1));
-  CHECK(figures(0.03).wrongly_certain_share == 0);
+  CHECK(figures(0.03).overconfident_share == 0);
   CHECK(figures(0.03).scale_nees == doctest::Approx(2).epsilon(0.1));
   CHECK(figures(0.0).windows.size() > 10);
-  CHECK(std::isnan(figures(0.0).wrongly_certain_share));
+  CHECK(std::isnan(figures(0.0).overconfident_share));
   for (const ScaleWindow& w : figures(0.01).windows)
     if (w.path_m > 40) CHECK(w.log_scale == doctest::Approx(0.06));
 }

@@ -145,7 +145,7 @@ TEST_CASE("the window's adjustment corrects poses, depths and the gyro bias, and
     for (size_t i = 0; i < points.size(); ++i) window.observe(i, see(T, points[i], random, sigma));
   }
   window.triangulate();
-  CHECK(window.located() > 140);
+  CHECK(window.triangulated() > 140);
   Vector3d found = Vector3d::Zero();
   const auto report = adjust(window, found, sigma);
   REQUIRE(report.solved);
@@ -236,7 +236,7 @@ TEST_CASE("a point outlives the keyframe that saw it first") {
   CHECK(window.keyframes().size() == 3);
   for (const auto& [track, landmark] : window.landmarks()) {
     CHECK(landmark.seen.size() == 3);
-    REQUIRE(landmark.located);
+    REQUIRE(landmark.triangulated);
     const Eigen::Vector4d X = window.point(landmark);
     CHECK((X.head<3>() / X.w() - points[track]).norm() < 1e-6);
   }

@@ -148,9 +148,9 @@ TEST_CASE("a plugin that everybody may change, or a folder that everybody may wr
     };
     CHECK(found() == "");
     const fs::path open = of_folder ? folder.path() : folder / "one.dll";
-    CHECK_FALSE(everybody_writes(open, false));
+    CHECK_FALSE(is_world_writable(open, false));
     grant_everybody(open, FILE_GENERIC_READ | FILE_GENERIC_WRITE);
-    CHECK(everybody_writes(open, false));
+    CHECK(is_world_writable(open, false));
     CHECK(contains(found(), "may be written to by every user"));
   }
 }

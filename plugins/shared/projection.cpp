@@ -68,7 +68,7 @@ struct Ellipsoidal {
 };
 
 /// Forward projection.
-GridPlace stereographic(const Ellipsoidal& p) {
+GridPoint stereographic(const Ellipsoidal& p) {
   const Sphere& s = sphere();
   const double sine = conformal_sine(s, p.latitude_rad), cosine = std::sqrt(1 - sine * sine);
   const double dl = s.n * (p.longitude_rad - kLongitude0);
@@ -80,7 +80,7 @@ GridPlace stereographic(const Ellipsoidal& p) {
 
 /// Inverse projection: via the sphere around the projection's centre (Snyder 1987, eq. (20-14), (20-15)), then the
 /// latitude on the ellipsoid by fixed-point iteration, which gains two digits per step.
-Ellipsoidal from_stereographic(const GridPlace& g) {
+Ellipsoidal from_stereographic(const GridPoint& g) {
   const Sphere& s = sphere();
   const double x = g.easting_m - kFalseEasting_m, y = g.northing_m - kFalseNorthing_m, rho = std::hypot(x, y);
   if (rho < 1e-9) return {kLatitude0, kLongitude0};
@@ -106,7 +106,7 @@ const Geocentric& bessel() {
 
 }  // namespace
 
-Geodetic rd_new_to_wgs84(const GridPlace& place) {
+Geodetic rd_new_to_wgs84(const GridPoint& place) {
   const Ellipsoidal p = from_stereographic(place);
   Vector3d x;
   bessel().Forward(p.latitude_rad / kDegree, p.longitude_rad / kDegree, 0, x.x(), x.y(), x.z());
@@ -117,10 +117,10 @@ Geodetic rd_new_to_wgs84(const GridPlace& place) {
   return g;
 }
 
-GridPlace wgs84_to_rd_new(const Geodetic& place) {
+GridPoint wgs84_to_rd_new(const Geodetic& place) {
   // The inverse assumes a height of 0 on the other ellipsoid; iteration of the exact forward transform removes the
   // error, by a factor of 1e-5 per step.
-  GridPlace at;
+  GridPoint at;
   Geodetic wanted = place;
   for (int i = 0; i < 3; ++i) {
     Vector3d x;
@@ -146,7 +146,7 @@ std::optional<Projection> Projection::of(int epsg) {
   return std::nullopt;
 }
 
-Geodetic Projection::geodetic(const GridPlace& p) const {
+Geodetic Projection::geodetic(const GridPoint& p) const {
   if (kind_ == Kind::rd_new) return rd_new_to_wgs84(p);
   if (kind_ == Kind::geographic) return {p.northing_m, p.easting_m};
   Geodetic g;
@@ -154,16 +154,16 @@ Geodetic Projection::geodetic(const GridPlace& p) const {
   return g;
 }
 
-std::optional<GridPlace> Projection::grid(const Geodetic& g) const {
-  if (kind_ == Kind::geographic) return GridPlace{g.longitude_deg, g.latitude_deg};
+std::optional<GridPoint> Projection::grid(const Geodetic& g) const {
+  if (kind_ == Kind::geographic) return GridPoint{g.longitude_deg, g.latitude_deg};
   if (kind_ == Kind::rd_new) {
-    const GridPlace p = wgs84_to_rd_new(g);
+    const GridPoint p = wgs84_to_rd_new(g);
     return std::abs(p.easting_m) < kMaxInPlane && std::abs(p.northing_m) < kMaxInPlane ? std::optional(p)
                                                                                        : std::nullopt;
   }
   int zone = 0;
   bool northern = true;
-  GridPlace p;
+  GridPoint p;
   try {
     using GeographicLib::UTMUPS;
     UTMUPS::Forward(g.latitude_deg, g.longitude_deg, zone, northern, p.easting_m, p.northing_m, zone_);

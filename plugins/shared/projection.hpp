@@ -14,16 +14,16 @@ struct Geodetic {
 };
 
 /// Grid coordinates of a projection, m.
-struct GridPlace {
+struct GridPoint {
   double easting_m = 0, northing_m = 0;
 };
 
 /// RD New (EPSG 28992) to WGS 84: the oblique stereographic projection of the Netherlands (EPSG method 9809, IOGP
 /// Guidance Note 7-2, Bessel 1841) and the seven parameters of "Amersfoort to WGS 84 (4)" (EPSG 15934), accurate to a
 /// metre.
-Geodetic rd_new_to_wgs84(const GridPlace& place);
+Geodetic rd_new_to_wgs84(const GridPoint& place);
 /// The inverse, to a micrometre.
-GridPlace wgs84_to_rd_new(const Geodetic& place);
+GridPoint wgs84_to_rd_new(const Geodetic& place);
 
 /// Projection of a model's coordinates. Immutable.
 class Projection {
@@ -33,9 +33,9 @@ class Projection {
   /// without heights (28992, 7415). None for any other code.
   static std::optional<Projection> of(int epsg);
 
-  Geodetic geodetic(const GridPlace& place) const;
+  Geodetic geodetic(const GridPoint& place) const;
   /// None outside the domain of the projection.
-  std::optional<GridPlace> grid(const Geodetic& place) const;
+  std::optional<GridPoint> grid(const Geodetic& place) const;
 
  private:
   enum class Kind { geographic, utm, rd_new };

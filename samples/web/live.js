@@ -7,7 +7,7 @@ const DEGREE = Math.PI / 180;
 const CAPTURE_TO_NOW_MS = 60; // assumed: from the middle of the exposure to the callback, if the browser does not report the time of capture
 
 /** Asks for the motion sensors; on iOS call it within a touch. Throws an error with a message for the user. */
-export async function askForMotion() {
+export async function requestMotion() {
   if (!window.isSecureContext) throw new Error('Camera and motion sensors need a page by https (or of this machine itself).');
   if (typeof DeviceMotionEvent === 'undefined') throw new Error('This browser has no motion sensors. Open the page on a phone.');
   if (typeof DeviceMotionEvent.requestPermission !== 'function') return;
@@ -16,7 +16,7 @@ export async function askForMotion() {
 }
 
 /** The rear camera's stream. Throws an error with a message for the user. */
-export async function askForCamera() {
+export async function requestCamera() {
   if (!navigator.mediaDevices?.getUserMedia) throw new Error('This browser does not give pages access to a camera.');
   try {
     return await navigator.mediaDevices.getUserMedia({audio: false, video: {facingMode: {ideal: 'environment'}, width: {ideal: 640}, height: {ideal: 480}, frameRate: {ideal: 30}}});

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The page: user interface. The tracker runs in worker.js.
-import {askForCamera, askForMotion, guessedCamera, listenToCamera, listenToMotion, shown, turnOf} from './live.js';
+import {requestCamera, requestMotion, guessedCamera, listenToCamera, listenToMotion, shown, turnOf} from './live.js';
 import {drawMap} from './map.js';
 import {add, rotate, project, unproject, conjugate, subtract} from './math.js';
 import {Overlay} from './overlay.js';
@@ -31,10 +31,10 @@ function reset() {
   $('notes').textContent = '';
   $('labels').textContent = '';
   $('pause').textContent = 'Pause';
-  tellState('', 'Starting');
+  showState('', 'Starting');
 }
 
-function tellState(state, text) {
+function showState(state, text) {
   $('state').dataset.state = state;
   if ($('state').textContent !== text) $('state').textContent = text;
 }
@@ -82,8 +82,8 @@ async function openFile(file) {
 
 async function goLive() {
   try {
-    await askForMotion(); // first: iOS requires it within the touch
-    const stream = await askForCamera();
+    await requestMotion(); // first: iOS requires it within the touch
+    const stream = await requestCamera();
     reset();
     show('run');
     $('pace-label').hidden = $('pause').hidden = true;
@@ -114,43 +114,43 @@ function correct({q_n, p_n}) {
   if (view.ground !== null) view.ground += p_n[2];
 }
 
-function takePicture(told) {
-  told.corrections.forEach(correct);
-  const {pose} = told;
-  if (told.bitmap) {
+function showPicture(report) {
+  report.corrections.forEach(correct);
+  const {pose} = report;
+  if (report.bitmap) {
     view.bitmap?.close();
-    view.bitmap = told.bitmap;
-    const upright = shown(told.calibration, pose, told.turn_deg);
-    Object.assign(view, {camera: upright.camera, turn_deg: told.turn_deg, pose: told.placed ? upright.pose : null, t_ns: pose.t_ns});
+    view.bitmap = report.bitmap;
+    const upright = shown(report.calibration, pose, report.turn_deg);
+    Object.assign(view, {camera: upright.camera, turn_deg: report.turn_deg, pose: report.placed ? upright.pose : null, t_ns: pose.t_ns});
   }
-  if (told.metric && !view.metric) {
+  if (report.metric && !view.metric) {
     view.metric = true; // what came before was up to scale
     view.path = [];
     view.ground = null;
   }
-  if (told.placed && told.metric) {
+  if (report.placed && report.metric) {
     view.ground ??= pose.p_n[2] + HAND_HEIGHT * Number($('height').value);
     const last = view.path.at(-1);
     if (!last || Math.hypot(...subtract(last, pose.p_n)) > PATH_STEP_M) view.path.push(pose.p_n);
     view.first ??= pose.p_n[2];
   }
-  view.marks = told.marks;
-  tellState(told.state, told.state === 'tracking' ? (told.metric ? 'Tracking, in metres' : 'Tracking') : `${told.state[0].toUpperCase()}${told.state.slice(1)}${told.reason ? `: ${told.reason}` : ''}`);
-  told.notes.forEach(({text, bad}) => note(text, bad));
-  tellNumbers(told, pose);
+  view.marks = report.marks;
+  showState(report.state, report.state === 'tracking' ? (report.metric ? 'Tracking, in metres' : 'Tracking') : `${report.state[0].toUpperCase()}${report.state.slice(1)}${report.reason ? `: ${report.reason}` : ''}`);
+  report.notes.forEach(({text, bad}) => note(text, bad));
+  showFigures(report, pose);
   draw();
-  if (told.bitmap) worker.postMessage({do: 'drawn'});
-  window.dispatchEvent(new CustomEvent('odograph-picture', {detail: told})); // for embedding pages and tests
+  if (report.bitmap) worker.postMessage({do: 'drawn'});
+  window.dispatchEvent(new CustomEvent('odograph-picture', {detail: report})); // for embedding pages and tests
 }
 
-function tellNumbers(told, pose) {
-  const metric = told.metric, speed = Math.hypot(...pose.velocity_n);
+function showFigures(report, pose) {
+  const metric = report.metric, speed = Math.hypot(...pose.velocity_n);
   $('distance').textContent = metric ? `${pose.distance_m.toFixed(1)} m` : '–';
   $('speed').textContent = metric ? `${speed.toFixed(1)} m/s` : '–';
   $('rise').textContent = metric && view.path.length ? `${(Math.round(10 * (view.path[0][2] - pose.p_n[2])) / 10 || 0).toFixed(1).replace('-', '−')} m` : '–';
-  $('scale').textContent = told.scale_sigma > 0 ? `${(100 * told.scale_sigma).toFixed(1)} %` : '–';
-  $('steps').textContent = told.steps;
-  $('cost').textContent = `${told.cost_ms.toFixed(0)} ms`;
+  $('scale').textContent = report.scale_sigma > 0 ? `${(100 * report.scale_sigma).toFixed(1)} %` : '–';
+  $('steps').textContent = report.steps;
+  $('cost').textContent = `${report.cost_ms.toFixed(0)} ms`;
   view.mapped = {p_n: pose.p_n, heading: Math.atan2(...rotate(pose.q_n, [0, 0, 1]).slice(0, 2).reverse())};
 }
 
@@ -184,24 +184,24 @@ function touch(event) {
   $('hint').hidden = true;
 }
 
-const TOLD = {
+const HANDLERS = {
   ready({version}) {
     $('loading').textContent = `Version ${version}. Ready.`;
     $('live').disabled = $('file').disabled = false;
   },
   failed({text}) { $('loading').textContent = `The library could not be loaded: ${text}. A browser of 2022 or later is needed (WebAssembly with SIMD and exceptions).`; },
-  picture: takePicture,
+  picture: showPicture,
   marks({marks}) { view.marks = marks, draw(); },
-  end(told) {
+  end(report) {
     view.ended = true;
-    window.dispatchEvent(new CustomEvent('odograph-end', {detail: told}));
-    if (told.loss) note(told.loss, true);
-    note(`End of the recording. ${told.statistics.frames} pictures in ${(told.took_ms / 1e3).toFixed(1)} s.`);
+    window.dispatchEvent(new CustomEvent('odograph-end', {detail: report}));
+    if (report.loss) note(report.loss, true);
+    note(`End of the recording. ${report.statistics.frames} pictures in ${(report.took_ms / 1e3).toFixed(1)} s.`);
     $('pause').hidden = true;
   },
   error({text}) { fail(text); },
 };
-worker.onmessage = ({data}) => TOLD[data.tell](data);
+worker.onmessage = ({data}) => HANDLERS[data.type](data);
 worker.onerror = event => fail(event.message || 'The worker could not be started: this browser has no module workers. A browser of 2022 or later is needed.');
 
 $('live').addEventListener('click', goLive);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The tracker, in a worker beside the page. Requests are {do: ...}, reports {tell: ...}.
+// The tracker, in a worker beside the page. Requests are {do: ...}, reports {type: ...}.
 import {load, ODO_CALIBRATION_EXTRINSICS, ODO_CALIBRATION_LINE_TIME, ODO_CALIBRATION_TIME_OFFSET, ODO_FORMAT_GREY8, ODO_POSE_METRIC, ODO_POSE_POSITION,
   ODO_ANCHOR_VIEW, ODO_IMU_GYRO_CORRECTED, ODO_IMU_GYRO, ODO_IMU_ACCEL, TYPES} from './odograph/index.js';
 import {drawTurnedBack} from './live.js';
@@ -11,7 +11,7 @@ const WAITING_PICTURES = 8; // pictures still without a pose; a live camera drop
 const library = load();
 let run = null;
 
-library.then(({version}) => postMessage({tell: 'ready', version}), error => postMessage({tell: 'failed', text: String(error?.message ?? error)}));
+library.then(({version}) => postMessage({type: 'ready', version}), error => postMessage({type: 'failed', text: String(error?.message ?? error)}));
 
 /** A session and its data. */
 class Run {
@@ -28,10 +28,10 @@ class Run {
     this.pace = 1;
     this.undrawn = 0;
     this.paused = this.ended = false;
-    this.session = odograph.createSession({config, seed, events: EVENTS, onEvent: event => this.#hear(event)});
+    this.session = odograph.createSession({config, seed, events: EVENTS, onEvent: event => this.#handleEvent(event)});
   }
 
-  #hear(event) {
+  #handleEvent(event) {
     if (event.type === 'pose') this.poses.push(event);
     else if (event.type === 'correction') this.corrections.push(event);
     else if (event.type === 'refined') this.refined = event;
@@ -76,7 +76,7 @@ class Run {
   }
 
   /** Posts one message for each picture whose pose is available. */
-  tell() {
+  report() {
     const {session, odograph} = this;
     for (const pose of this.poses.splice(0)) {
       const at = this.pictures.findIndex(({t_ns}) => t_ns >= pose.t_ns - 1_000n);
@@ -86,7 +86,7 @@ class Run {
       if (shown) ++this.undrawn;
       const cost = [...this.costs].sort((a, b) => a - b)[this.costs.length >> 1] ?? 0;
       const statistics = session.statistics();
-      postMessage({tell: 'picture', bitmap: shown?.bitmap ?? null, turn_deg: shown?.turn_deg ?? 0, calibration: this.calibration, pose, marks: this.marks(pose.t_ns), corrections: this.corrections.splice(0),
+      postMessage({type: 'picture', bitmap: shown?.bitmap ?? null, turn_deg: shown?.turn_deg ?? 0, calibration: this.calibration, pose, marks: this.marks(pose.t_ns), corrections: this.corrections.splice(0),
         metric: (pose.flags & ODO_POSE_METRIC) !== 0, placed: (pose.flags & ODO_POSE_POSITION) !== 0, state: odograph.stateText(pose.state), reason: pose.reason ? odograph.reasonText(pose.reason) : '',
         scale_sigma: statistics.scale_sigma, steps: Number(statistics.steps), cost_ms: cost, notes: this.notes.splice(0), refined: this.refined ?? null}, shown ? [shown.bitmap] : []);
     }
@@ -125,7 +125,7 @@ async function play(mine) {
         continue;
       }
       mine.picture({t_ns, source, flags, exposure_ns, line_time_ns, fx, fy, cx, cy}, bitmap, {grey: format === ODO_FORMAT_GREY8});
-      mine.tell();
+      mine.report();
       first_ns ??= t_ns;
       for (; !mine.ended;) {
         const due = mine.paused ? Infinity : mine.pace ? begin + Number(t_ns - first_ns) / 1e6 / mine.pace : 0;
@@ -141,12 +141,12 @@ async function play(mine) {
   }
   if (mine.ended) return;
   session.flush();
-  mine.tell();
+  mine.report();
   const loss = recording.loss();
-  postMessage({tell: 'end', loss, statistics: session.statistics(), longest_ms: mine.longest_ms, took_ms: performance.now() - first_of_all, heap_bytes: mine.odograph.module.HEAPU8.length});
+  postMessage({type: 'end', loss, statistics: session.statistics(), longest_ms: mine.longest_ms, took_ms: performance.now() - first_of_all, heap_bytes: mine.odograph.module.HEAPU8.length});
 }
 
-const failed = error => postMessage({tell: 'error', text: String(error?.message ?? error), status: error?.status ?? 0});
+const failed = error => postMessage({type: 'error', text: String(error?.message ?? error), status: error?.status ?? 0});
 
 async function begin(config, seed = 1) {
   run?.end();
@@ -169,18 +169,18 @@ const ORDERS = {
     if (!run) return;
     const sample = {type: 'imu', t_ns: Math.round(t_ns), flags: ODO_IMU_GYRO | ODO_IMU_ACCEL | ODO_IMU_GYRO_CORRECTED, gyro_b: gyro, accel_b: accel};
     run.timed(() => run.session.push(sample));
-    run.tell();
+    run.report();
   },
   picture({t_ns, bitmap, turn_deg}) {
     if (!run?.calibration) return bitmap.close();
     run.picture({t_ns: Math.round(t_ns), flags: 0}, bitmap, {grey: false, turn_deg});
-    run.tell();
+    run.report();
   },
   mark({t_ns, p}) {
     if (!run) return;
     try {
       run.session.createAnchor({kind: ODO_ANCHOR_VIEW, t_ns, p});
-      postMessage({tell: 'marks', marks: run.marks(t_ns)});
+      postMessage({type: 'marks', marks: run.marks(t_ns)});
     } catch (error) {
       run.notes.push({text: `no mark there: ${error.message}`, bad: false});
     }

@@ -5,9 +5,9 @@
 
 namespace {
 
-struct AsksServices {
+struct ServiceUser {
   static constexpr odo::Description description{"test/asks_services", "1.0.0", "Asks.", ODO_INTERFACE_ATTITUDE};
-  static std::vector<odo::Parameter<AsksServices>> parameters() { return {}; }
+  static std::vector<odo::Parameter<ServiceUser>> parameters() { return {}; }
 
   template <class Table>
   static const Table* service(const odo::Output& output, std::string_view id) {
@@ -38,4 +38,4 @@ struct AsksServices {
 
 }  // namespace
 
-ODO_PLUGIN(AsksServices)
+ODO_PLUGIN(ServiceUser)

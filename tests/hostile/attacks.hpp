@@ -4,7 +4,7 @@
 #include <cstdlib>
 
 /// Attacks of an isolated plugin on its host, its user or its machine: named attempts, each true if it succeeded. The
-/// tests pass the host process and the victim folder in the environment.
+/// tests pass the host process and the target folder in the environment.
 namespace hostile {
 
 struct Attempt {
@@ -13,7 +13,7 @@ struct Attempt {
 };
 
 inline int host_process() { return std::atoi(std::getenv("ODOGRAPH_TEST_HOST")); }
-inline const char* victim() { return std::getenv("ODOGRAPH_TEST_VICTIM"); }
+inline const char* target_folder() { return std::getenv("ODOGRAPH_TEST_VICTIM"); }
 
 struct Attempts {
   const Attempt* first;

@@ -27,13 +27,13 @@ template <class... T>
 bool call(long number, T... arguments) {
   return syscall(number, arguments...) >= 0;
 }
-std::string in_victim(const char* name) { return std::string(victim()) + "/" + name; }
+std::string in_target_folder(const char* name) { return std::string(target_folder()) + "/" + name; }
 const char* file() {
-  static const std::string path = in_victim("file");
+  static const std::string path = in_target_folder("file");
   return path.c_str();
 }
 const char* fresh() {
-  static const std::string path = in_victim("fresh");
+  static const std::string path = in_target_folder("fresh");
   return path.c_str();
 }
 bool opens(const char* path, int flags) {
@@ -46,15 +46,15 @@ int readable() {
   return fd;
 }
 /// Whether the operation succeeds on the memory of the host's pixels.
-template <class Deed>
-bool to_pixels(Deed deed) {
+template <class Attack>
+bool to_pixels(Attack attack) {
   std::FILE* maps = std::fopen("/proc/self/maps", "r");
   char line[512];
   bool done = false;
   while (maps && std::fgets(line, sizeof line, maps)) {
     unsigned long from = 0, to = 0;
     if (std::strstr(line, "odograph-pixels") && std::sscanf(line, "%lx-%lx", &from, &to) == 2)
-      done = done || deed(reinterpret_cast<void*>(from), to - from);
+      done = done || attack(reinterpret_cast<void*>(from), to - from);
   }
   if (maps) std::fclose(maps);
   return done;
@@ -77,7 +77,7 @@ const Attempt kAttempts[] = {
     {"open and cut", [] { return opens(file(), O_RDONLY | O_TRUNC); }},
     {"open to append", [] { return opens(file(), O_RDONLY | O_APPEND); }},
     {"create", [] { return opens(fresh(), O_RDONLY | O_CREAT) || creat(fresh(), 0600) >= 0; }},
-    {"create without a name", [] { return opens(victim(), O_TMPFILE | O_RDWR); }},
+    {"create without a name", [] { return opens(target_folder(), O_TMPFILE | O_RDWR); }},
     {"open by openat2",
      [] {
        const unsigned long long how[3] = {O_RDWR, 0, 0};

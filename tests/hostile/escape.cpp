@@ -99,7 +99,7 @@ std::string pipes() {
 }
 
 /// Reports that forge log lines, move a terminal's cursor, are not text, or are cut within a character.
-void lie_in_reports() {
+void forge_reports() {
   report("line\nfeed", "all is well\n2026-01-01 host: nothing is wrong");
   report("escape", "a\x1b[2J\xc2\x9b\x7f\r\tb");
   report("bytes", "\xff\xc0\xaf\xed\xa0\x80");
@@ -108,9 +108,9 @@ void lie_in_reports() {
   report("cut", "x" + letters);
 }
 
-/// What it can open in the victim's folder through a second mount of the process file system as `names`.
+/// What it can open in the target's folder through a second mount of the process file system as `names`.
 std::string second_names() {
-  const std::string folder = hostile::victim();
+  const std::string folder = hostile::target_folder();
   std::string opened;
   for (const char* name : {"/names/version", "/names/self/environ", "/names/1/status", "/file", "/beside/file"})
     if (const int fd = open((folder + name).c_str(), O_RDONLY); fd >= 0) opened += name + std::string(" "), close(fd);
@@ -123,7 +123,7 @@ std::string ordered() {
 }
 
 /// Runs before any function of the library: answers success in the host's place and never returns.
-__attribute__((constructor)) void forge_the_start() {
+__attribute__((constructor)) void forge_start() {
   if (ordered() != "forge the start") return;
   auto* shared = hostile::control();
   if (!shared) return;
@@ -137,7 +137,7 @@ __attribute__((constructor)) void forge_the_start() {
 void attack() {
   const std::string what = ordered();
   if (what == "chatter") chatter();
-  if (what == "lie") lie_in_reports();
+  if (what == "lie") forge_reports();
   if (what == "attempts") report(what, attempts()), report("needs", needs());
   if (what == "second names") report(what, second_names());
   if (what == "threads") report(what, threads());

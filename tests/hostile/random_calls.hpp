@@ -19,7 +19,7 @@
 
 namespace hostile {
 
-/// Random system calls with random arguments, including the victim's names, the host's process number, the first
+/// Random system calls with random arguments, including the target's names, the host's process number, the first
 /// descriptors, and buffers that can be read and written.
 class RandomCalls {
  public:
@@ -29,8 +29,8 @@ class RandomCalls {
     timespec now{};
     clock_gettime(CLOCK_REALTIME, &now);
     state_ = static_cast<uint64_t>(now.tv_nsec) * 0x9e3779b97f4a7c15u + static_cast<uint64_t>(now.tv_sec);
-    file_ = std::string(victim()) + "/file";
-    fresh_ = std::string(victim()) + "/fresh";
+    file_ = std::string(target_folder()) + "/file";
+    fresh_ = std::string(target_folder()) + "/fresh";
     readable_ = open(file_.c_str(), O_RDONLY);
     // Writes through a pointer into the arena end at an inaccessible page.
     arena_ =
@@ -42,7 +42,7 @@ class RandomCalls {
     if (random() % 64 == 0) number |= 0x40000000;
     if (random() % 64 == 0) number = static_cast<long>(random());
     // Calls that end, stop or damage this process are tried rarely, since it must be restarted.
-    if (harms_itself().count(number) && random() % 4096 != 0) return;
+    if (ends_own_process().count(number) && random() % 4096 != 0) return;
     long a[6];
     for (long& each : a) each = argument();
     if ((number == SYS_kill || number == SYS_tgkill || number == SYS_tkill) && a[0] == getpid()) return;
@@ -50,7 +50,7 @@ class RandomCalls {
   }
 
  private:
-  static const std::set<long>& harms_itself() {
+  static const std::set<long>& ends_own_process() {
     static const std::set<long> calls = {
       SYS_exit,
       SYS_exit_group,
@@ -114,7 +114,7 @@ class RandomCalls {
       case 6: return static_cast<long>(random());
       case 7: return AT_FDCWD;
       case 8: return readable_;
-      case 9: return text(victim(), 0);
+      case 9: return text(target_folder(), 0);
       case 10: return text(file_.c_str(), 1);
       case 11: return text(fresh_.c_str(), 2);
       case 12: return reinterpret_cast<long>(std::memset(arena_ + 3 * kPage, 0, kPage));

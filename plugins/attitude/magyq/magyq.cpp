@@ -28,16 +28,16 @@ void Filter::update(const Vector3d& gyro, const Vector3d& accel, double dt_s) {
     return;
   }
   predict(gyro, dt_s);
-  if (gyro.norm() > p_.violent_gyro_radps || accel.norm() > p_.violent_accel_mps2) {
-    violent_ = true;
+  if (gyro.norm() > p_.saturation_gyro_radps || accel.norm() > p_.saturation_accel_mps2) {
+    saturated_ = true;
     return;
   }
-  if (std::exchange(violent_, false)) {
+  if (std::exchange(saturated_, false)) {
     P_.topRows<3>().setZero(), P_.leftCols<3>().setZero();
-    P_.topLeftCorner<3, 3>().diagonal().setConstant(p_.violent_tilt_rad * p_.violent_tilt_rad);
+    P_.topLeftCorner<3, 3>().diagonal().setConstant(p_.saturation_tilt_rad * p_.saturation_tilt_rad);
     settled_ = false;
     q_ = Quaterniond::FromTwoVectors(q_ * accel, Vector3d::UnitZ()) * q_;
-    forget_window();
+    reset_window();
   }
   window_s_ += dt_s, ++window_count_;
   accel_sum_ += q_ * accel, rate_sum_ += gyro;
@@ -78,18 +78,18 @@ void Filter::align_with_gravity() {
   H.setZero(), H[1] = 1;
   correct(H, -mean.x() / norm, sigma * sigma, settled_ ? p_.gate_sigma : 0.0);
   settled_ = true;
-  if (at_rest_) rest(rate, std::max(p_.rest_sway_radps, rate_spread));
-  forget_window();
+  if (at_rest_) update_bias_at_rest(rate, std::max(p_.rest_sway_radps, rate_spread));
+  reset_window();
 }
 
-void Filter::forget_window() {
+void Filter::reset_window() {
   window_s_ = 0, window_count_ = 0;
   accel_sum_.setZero(), rate_sum_.setZero();
   accel_squares_ = rate_squares_ = 0;
 }
 
 /// The mean rate at rest measures the bias; a hand that stands still sways, with the spread of the rate as sigma.
-void Filter::rest(const Vector3d& rate, double sigma) {
+void Filter::update_bias_at_rest(const Vector3d& rate, double sigma) {
   for (int i = 0; i < 3; ++i) {
     Row H = Row::Zero();
     H[3 + i] = 1;
@@ -122,7 +122,7 @@ bool Filter::is_quasi_static(double dt_s) const {
 }
 
 /// Propagates a first-order Gauss-Markov process by `times` time constants.
-void Filter::wander(int state, double& value_rad, double times, double sigma_rad) {
+void Filter::apply_gauss_markov(int state, double& value_rad, double times, double sigma_rad) {
   const double decay = std::exp(-times);
   value_rad *= decay;
   P_.row(state) *= decay;
@@ -143,20 +143,20 @@ void Filter::update_magnetometer(const Vector3d& field, double dt_s) {
   if (quasi_static_) {
     P_(kFieldOff, kFieldOff) += p_.field_random_walk * p_.field_random_walk * dt_s;
   } else {
-    wander(kFieldOff, field_off_rad_, dt_s / p_.field_off_s, p_.field_off_sigma_rad);
-    wander(kStreetOff, street_off_rad_, dt_s / p_.street_off_s, p_.street_off_sigma_rad);
+    apply_gauss_markov(kFieldOff, field_off_rad_, dt_s / p_.field_off_s, p_.field_off_sigma_rad);
+    apply_gauss_markov(kStreetOff, street_off_rad_, dt_s / p_.street_off_s, p_.street_off_sigma_rad);
   }
 
   field_sum_ += q_ * (field / strength_ - iron_);
   since_update_s_ += dt_s;
   if (since_update_s_ < p_.between_field_updates_s) return;
-  see_field(field_sum_ * dt_s / since_update_s_);
+  update_field_heading(field_sum_ * dt_s / since_update_s_);
   field_sum_.setZero(), since_update_s_ = 0;
 }
 
 /// Update with the heading of the field, east of north: the sum of heading error, deviation of the field, and hard
 /// iron.
-void Filter::see_field(const Vector3d& earth) {
+void Filter::update_field_heading(const Vector3d& earth) {
   const double horizontal = earth.head<2>().norm(), heading = std::atan2(earth.x(), earth.y());
   if (horizontal < p_.min_horizontal) return;
   if (!has_heading_) {  // first measurement: initialise the heading with it
@@ -167,7 +167,7 @@ void Filter::see_field(const Vector3d& earth) {
     P_(kFieldOff, kFieldOff) = p_.field_off_sigma_rad * p_.field_off_sigma_rad;
     P_(kStreetOff, kStreetOff) = p_.street_off_sigma_rad * p_.street_off_sigma_rad;
     P_.block<3, 3>(kIron, kIron).diagonal().setConstant(p_.hard_iron_sigma * p_.hard_iron_sigma);
-    return see_field(exp_rotation({0, 0, heading}) * earth);
+    return update_field_heading(exp_rotation({0, 0, heading}) * earth);
   }
   Row H = Row::Zero();
   H[kHeading] = 1, H[kFieldOff] = 1, H[kStreetOff] = 1;
@@ -177,7 +177,7 @@ void Filter::see_field(const Vector3d& earth) {
   const double innovation = std::remainder(heading - field_off_rad_ - street_off_rad_, 2 * M_PI);
   // A large innovation indicates steel nearby: it is attributed to the field, beyond its usual variance.
   const double usual = (H * P_ * H.transpose()).value() + variance;
-  if (innovation * innovation > p_.surprise * usual) P_(kFieldOff, kFieldOff) += innovation * innovation;
+  if (innovation * innovation > p_.inflation_gate * usual) P_(kFieldOff, kFieldOff) += innovation * innovation;
   correct(H, innovation, variance, 0);
 }
 

@@ -40,12 +40,12 @@ void Filter::update(const Vector3d& gyro, const Vector3d& accel, double dt_s) {
   q_gyro_ = (q_gyro_ * exp_rotation((gyro - bias_) * dt_s)).normalized();
 
   // After saturation the inclination must be re-initialised.
-  if (gyro.norm() > p_.violent_gyro_radps || accel.norm() > p_.violent_accel_mps2) {
-    violent_ = true;
+  if (gyro.norm() > p_.saturation_gyro_radps || accel.norm() > p_.saturation_accel_mps2) {
+    saturated_ = true;
     heading_sigma_ += 0.1 * gyro.norm() * dt_s;
     return;
   }
-  if (std::exchange(violent_, false)) accel_low_.started = false, time_s_ = dt_s;
+  if (std::exchange(saturated_, false)) accel_low_.started = false, time_s_ = dt_s;
 
   // Inclination correction: the acceleration, averaged in the nearly inertial frame, points up. During the first
   // tau_acc_s the average covers all samples, which converges much faster.

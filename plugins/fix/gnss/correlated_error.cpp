@@ -44,7 +44,7 @@ CorrelatedError::Corrected CorrelatedError::on_position(int64_t t_ns, const Eige
   const double alike_bias = dt > 0 ? 1 / std::tanh(dt / (2 * p_.bias_s)) : 1.0;
   result.sigma_m = std::sqrt(sigma_m * sigma_m * alike +
                              alike_bias * (bias_variance_m2_ + (decay < 1 ? bias_.squaredNorm() : 0.0) *
-                                                                   (p_.forgotten_part * p_.forgotten_part)));
+                                                                   (p_.decay_sigma_part * p_.decay_sigma_part)));
   last_ = {t_ns, result.position_m - path_, walked_m_};
   last_ns_ = t_ns, has_last_ = true;
   return result;

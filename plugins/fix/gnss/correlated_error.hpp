@@ -29,7 +29,7 @@ class CorrelatedError {
     double longest_s = 10;        ///< since the last position: beyond it a change is not a jump
     double own_noise_m = 1;       ///< receiver noise of two positions, 0.7 m each
     double max_heading_rad = 2;   ///< sigma of the path's heading above which the heading is unknown
-    double forgotten_part = 0.5;  ///< of a bias: its sigma while it decays
+    double decay_sigma_part = 0.5;  ///< of a bias: its sigma while it decays
   };
   struct Corrected {
     Eigen::Vector2d position_m;  ///< of the receiver, bias removed

@@ -25,8 +25,8 @@ double wrapped(double rad) { return std::remainder(rad, 2 * std::numbers::pi); }
 PathHeading::PathHeading(const Parameters& parameters) : p_(parameters) {
   x_.setZero();
   P_.setZero();
-  P_.diagonal().segment<2>(kYaw).setConstant(p_.any * p_.any);
-  P_.diagonal().segment<2>(kPlace).setConstant(p_.any_m * p_.any_m);
+  P_.diagonal().segment<2>(kYaw).setConstant(p_.initial_sigma * p_.initial_sigma);
+  P_.diagonal().segment<2>(kPlace).setConstant(p_.initial_position_sigma_m * p_.initial_position_sigma_m);
   P_.diagonal().segment<2>(kRate).setConstant(p_.heading_rate * p_.heading_rate);
 }
 
@@ -37,7 +37,7 @@ void PathHeading::add_step(int64_t start_ns, int64_t end_ns, double length_m, do
   path_ += by;
   if (steps_.size() > kKept) steps_.pop_front();
   newest_ns_ = std::max(newest_ns_, end_ns);
-  work_off();
+  process_waiting();
 }
 
 /// Nothing if the stored steps do not reach back that far.
@@ -54,20 +54,20 @@ std::optional<Vector2d> PathHeading::path_at(int64_t t_ns) const {
 
 void PathHeading::add_position(int64_t t_ns, const Vector2d& position_m, double sigma_m) {
   waiting_.push_back({t_ns, position_m, sigma_m, false});
-  work_off();
+  process_waiting();
 }
 
 void PathHeading::add_velocity(int64_t t_ns, const Vector2d& velocity_mps, double sigma_mps) {
   waiting_.push_back({t_ns, velocity_mps, sigma_mps, true});
-  work_off();
+  process_waiting();
 }
 
-void PathHeading::work_off() {
+void PathHeading::process_waiting() {
   const int64_t now = waiting_.empty() ? INT64_MIN : std::max(waiting_.back().t_ns, newest_ns_);
   while (!waiting_.empty()) {
     const Seen seen = waiting_.front();
     const bool walked_past = seen.t_ns <= newest_ns_;
-    if (!walked_past && now - seen.t_ns < p_.patience_ns && waiting_.size() < kKept) return;
+    if (!walked_past && now - seen.t_ns < p_.max_wait_ns && waiting_.size() < kKept) return;
     waiting_.pop_front();
     const auto path = path_at(seen.t_ns), before = path_at(seen.t_ns - p_.velocity_ns);
     if (path && before) use(seen, *path, (*path - *before) / seconds(p_.velocity_ns));
@@ -94,20 +94,20 @@ void PathHeading::propagate(double dt_s, const Vector2d& moved, double sigma_m) 
     P.diagonal() += Q;
   };
   age(x_, P_);
-  if (told_) age(told_x_, told_P_);
+  if (has_reported_) age(reported_x_, reported_P_);
 }
 
 /// A receiver's velocity is accurate to 0.05 m/s in the open and to 1 m/s with reflections only; its quality persists
 /// for minutes. Weighted by the accuracy of the path's own prediction: a worse prediction carries no information about
 /// it.
-void PathHeading::learn_velocity(double squared_mps2, double by_path_mps2) {
-  const double worth = 1 / (1 + std::pow(by_path_mps2 / (p_.telling_mps * p_.telling_mps), 2));
+void PathHeading::update_velocity_sigma(double squared_mps2, double by_path_mps2) {
+  const double worth = 1 / (1 + std::pow(by_path_mps2 / (p_.max_path_sigma_mps * p_.max_path_sigma_mps), 2));
   velocities_ += worth, velocity_squares_ += worth * (squared_mps2 - by_path_mps2);
 }
 
-double PathHeading::velocity_sigma(double told_mps) const {
-  const double squares = p_.velocity_trust * told_mps * told_mps + velocity_squares_;
-  return std::sqrt(std::max(squares / (p_.velocity_trust + velocities_), std::pow(p_.min_velocity_mps, 2)));
+double PathHeading::velocity_sigma(double reported_mps) const {
+  const double squares = p_.velocity_prior_weight * reported_mps * reported_mps + velocity_squares_;
+  return std::sqrt(std::max(squares / (p_.velocity_prior_weight + velocities_), std::pow(p_.min_velocity_mps, 2)));
 }
 
 void PathHeading::use(const Seen& seen, const Vector2d& path, const Vector2d& path_velocity) {
@@ -138,7 +138,7 @@ void PathHeading::use(const Seen& seen, const Vector2d& path, const Vector2d& pa
     P_.block<2, 2>(kJump, kJump) += Matrix2d::Identity() * (p_.jump_m * p_.jump_m);
     S = H * P_ * H.transpose() + noise * Matrix2d::Identity();
   }
-  if (seen.is_velocity) learn_velocity(0.5 * off.squaredNorm(), 0.5 * (H * P_ * H.transpose()).trace());
+  if (seen.is_velocity) update_velocity_sigma(0.5 * off.squaredNorm(), 0.5 * (H * P_ * H.transpose()).trace());
   const Eigen::Matrix<double, kStates, 2> K = P_ * H.transpose() * S.inverse();
   x_ += K * off;
   const Matrix I_KH = Matrix::Identity() - K * H;
@@ -162,19 +162,19 @@ std::optional<PathHeading::Yaw> PathHeading::yaw_of(const Vector& x, const Matri
   return Yaw{std::atan2(better.y(), better.x()), std::sqrt(std::max(0.0, across.dot(left * across))) / better.norm()};
 }
 
-std::optional<PathHeading::Yaw> PathHeading::news() {
+std::optional<PathHeading::Yaw> PathHeading::new_information() {
   const auto now = yaw();
-  if (!now || now->sigma_rad > p_.tellable_rad || now->sigma_rad <= 0) return {};
+  if (!now || now->sigma_rad > p_.max_yaw_sigma_rad || now->sigma_rad <= 0) return {};
   const double information = 1 / (now->sigma_rad * now->sigma_rad);
-  Yaw news = *now;
-  const auto told = told_ ? yaw_of(told_x_, told_P_) : std::nullopt;
-  if (told) {
-    const double gained = information - 1 / (told->sigma_rad * told->sigma_rad);
-    if (gained < p_.news * information) return {};
-    news = {wrapped(told->rad + information / gained * wrapped(now->rad - told->rad)), 1 / std::sqrt(gained)};
+  Yaw independent = *now;
+  const auto reported = has_reported_ ? yaw_of(reported_x_, reported_P_) : std::nullopt;
+  if (reported) {
+    const double gained = information - 1 / (reported->sigma_rad * reported->sigma_rad);
+    if (gained < p_.min_gain * information) return {};
+    independent = {wrapped(reported->rad + information / gained * wrapped(now->rad - reported->rad)), 1 / std::sqrt(gained)};
   }
-  told_ = true, told_x_ = x_, told_P_ = P_;
-  return news;
+  has_reported_ = true, reported_x_ = x_, reported_P_ = P_;
+  return independent;
 }
 
 }  // namespace odograph::gnss

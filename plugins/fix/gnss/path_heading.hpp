@@ -31,20 +31,20 @@ class PathHeading {
     double scale_sigma = 0.1;           ///< of step lengths: differences between walkers
     double gate_sigma = 4;              ///< of a position, above which it is a jump
     double velocity_correlation_s = 2;  ///< correlation time of a velocity's error
-    double velocity_trust = 10;         ///< weight of the reported sigma, in velocities
+    double velocity_prior_weight = 10;         ///< weight of the reported sigma, in velocities
     double min_velocity_mps = 0.1;      ///< lower bound of the sigma of a receiver's velocity between buildings
     // Empirical, not tuned:
-    double any = 3;      ///< initial sigma of (a, b): any yaw, any scale
-    double any_m = 1e5;  ///< initial sigma of the path's start
+    double initial_sigma = 3;      ///< initial sigma of (a, b): any yaw, any scale
+    double initial_position_sigma_m = 1e5;  ///< initial sigma of the path's start
     double jump_m = 50;  ///< sigma of a reflection
     /// Max waiting time of a position for its steps, which are reported with a delay.
-    int64_t patience_ns = 3'000'000'000;
+    int64_t max_wait_ns = 3'000'000'000;
     int64_t velocity_ns = 1'000'000'000;  ///< segment of the path that a velocity is compared with: two steps
-    double tellable_rad = 0.35;           ///< max sigma of a yaw offset to be reported
-    double news = 0.1;                    ///< relative gain of information before it is reported again
+    double max_yaw_sigma_rad = 0.35;           ///< max sigma of a yaw offset to be reported
+    double min_gain = 0.1;                    ///< relative gain of information before it is reported again
     double steps_mps = 0.2;               ///< sigma of the path over one second
     double min_scale = 0.3;               ///< of (a, b): below it the direction is undefined
-    double telling_mps = 0.5;  ///< sigma of the path's velocity below which it measures the receiver's accuracy
+    double max_path_sigma_mps = 0.5;  ///< sigma of the path's velocity below which it measures the receiver's accuracy
   };
   struct Yaw {
     double rad, sigma_rad;  ///< to be added to the attitude's heading
@@ -58,12 +58,12 @@ class PathHeading {
   void add_velocity(int64_t t_ns, const Eigen::Vector2d& velocity_mps, double sigma_mps);
 
   /// Sigma of a velocity component, m/s: as reported, refined by comparison with the path.
-  double velocity_sigma(double told_mps) const;
+  double velocity_sigma(double reported_mps) const;
 
   /// Nothing until the direction of the path against the positions is determined.
   std::optional<Yaw> yaw() const;
   /// The information gained by `yaw` since the last report, as an independent measurement; nothing while it is small.
-  std::optional<Yaw> news();
+  std::optional<Yaw> new_information();
 
  private:
   struct Seen {
@@ -72,12 +72,12 @@ class PathHeading {
     double sigma;
     bool is_velocity;
   };
-  struct Walked {
+  struct PathSegment {
     int64_t start_ns, end_ns;
     Eigen::Vector2d from, by;
   };
   std::optional<Eigen::Vector2d> path_at(int64_t t_ns) const;
-  void work_off();
+  void process_waiting();
   void use(const Seen& seen, const Eigen::Vector2d& path, const Eigen::Vector2d& path_velocity);
 
   static constexpr int kStates = 10, kYaw = 0, kPlace = 2, kError = 4, kJump = 6, kRate = 8;
@@ -85,7 +85,7 @@ class PathHeading {
   using Matrix = Eigen::Matrix<double, kStates, kStates>;
   std::optional<Yaw> yaw_of(const Vector& x, const Matrix& P) const;
   void propagate(double dt_s, const Eigen::Vector2d& moved, double sigma_m);
-  void learn_velocity(double squared_mps2, double by_path_mps2);
+  void update_velocity_sigma(double squared_mps2, double by_path_mps2);
   Parameters p_;
   Vector x_;
   Matrix P_;
@@ -94,11 +94,11 @@ class PathHeading {
   bool has_position_ = false;
   int64_t t_ns_ = 0, newest_ns_ = INT64_MIN;
   Eigen::Vector2d path_ = Eigen::Vector2d::Zero(), used_path_ = Eigen::Vector2d::Zero();
-  std::deque<Walked> steps_;
+  std::deque<PathSegment> steps_;
   std::deque<Seen> waiting_;
-  bool told_ = false;
-  Vector told_x_;  // last report, propagated to the present
-  Matrix told_P_;
+  bool has_reported_ = false;
+  Vector reported_x_;  // last report, propagated to the present
+  Matrix reported_P_;
 };
 
 }  // namespace odograph::gnss

@@ -90,14 +90,14 @@ class Gnss {
     if (!attitude_) gyro_.bias_b = bias_b;
     attitude_ = attitude;
     // Heading of the device in any attitude: rotation about the vertical alone.
-    gyro_.beyond_attitude_rad = std::remainder(gyro_.heading_rad - 2 * std::atan2(q.z(), q.w()), 2 * kPi);
+    gyro_.heading_offset_rad = std::remainder(gyro_.heading_rad - 2 * std::atan2(q.z(), q.w()), 2 * kPi);
   }
 
   void on(const odo_step& step, odo::Output&) {
     if ((step.header.flags & ODO_STEP_HEADING) == 0) return;
     if (!std::isfinite(step.length_m) || !std::isfinite(step.heading_rad))
       throw odo::Error(ODO_E_DISCARD, "length_m or heading_rad is not finite");
-    path_->add_step(step.t_start_ns, step.t_end_ns, step.length_m, step.heading_rad + gyro_.beyond_attitude_rad);
+    path_->add_step(step.t_start_ns, step.t_end_ns, step.length_m, step.heading_rad + gyro_.heading_offset_rad);
   }
 
   void on(const odo_gnss& sample, odo::Output& output) {
@@ -141,7 +141,7 @@ class Gnss {
   /// Heading by the gyroscope alone, about the attitude's vertical.
   struct Gyro {
     int64_t t_ns = 0;
-    double heading_rad = 0, beyond_attitude_rad = 0;
+    double heading_rad = 0, heading_offset_rad = 0;
     /// Initial estimate, kept so that the remaining bias is constant.
     Eigen::Vector3d bias_b = Eigen::Vector3d::Zero();
   };
@@ -166,7 +166,7 @@ class Gnss {
     if (sample.header.flags & ODO_GNSS_VELOCITY)
       path_->add_velocity(sample.header.t_ns, {sample.velocity_n[0], sample.velocity_n[1]}, velocity_sigma);
     if (!attitude_) return;
-    const auto yaw = path_->news();
+    const auto yaw = path_->new_information();
     if (!yaw) return;
     // On a phone held upright the top has no heading, so the back is used.
     const Eigen::Quaterniond q_n_b = orientation(*attitude_);
@@ -176,7 +176,7 @@ class Gnss {
     auto fix = odo::make<odo_fix>(attitude_->header.t_ns);
     fix.header.flags = ODO_FIX_YAW | ODO_FIX_INTEGRITY;
     Eigen::Vector3d::Map(fix.yaw_axis_b) = axis_b;
-    fix.yaw_rad = std::remainder(std::atan2(axis_n.y(), axis_n.x()) + gyro_.beyond_attitude_rad + yaw->rad, 2 * kPi);
+    fix.yaw_rad = std::remainder(std::atan2(axis_n.y(), axis_n.x()) + gyro_.heading_offset_rad + yaw->rad, 2 * kPi);
     fix.yaw_sigma_rad = std::hypot(yaw->sigma_rad, hold_sigma);
     fix.integrity = 0.05;
     output.emit(fix);

@@ -122,14 +122,14 @@ std::vector<Aligner::Sample> Aligner::expected(const RollingLens& lens, const Py
 }
 
 /// Gain and offset from all samples, so that illumination does not bias the pose.
-Aligner::Light Aligner::first_light(const cv::Mat& grey, const RollingLens& lens, const std::vector<Sample>& samples,
+Aligner::Illumination Aligner::initial_illumination(const cv::Mat& grey, const RollingLens& lens, const std::vector<Sample>& samples,
                                     const Pose& pose) {
   Correlation c;
   for (const Sample& s : samples) {
     const auto seen = lens.project(pose * s.x_o);
     if (seen && lens.is_inside(seen->pixel, 1)) c.add(s.expected, at(grey, seen->pixel.x(), seen->pixel.y()));
   }
-  Light light;
+  Illumination light;
   if (c.n < 8 || c.variance_x() < 1) return light;
   light.gain = std::max(0.1, c.value() * std::sqrt(c.variance_y() / c.variance_x()));
   light.offset = c.y / c.n - light.gain * c.x / c.n;
@@ -164,7 +164,7 @@ struct Aligner::Equations {
 
 Aligner::Equations Aligner::equations(const cv::Mat& grey, const cv::Mat& mask, const RollingLens& lens,
                                       const Pyramid& picture, const std::vector<Sample>& samples, const Pose& pose,
-                                      const Light& light, double noise) const {
+                                      const Illumination& light, double noise) const {
   Equations e;
   for (const Sample& s : samples) {
     const Vector3d p_c = pose * s.x_o;
@@ -192,13 +192,13 @@ bool Aligner::refine(const Frame& frame, size_t level, const RollingLens& lens, 
                      Alignment& a) const {
   const cv::Mat& grey = frame.blurred[level];
   const double sigma_px = std::hypot(p_.lens_blur_px, p_.blur_px[level]);
-  Light light;
+  Illumination light;
   std::vector<Sample> samples;
   double noise = p_.first_noise_grey;
   bool settled = false;
   for (int iteration = 0; iteration < p_.iterations && !settled; ++iteration) {
     if (iteration % (p_.iterations / p_.rounds) == 0) samples = expected(lens, picture, a.pose, sigma_px);
-    if (iteration == 0) light = first_light(grey, lens, samples, a.pose);
+    if (iteration == 0) light = initial_illumination(grey, lens, samples, a.pose);
     const Equations e = equations(grey, frame.mask, lens, picture, samples, a.pose, light, noise);
     a.visible_part =
         samples.empty() ? 0 : static_cast<double>(e.residuals.size()) / static_cast<double>(samples.size());
@@ -212,18 +212,18 @@ bool Aligner::refine(const Frame& frame, size_t level, const RollingLens& lens, 
     a.pose = a.pose.moved(step.head<6>());
     if (a.pose.t_c_o.z() < p_.nearest_m) return false;
     light.gain += step[6], light.offset += step[7], light.slope_x += step[8], light.slope_y += step[9];
-    settled = iteration > 1 && motion_px < p_.settled_px;
-    const double variance = noise * noise * p_.alike_points;
+    settled = iteration > 1 && motion_px < p_.converged_px;
+    const double variance = noise * noise * p_.correlated_points;
     a.cost = e.cost / variance, a.noise_grey = noise;
     a.information = e.pose_information() / variance;
   }
   if (light.gain < p_.min_gain) return false;
-  if (level + 1 == p_.blur_px.size()) judge(grey, frame.mask, lens, picture, samples, light, a);
+  if (level + 1 == p_.blur_px.size()) score(grey, frame.mask, lens, picture, samples, light, a);
   return true;
 }
 
-void Aligner::judge(const cv::Mat& grey, const cv::Mat& mask, const RollingLens& lens, const Pyramid& picture,
-                    const std::vector<Sample>& samples, const Light& light, Alignment& a) const {
+void Aligner::score(const cv::Mat& grey, const cv::Mat& mask, const RollingLens& lens, const Pyramid& picture,
+                    const std::vector<Sample>& samples, const Illumination& light, Alignment& a) const {
   std::vector<Correlation> parts(static_cast<size_t>(p_.parts * p_.parts));
   Correlation whole;
   for (const Sample& s : samples) {

@@ -31,7 +31,7 @@ bool are_apart(const std::vector<Pose>& seen, const PlaneObject& object) {
 }
 
 /// Pose of the object propagated by the camera's motion.
-Pose carried_on(const Pose& pose, const RollingLens& lens, int64_t by_ns) {
+Pose propagated(const Pose& pose, const RollingLens& lens, int64_t by_ns) {
   const double s = seconds(by_ns);
   Eigen::Matrix<double, 6, 1> motion;
   motion << -s * lens.rate_c, -s * lens.velocity_c;
@@ -44,8 +44,8 @@ Finder::Finder(const Parameters& parameters, std::vector<PlaneObject> objects)
     : p_(parameters),
       objects_(std::move(objects)),
       search_(PictureSearch::Parameters{}, objects_),
-      surroundings_(Surroundings::Parameters{}, objects_),
-      followed_(objects_.size()) {
+      copy_search_(CopySearch::Parameters{}, objects_),
+      tracked_(objects_.size()) {
   std::vector<std::string> families;
   for (const PlaneObject& object : objects_) {
     pyramids_.emplace_back(object);
@@ -59,31 +59,31 @@ Finder::Finder(const Parameters& parameters, std::vector<PlaneObject> objects)
 
 Finder::~Finder() = default;
 
-void Finder::forget() {
-  followed_.assign(objects_.size(), {});
+void Finder::clear() {
+  tracked_.assign(objects_.size(), {});
   searched_ns_ = INT64_MIN;
 }
 
-bool Finder::is_good(const Alignment& a) const {
+bool Finder::is_accepted(const Alignment& a) const {
   return a.correlation >= p_.min_correlation && a.agreeing_part >= p_.min_agreeing && a.side_px >= p_.min_side_px &&
          a.oblique_rad <= p_.max_oblique_rad;
 }
 
-bool Finder::is_like(const Alignment& a) const {
-  return a.correlation >= p_.twin_correlation && a.agreeing_part >= p_.twin_agreeing && a.side_px >= p_.min_side_px;
+bool Finder::resembles(const Alignment& a) const {
+  return a.correlation >= p_.copy_correlation && a.agreeing_part >= p_.copy_agreeing && a.side_px >= p_.min_side_px;
 }
 
 /// Refines the best of the starts, and the second solution of the plane's pose from there.
-Finder::Look Finder::look_at(size_t object, const Aligner::Frame& frame, const RollingLens& lens,
+Finder::Detection Finder::detect_at(size_t object, const Aligner::Frame& frame, const RollingLens& lens,
                              const std::vector<Pose>& starts, bool fine) const {
   Sighting sighting;
-  std::optional<Pose> like;
+  std::optional<Pose> resemblance;
   sighting.object = object;
   const auto add = [&](const Pose& start, bool from_near) {
     auto a = aligner_.align(frame, lens, pyramids_[object], start, from_near);
     if (!a) return;
-    if (is_like(*a)) like = a->pose;
-    if (!is_good(*a)) return;
+    if (resembles(*a)) resemblance = a->pose;
+    if (!is_accepted(*a)) return;
     for (Alignment& known : sighting.poses)
       if (apart_rad(known.pose, a->pose) < p_.same_pose_rad) {
         if (a->cost < known.cost) known = *a;
@@ -92,7 +92,7 @@ Finder::Look Finder::look_at(size_t object, const Aligner::Frame& frame, const R
     sighting.poses.push_back(*a);
   };
   for (const Pose& start : starts) add(start, fine);
-  if (sighting.poses.empty()) return {std::nullopt, like};
+  if (sighting.poses.empty()) return {std::nullopt, resemblance};
   const auto order = [&] {
     std::sort(sighting.poses.begin(), sighting.poses.end(),
               [](const Alignment& a, const Alignment& b) { return a.cost < b.cost; });
@@ -117,7 +117,7 @@ Finder::Look Finder::look_at(size_t object, const Aligner::Frame& frame, const R
 }
 
 /// Start poses for each candidate position of an object in the frame.
-std::vector<std::vector<Pose>> Finder::places_of(size_t object, const RollingLens& lens,
+std::vector<std::vector<Pose>> Finder::start_poses(size_t object, const RollingLens& lens,
                                                  const std::vector<SeenTag>& tags,
                                                  const PictureSearch::Features* features) const {
   std::vector<std::vector<Pose>> places;
@@ -139,11 +139,11 @@ std::vector<std::vector<Pose>> Finder::places_of(size_t object, const RollingLen
   return places;
 }
 
-bool Finder::is_single(Sighting& sighting, const cv::Mat& grey, const cv::Mat& mask, const RollingLens& lens) const {
+bool Finder::is_unique(Sighting& sighting, const cv::Mat& grey, const cv::Mat& mask, const RollingLens& lens) const {
   sighting.clear.fill(true);
   for (const Alignment& a : sighting.poses) {
-    const Surroundings::Seen around = surroundings_.look(sighting.object, grey, mask, lens, a.pose);
-    if (around.twin) return false;
+    const CopySearch::Result around = copy_search_.search(sighting.object, grey, mask, lens, a.pose);
+    if (around.has_copy) return false;
     for (size_t side = 0; side < kSides; ++side) sighting.clear[side] = sighting.clear[side] && around.clear[side];
   }
   return true;
@@ -169,20 +169,20 @@ std::vector<Sighting> Finder::find(int64_t t_ns, const cv::Mat& grey, const cv::
     if (!wanted(k)) continue;
     const bool searched = objects_[k].tag >= 0 || features;
     std::optional<Sighting> seen;
-    std::vector<Pose> like;  // every position that resembles it
-    for (const auto& starts : places_of(k, lens, tags, features ? &*features : nullptr)) {
-      Look here = look_at(k, frame, lens, starts, false);
-      if (here.like) like.push_back(*here.like);
+    std::vector<Pose> resemblance;  // every position that resembles it
+    for (const auto& starts : start_poses(k, lens, tags, features ? &*features : nullptr)) {
+      Detection here = detect_at(k, frame, lens, starts, false);
+      if (here.resemblance) resemblance.push_back(*here.resemblance);
       if (here.sighting && (!seen || here.sighting->poses[0].cost < seen->poses[0].cost))
         seen = std::move(here.sighting);
     }
-    Followed& last = followed_[k];
-    if (are_apart(like, objects_[k])) last.twins_ns = t_ns;
-    if (!seen && last.t_ns != INT64_MIN && t_ns - last.t_ns <= p_.follow_ns)
-      seen = look_at(k, frame, lens, {carried_on(last.pose, lens, t_ns - last.t_ns)}, false).sighting;
-    if (seen && !is_single(*seen, grey, mask, lens)) last.twins_ns = t_ns;
-    const bool twins = last.twins_ns != INT64_MIN && seconds(t_ns - last.twins_ns) < p_.twin_memory_s;
-    if (!seen || twins) {
+    TrackedObject& last = tracked_[k];
+    if (are_apart(resemblance, objects_[k])) last.copy_ns = t_ns;
+    if (!seen && last.t_ns != INT64_MIN && t_ns - last.t_ns <= p_.max_track_age_ns)
+      seen = detect_at(k, frame, lens, {propagated(last.pose, lens, t_ns - last.t_ns)}, false).sighting;
+    if (seen && !is_unique(*seen, grey, mask, lens)) last.copy_ns = t_ns;
+    const bool has_copies = last.copy_ns != INT64_MIN && seconds(t_ns - last.copy_ns) < p_.copy_memory_s;
+    if (!seen || has_copies) {
       if (searched) last.t_ns = INT64_MIN;
       continue;
     }

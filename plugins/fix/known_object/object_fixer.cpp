@@ -12,15 +12,15 @@ namespace odograph::known_object {
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
-ObjectFixer::ObjectFixer(const Parameters& parameters, const Finder::Parameters& finder, const Judge::Parameters& judge,
+ObjectFixer::ObjectFixer(const Parameters& parameters, const Finder::Parameters& finder, const SightingValidator::Parameters& judge,
                          std::vector<PlaneObject> objects)
     : p_(parameters), finder_(finder, on_map(std::move(objects))), judge_(judge) {
   reset();
 }
 
 void ObjectFixer::reset() {
-  finder_.forget();
-  judge_.forget();
+  finder_.clear();
+  judge_.clear();
   poses_.clear(), waiting_.clear();
   has_mount_ = false;
   // The positions are in n from the start for local objects, and for geodetic ones if the origin is known.
@@ -112,7 +112,7 @@ Prior ObjectFixer::prior_of(const PipelinePose& pose) const {
   p.path_m = pose.path_m;
   p.placed = placed_ && pose.is_metric_position;
   if (!p.placed && gnss_ && std::abs(pose.t_ns - gnss_->t_ns) < p_.fresh_ns)
-    p.p_n = gnss_->p_map, p.loose_m = gnss_->accuracy_m;
+    p.p_n = gnss_->p_map, p.coarse_error_m = gnss_->accuracy_m;
   return p;
 }
 
@@ -140,8 +140,8 @@ std::vector<char> ObjectFixer::possible() const {
   std::vector<char> result(all.size(), 1);
   if (poses_.empty() || !has_mount_) return result;
   const Prior p = prior_of(poses_.back());
-  if (!p.placed && p.loose_m <= 0) return result;
-  const double off_m = p.placed ? p_.off_sigmas * p.horizontal_sigma_m + p_.off_m + p_.drift * p.path_m : p.loose_m;
+  if (!p.placed && p.coarse_error_m <= 0) return result;
+  const double off_m = p.placed ? p_.off_sigmas * p.horizontal_sigma_m + p_.off_m + p_.drift * p.path_m : p.coarse_error_m;
   for (size_t k = 0; k < all.size(); ++k) {
     const Vector3d to = all[k].place.p_n - p.p_n;
     result[k] = to.head<2>().norm() < p_.range_m + off_m && all[k].place.R_n_o.col(2).dot(to) > -off_m;

@@ -72,7 +72,7 @@ class KnownObject {
     Finder::Parameters f;
     f.search_interval_s = search_interval, f.min_correlation = min_correlation, f.min_agreeing = min_agreement;
     f.max_oblique_rad = max_oblique;
-    Judge::Parameters j;
+    SightingValidator::Parameters j;
     j.interval_s = interval, j.stand_s = stand, j.hold_s = hold, j.gravity_sigma_rad = gravity_sigma;
     j.pixel_sigma = pixel_sigma, j.focal_sigma = focal_sigma, j.drift = drift;
     ObjectFixer::Parameters p;
@@ -167,7 +167,7 @@ class KnownObject {
 
   std::optional<ObjectFixer> fixer_;
   RollingLens lens_;
-  odograph::ToldCamera camera_;
+  odograph::CalibratedCamera camera_;
   int64_t line_time_ns_ = 0;
   Quaterniond q_b_c_ = odograph::rear_camera_mount();
   Vector3d p_b_c_ = Vector3d::Zero();

@@ -66,15 +66,15 @@ void compute(City& city, const std::vector<Eigen::Vector3d>& places, double min_
   Eigen::Vector3d middle = 0.5 * (tile.low + tile.high);
   middle.z() = tile.low.z();
   const double radius_m = 0.5 * (tile.high - tile.low).head<2>().norm() + kMargin_m;
-  city.look_near(middle, radius_m, min_tan, tile.high.z() - tile.low.z());
+  city.select_near_edges(middle, radius_m, min_tan, tile.high.z() - tile.low.z());
   Horizon horizon;
-  City::Winners winners;
+  City::EdgeIndices edge_indices;
   std::vector<Run> runs;
   for (const uint32_t i : tile.places) {
-    city.horizon(places[i], horizon, winners);
+    city.horizon(places[i], horizon, edge_indices);
     runs.clear();
     for (int j = 0; j < Horizon::kDirections; ++j) {
-      const int edge = winners[static_cast<size_t>(j)];
+      const int edge = edge_indices[static_cast<size_t>(j)];
       if (runs.empty() || runs.back().edge != edge) runs.push_back({j, edge});
     }
     simplify(runs);

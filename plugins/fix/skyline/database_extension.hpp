@@ -28,12 +28,12 @@ class DatabaseExtension {
   DatabaseExtension(const DatabaseExtension&) = delete;
   DatabaseExtension& operator=(const DatabaseExtension&) = delete;
 
-  const odo_skylines* told() const { return &told_; }
+  const odo_skylines* table() const { return &table_; }
 
  private:
   /// Runs a request; errors are reported to the host and returned as a status.
   template <class Work>
-  static int32_t ask(void* user, Work&& work) noexcept {
+  static int32_t call(void* user, Work&& work) noexcept {
     auto& self = *static_cast<DatabaseExtension*>(user);
     try {
       return work(self);
@@ -46,7 +46,7 @@ class DatabaseExtension {
   }
   static int32_t ODO_CALL build(void* user, const odo_string* file, const double* places_n, uint64_t count,
                                 double spacing_m, odo_skyline_progress progress, void* context) noexcept {
-    return ask(user, [&](DatabaseExtension& self) -> int32_t {
+    return call(user, [&](DatabaseExtension& self) -> int32_t {
       if (!self.city_) return ODO_E_STATE;
       std::vector<Eigen::Vector3d> places;
       for (uint64_t i = 0; i < count; ++i) places.emplace_back(places_n + 3 * i);
@@ -58,30 +58,30 @@ class DatabaseExtension {
     });
   }
   static int32_t ODO_CALL open(void* user, const odo_string* file, odo_skyline_database* what) noexcept {
-    return ask(user, [&](DatabaseExtension& self) -> int32_t {
-      self.asked_ = SkylineDatabase::open(std::string(odo::view(*file)));
-      what->places = self.asked_.size(), what->bytes = self.asked_.bytes();
-      Eigen::Vector3d::Map(what->origin) = self.asked_.origin();
-      what->spacing_m = self.asked_.spacing_m();
+    return call(user, [&](DatabaseExtension& self) -> int32_t {
+      self.opened_ = SkylineDatabase::open(std::string(odo::view(*file)));
+      what->places = self.opened_.size(), what->bytes = self.opened_.bytes();
+      Eigen::Vector3d::Map(what->origin) = self.opened_.origin();
+      what->spacing_m = self.opened_.spacing_m();
       return ODO_OK;
     });
   }
   static int32_t ODO_CALL nearest(void* user, double north_m, double east_m, uint64_t* place) noexcept {
-    return ask(user, [&](DatabaseExtension& self) -> int32_t {
-      if (self.asked_.size() == 0) return ODO_E_STATE;
+    return call(user, [&](DatabaseExtension& self) -> int32_t {
+      if (self.opened_.size() == 0) return ODO_E_STATE;
       if (!std::isfinite(north_m) || !std::isfinite(east_m)) return ODO_E_ARGUMENT;
-      *place = self.asked_.nearest(north_m, east_m);
+      *place = self.opened_.nearest(north_m, east_m);
       return ODO_OK;
     });
   }
   static int32_t ODO_CALL skyline(void* user, uint64_t place, double* p_n, float* elevation_rad, float* height_m,
                                   float* distance_m) noexcept {
-    return ask(user, [&](DatabaseExtension& self) -> int32_t {
-      if (place >= self.asked_.size()) return ODO_E_NOT_FOUND;
-      Eigen::Vector3d::Map(p_n) = self.asked_.place(place);
+    return call(user, [&](DatabaseExtension& self) -> int32_t {
+      if (place >= self.opened_.size()) return ODO_E_NOT_FOUND;
+      Eigen::Vector3d::Map(p_n) = self.opened_.place(place);
       if (!elevation_rad && !height_m && !distance_m) return ODO_OK;
       Horizon horizon;
-      if (!self.asked_.horizon(place, horizon)) return ODO_E_DATA;
+      if (!self.opened_.horizon(place, horizon)) return ODO_E_DATA;
       if (elevation_rad) std::copy(horizon.elevation.begin(), horizon.elevation.end(), elevation_rad);
       if (height_m) std::copy(horizon.height_m.begin(), horizon.height_m.end(), height_m);
       if (distance_m) std::copy(horizon.distance_m.begin(), horizon.distance_m.end(), distance_m);
@@ -90,22 +90,22 @@ class DatabaseExtension {
   }
 
   static int32_t ODO_CALL look(void* user, const double* p_n, float* elevation_rad, int32_t* object) noexcept {
-    return ask(user, [&](DatabaseExtension& self) -> int32_t {
+    return call(user, [&](DatabaseExtension& self) -> int32_t {
       if (!self.city_) return ODO_E_STATE;
       const Eigen::Vector3d at(p_n);
       if (!at.allFinite()) return ODO_E_ARGUMENT;
-      self.city_->look_near(at, 1, kLowest);
+      self.city_->select_near_edges(at, 1, kLowest);
       Horizon horizon;
-      City::Winners winners;
-      self.city_->horizon(at, horizon, winners);
+      City::EdgeIndices edge_indices;
+      self.city_->horizon(at, horizon, edge_indices);
       std::copy(horizon.elevation.begin(), horizon.elevation.end(), elevation_rad);
-      for (size_t j = 0; j < winners.size(); ++j)
-        object[j] = winners[j] < 0 ? Edge::kUnknown : self.city_->edges()[static_cast<size_t>(winners[j])].object;
+      for (size_t j = 0; j < edge_indices.size(); ++j)
+        object[j] = edge_indices[j] < 0 ? Edge::kUnknown : self.city_->edges()[static_cast<size_t>(edge_indices[j])].object;
       return ODO_OK;
     });
   }
   static int32_t ODO_CALL ground(void* user, double north_m, double east_m, double* down_m, int32_t* terrain) noexcept {
-    return ask(user, [&](DatabaseExtension& self) -> int32_t {
+    return call(user, [&](DatabaseExtension& self) -> int32_t {
       if (!self.city_) return ODO_E_STATE;
       if (!std::isfinite(north_m) || !std::isfinite(east_m)) return ODO_E_ARGUMENT;
       if (!self.ground_) self.ground_.emplace(self.city_->edges());
@@ -116,7 +116,7 @@ class DatabaseExtension {
     });
   }
   static int32_t ODO_CALL edge(void* user, uint64_t number, double* from_n, double* to_n, int32_t* object) noexcept {
-    return ask(user, [&](DatabaseExtension& self) -> int32_t {
+    return call(user, [&](DatabaseExtension& self) -> int32_t {
       if (!self.city_) return ODO_E_STATE;
       if (number >= self.city_->edges().size()) return ODO_E_NOT_FOUND;
       const Edge& e = self.city_->edges()[number];
@@ -130,8 +130,8 @@ class DatabaseExtension {
   City* city_;
   std::optional<Ground> ground_;
   Eigen::Vector3d origin_;
-  SkylineDatabase asked_;
-  odo_skylines told_ = {sizeof(odo_skylines), 0, this, build, open, nearest, skyline, look, ground, edge};
+  SkylineDatabase opened_;
+  odo_skylines table_ = {sizeof(odo_skylines), 0, this, build, open, nearest, skyline, look, ground, edge};
 };
 
 }  // namespace odograph::skyline

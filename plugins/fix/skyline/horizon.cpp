@@ -73,7 +73,7 @@ struct SeenEdge {
 /// The highest edge in each direction, updated edge by edge.
 class Envelope {
  public:
-  Envelope(const Sector& sector, Horizon& out, City::Winners* winners) : out_(out), winners_(winners) {
+  Envelope(const Sector& sector, Horizon& out, City::EdgeIndices* edge_indices) : out_(out), edge_indices_(edge_indices) {
     // Directions outside the sector are treated as blocked: no edge exceeds them.
     for (int i = sector.blocks; i < kBlocks; ++i) {
       const int b = (sector.first + i) % kBlocks;
@@ -81,7 +81,7 @@ class Envelope {
       std::fill_n(highest_.data() + b * kBlock, kBlock, kOutOfSight);
     }
     out_.height_m.fill(0), out_.distance_m.fill(0);
-    if (winners_) winners_->fill(-1);
+    if (edge_indices_) edge_indices_->fill(-1);
   }
 
   float lowest() const { return lowest_; }
@@ -114,7 +114,7 @@ class Envelope {
       if (h <= highest_[k] * r) continue;
       highest_[k] = h / r, out_.height_m[k] = h, out_.distance_m[k] = r;
       higher = true;
-      if (winners_) (*winners_)[k] = number;
+      if (edge_indices_) (*edge_indices_)[k] = number;
     }
     if (!higher) return;
     for (int b = e.first_block(); b <= e.last_block(); ++b) {
@@ -131,7 +131,7 @@ class Envelope {
 
  private:
   Horizon& out_;
-  City::Winners* winners_;
+  City::EdgeIndices* edge_indices_;
   std::array<float, kN> highest_{};         // tangents
   std::array<float, kBlocks> lowest_of_{};  // min of them in each block of directions: an edge below it is hidden
   float lowest_ = 0;                        // min over all directions
@@ -172,7 +172,7 @@ bool trace_edge(const float from_n[3], const float to_n[3], const float p_n[3], 
   return true;
 }
 
-void City::look_near(const Eigen::Vector3d& p_n, double radius_m, double min_tan, double lower_m) {
+void City::select_near_edges(const Eigen::Vector3d& p_n, double radius_m, double min_tan, double lower_m) {
   near_.clear();
   around_ = p_n, radius_m_ = radius_m, lower_m_ = lower_m;
   for (size_t i = 0; i < edges_.size(); ++i) {
@@ -203,31 +203,31 @@ void City::look_near(const Eigen::Vector3d& p_n, double radius_m, double min_tan
   std::stable_sort(near_.begin(), near_.end(), [](const Near& a, const Near& b) { return a.bound > b.bound; });
 }
 
-void City::horizon(const Eigen::Vector3d& p_n, Horizon& out, Winners& winners) const {
-  envelope(near_, p_n, out, &winners, Sector::all());
-  for (int& winner : winners)
+void City::horizon(const Eigen::Vector3d& p_n, Horizon& out, EdgeIndices& edge_indices) const {
+  envelope(near_, p_n, out, &edge_indices, Sector::all());
+  for (int& winner : edge_indices)
     if (winner >= 0) winner = near_[static_cast<size_t>(winner)].number;
 }
 
-void City::quick_horizon(const Eigen::Vector3d& p_n, Horizon& out, Winners& winners) const {
-  envelope(visible_, p_n, out, &winners, Sector::all());
-  for (int& winner : winners)
+void City::quick_horizon(const Eigen::Vector3d& p_n, Horizon& out, EdgeIndices& edge_indices) const {
+  envelope(visible_, p_n, out, &edge_indices, Sector::all());
+  for (int& winner : edge_indices)
     if (winner >= 0) winner = visible_[static_cast<size_t>(winner)].number;
 }
 
-void City::look_around(const Eigen::Vector3d& p_n, double radius_m, double min_tan, double lower_m,
+void City::select_edges(const Eigen::Vector3d& p_n, double radius_m, double min_tan, double lower_m,
                        const Spend& spend) {
   if (spend) spend(kEdgeWork * edges_.size());
-  look_near(p_n, radius_m, min_tan, lower_m);
+  select_near_edges(p_n, radius_m, min_tan, lower_m);
   std::vector<char> seen(near_.size(), 0);
   Horizon there;
-  Winners winners;
+  EdgeIndices edge_indices;
   const int reach = kParameters.lattice;
   for (int a = -reach; a <= reach; ++a)
     for (int b = -reach; b <= reach; ++b) {
       if (spend) spend(work());
-      envelope(near_, p_n + Eigen::Vector3d(a, b, 0) * (radius_m / reach), there, &winners, Sector::all());
-      for (const int winner : winners)
+      envelope(near_, p_n + Eigen::Vector3d(a, b, 0) * (radius_m / reach), there, &edge_indices, Sector::all());
+      for (const int winner : edge_indices)
         if (winner >= 0) seen[static_cast<size_t>(winner)] = 1;
     }
   visible_.clear();
@@ -235,9 +235,9 @@ void City::look_around(const Eigen::Vector3d& p_n, double radius_m, double min_t
     if (seen[i]) visible_.push_back(near_[i]);
 }
 
-void City::envelope(const std::vector<Near>& edges, const Eigen::Vector3d& p_n, Horizon& out, Winners* winners,
+void City::envelope(const std::vector<Near>& edges, const Eigen::Vector3d& p_n, Horizon& out, EdgeIndices* edge_indices,
                     const Sector& sector) const {
-  Envelope envelope(sector, out, winners);
+  Envelope envelope(sector, out, edge_indices);
   const Eigen::Vector3f shift = (p_n - around_).cast<float>();
   const bool bounded = (p_n - around_).head<2>().norm() <= radius_m_ && p_n.z() - around_.z() <= lower_m_;
   for (size_t i = 0; i < edges.size(); ++i) {

@@ -49,15 +49,15 @@ class City {
 
   /// Selects the edges that can appear above an elevation of tangent `min_tan` from within `radius_m` of a place and
   /// from up to `lower_m` below it, for horizon() only.
-  void look_near(const Eigen::Vector3d& p_n, double radius_m, double min_tan, double lower_m = 0);
+  void select_near_edges(const Eigen::Vector3d& p_n, double radius_m, double min_tan, double lower_m = 0);
   /// The same for quick_horizon() too. `spend` is called with the amount of work before it is done.
-  void look_around(const Eigen::Vector3d& p_n, double radius_m, double min_tan, double lower_m = 0,
+  void select_edges(const Eigen::Vector3d& p_n, double radius_m, double min_tan, double lower_m = 0,
                    const Spend& spend = nullptr);
-  /// The skyline from a place, of the edges that look_around() selected. Thread: any, between calls of look_around().
+  /// The skyline from a place, of the edges that select_edges() selected. Thread: any, between calls of select_edges().
   void horizon(const Eigen::Vector3d& p_n, Horizon& out) const { envelope(near_, p_n, out, nullptr, Sector::all()); }
   /// With the number of the edge that is highest in each direction, -1 where none is.
-  using Winners = std::array<int, Horizon::kDirections>;
-  void horizon(const Eigen::Vector3d& p_n, Horizon& out, Winners& winners) const;
+  using EdgeIndices = std::array<int, Horizon::kDirections>;
+  void horizon(const Eigen::Vector3d& p_n, Horizon& out, EdgeIndices& edge_indices) const;
   const std::vector<Edge>& edges() const { return edges_; }
   /// Work of horizon() and quick_horizon(), for a Spend.
   uint64_t work() const { return work_of(near_, Sector::all()); }
@@ -69,12 +69,12 @@ class City {
     envelope(visible_, p_n, out, nullptr, sector);
   }
   /// The same with the number of the edge that is highest in each direction.
-  void quick_horizon(const Eigen::Vector3d& p_n, Horizon& out, Winners& winners) const;
+  void quick_horizon(const Eigen::Vector3d& p_n, Horizon& out, EdgeIndices& edge_indices) const;
 
  private:
   static constexpr uint64_t kEdgeWork = 8;  // mean number of directions per edge, measured
   struct Near {
-    float x, y, z, dx, dy, dz;    // from the place of look_around()
+    float x, y, z, dx, dy, dz;    // from the place of select_edges()
     float bound;                  // max tangent of its elevation within the radius
     int number;                   // among all edges
     int16_t first_block, blocks;  // of directions that it can occupy within the radius; all where it is near
@@ -85,7 +85,7 @@ class City {
     return (kEdgeWork * edges.size() + Horizon::kDirections) * (Sector::kBlocks + 2 * looked_at) /
            (3 * Sector::kBlocks);
   }
-  void envelope(const std::vector<Near>& edges, const Eigen::Vector3d& p_n, Horizon& out, Winners* winners,
+  void envelope(const std::vector<Near>& edges, const Eigen::Vector3d& p_n, Horizon& out, EdgeIndices* edge_indices,
                 const Sector& sector) const;
 
   std::vector<Edge> edges_;

@@ -26,7 +26,7 @@ double Matcher::cost_of_prior(const Guess& g) const {
 
 /// Mean loss of a direction plus the prior's cost, rad.
 double Matcher::cost(const Guess& g, bool new_place) {
-  spend(seen_.directions() + seen_.work_to_look(city_, place_of(g), g.yaw, new_place));
+  spend(seen_.directions() + seen_.work_to_recompute(city_, place_of(g), g.yaw, new_place));
   seen_.look(city_, place_of(g), g.yaw, new_place);
   return seen_.loss(g, p_.max_rad) + cost_of_prior(g);
 }
@@ -101,7 +101,7 @@ bool Matcher::linearise(const Guess& at, double soft_rad, Matrix6d& H, Vector6d&
 
 /// Adds one picture to the normal equations. Returns the sum of its weights.
 double Matcher::add_view(const SeenPath::Seen& seen, const Guess& at, double soft_rad, Matrix6d& H, Vector6d& b) {
-  const Eigen::Vector3d p = seen.looked_n, offset_n = p - place_of(at);
+  const Eigen::Vector3d p = seen.computed_n, offset_n = p - place_of(at);
   spend(7 * city_.quick_work(seen.sector) + 4 * seen.skyline.size());
   Horizon moved[3][2];
   for (int axis = 0; axis < 3; ++axis)
@@ -212,7 +212,7 @@ Place Matcher::polish(Place at) {
         Place there = at;
         there.guess.north += m.north, there.guess.east += m.east, there.guess.up += m.up;
         there.cost = cost(there.guess, true);
-        if (there.cost > at.cost + p_.hopeless_rad) continue;
+        if (there.cost > at.cost + p_.prune_rad) continue;
         align_heading(there);
         if (there.cost < at.cost - 1e-6) at = there, better = true;
       }
@@ -294,7 +294,7 @@ bool Matcher::describe(const Place& best, Match& match) {
   return true;
 }
 
-bool Matcher::tells_enough(const std::vector<SkyEdge>& edges, const std::vector<View>& older,
+bool Matcher::has_enough_edges(const std::vector<SkyEdge>& edges, const std::vector<View>& older,
                            const MatcherParameters& p) {
   size_t closed = closed_edges(edges);
   for (const View& view : older) closed += closed_edges(view.edges);
@@ -305,7 +305,7 @@ std::optional<Match> Matcher::match(const std::vector<SkyEdge>& edges, const Pri
                                     const std::vector<View>& older) {
   spend_ = spend;
   refusal_ = Refusal::few_edges;
-  if (!tells_enough(edges, older, p_)) return std::nullopt;
+  if (!has_enough_edges(edges, older, p_)) return std::nullopt;
   refusal_ = Refusal::none;
   prior_ = prior;
   const double yaw_reach = 3 * prior.yaw_sigma_rad;
@@ -318,7 +318,7 @@ std::optional<Match> Matcher::match(const std::vector<SkyEdge>& edges, const Pri
   const double step = radius > p_.wide_m || prior_.lost ? p_.coarse_step_m : p_.fine_step_m;
   const Eigen::Vector3d middle_n = seen_.middle_n();
   const double path_m = seen_.half_length_m() + std::min(yaw_reach, 2.0) * middle_n.norm();
-  city_.look_around(prior_.p_n + middle_n, radius + 3 + path_m,
+  city_.select_edges(prior_.p_n + middle_n, radius + 3 + path_m,
                     std::tan(std::max(p_.lowest_rad, seen_.lowest_rad() - 0.1)), 3 * prior.height_sigma_m, spend);
   if (prior.pivot_n)
     search_circle(displacement, step);
@@ -335,7 +335,7 @@ std::optional<Match> Matcher::match(const std::vector<SkyEdge>& edges, const Pri
   if (!within_reach(*best, ring ? displacement.norm() : 0, ring ? prior.slack_m : radius)) return std::nullopt;
   refusal_ = Refusal::nothing_in_view;
   if (!describe(*best, match)) return std::nullopt;
-  sound(*best);
+  sample_neighbours(*best);
   refusal_ = Refusal::none;
   if (!estimate_covariance(*best, second_best_cost, match)) {
     refusal_ = Refusal::ambiguous;

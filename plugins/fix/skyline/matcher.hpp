@@ -65,7 +65,7 @@ class Matcher {
   std::optional<Match> match(const std::vector<SkyEdge>& edges, const Prior& prior, const Spend& spend = nullptr,
                              const std::vector<View>& older = {});
   /// Whether enough directions of the pictures have a roof's edge.
-  static bool tells_enough(const std::vector<SkyEdge>& edges, const std::vector<View>& older = {},
+  static bool has_enough_edges(const std::vector<SkyEdge>& edges, const std::vector<View>& older = {},
                            const Parameters& parameters = {});
   const City& city() const { return city_; }
   City& city() { return city_; }
@@ -94,12 +94,12 @@ class Matcher {
   bool linearise(const Guess& at, double soft_rad, Matrix6d& H, Vector6d& b);
   double add_view(const SeenPath::Seen& seen, const Guess& at, double soft_rad, Matrix6d& H, Vector6d& b);
   std::optional<Guess> step(const Guess& at, double soft_rad, double damping);
-  void sound(const Place& best);
-  struct Doubt {
+  void sample_neighbours(const Place& best);
+  struct Spread {
     Eigen::Matrix2d position;  // m^2
     double yaw_variance;       // rad^2
   };
-  Doubt doubt_around(const Place& best, double scale) const;
+  Spread spread_around(const Place& best, double scale) const;
   /// The best place, and the cost of the second-best.
   std::optional<Place> choose(double step_m, double& second_best_cost);
   bool within_reach(const Place& best, double chord_m, double reach_m) const;

@@ -25,14 +25,14 @@ void shrink(Picture& picture, int by) {
 
 }  // namespace
 
-PhotographFixer::Answer PhotographFixer::place(Picture picture, const PhotographPrior& prior) {
+PhotographFixer::Outcome PhotographFixer::estimate_pose(Picture picture, const PhotographPrior& prior) {
   shrink(picture, (std::max(picture.grey.cols, picture.grey.rows) + p_.widest_px - 1) / p_.widest_px);
   const Eigen::Vector3d prior_up_c = prior.q_n_c.conjugate() * -Eigen::Vector3d::UnitZ();
   std::vector<PhotographLevel> levels = {{prior_up_c, prior.tilt_sigma_rad, 0}};
   if (prior.tilt_sigma_rad > p_.level_rad)
     levels = levels_of(lines_of(picture.grey, picture.lens, p_.level.lines), prior_up_c, p_.level);
-  Answer found[2];  // from the sky in colour and in grey
-  for (Answer& answer : found) answer.no_sky = true, answer.gain = -1e300, answer.why = "no sky is visible above roofs";
+  Outcome found[2];  // from the sky in colour and in grey
+  for (Outcome& outcome : found) outcome.no_sky = true, outcome.gain = -1e300, outcome.why = "no sky is visible above roofs";
   const Chroma chroma = picture.chroma;
   for (const PhotographLevel& level : levels) {
     PhotographPrior held = prior;
@@ -41,23 +41,23 @@ PhotographFixer::Answer PhotographFixer::place(Picture picture, const Photograph
     for (const bool in_colour : {true, false}) {
       if (in_colour && chroma.empty()) continue;
       picture.chroma = in_colour ? chroma : Chroma{};
-      const auto& edges = eye_.find(picture, held.q_n_c.conjugate(), false);
+      const auto& edges = sky_detector_.find(picture, held.q_n_c.conjugate(), false);
       if (edges.empty()) continue;
       auto match = matcher_.match(edges, held);
-      Answer& answer = found[in_colour ? 0 : 1];
+      Outcome& outcome = found[in_colour ? 0 : 1];
       const double gain = matcher_.gain();
-      if (gain < answer.gain) continue;
-      answer = {std::move(match), matcher_.tried(), gain, matcher_.why(), gain < -1e8, matcher_.other()};
+      if (gain < outcome.gain) continue;
+      outcome = {std::move(match), matcher_.tried(), gain, matcher_.why(), gain < -1e8, matcher_.other()};
     }
   }
-  return agreed(std::move(found[0]), std::move(found[1]));
+  return combined(std::move(found[0]), std::move(found[1]));
 }
 
 /// Colour shows more of the sky, but a colour cast misleads. The segmentation whose edge fits better is used, and its
 /// place is rejected where the other does not lead to it.
-PhotographFixer::Answer PhotographFixer::agreed(Answer colour, Answer grey) const {
-  Answer& best = colour.gain > grey.gain ? colour : grey;
-  const Answer& other = colour.gain > grey.gain ? grey : colour;
+PhotographFixer::Outcome PhotographFixer::combined(Outcome colour, Outcome grey) const {
+  Outcome& best = colour.gain > grey.gain ? colour : grey;
+  const Outcome& other = colour.gain > grey.gain ? grey : colour;
   const std::optional<Match>& there = other.match ? other.match : other.tried;
   if (best.match && there && (best.match->p_n - there->p_n).head<2>().norm() > p_.agree_m) {
     best.tried = std::exchange(best.match, std::nullopt);

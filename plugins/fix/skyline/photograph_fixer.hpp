@@ -4,10 +4,10 @@
 #include <optional>
 #include <string>
 
-#include "plugins/fix/skyline/look.hpp"
+#include "plugins/fix/skyline/picture_job.hpp"
 #include "plugins/fix/skyline/photograph_level.hpp"
 #include "plugins/fix/skyline/photograph_matcher.hpp"
-#include "plugins/fix/skyline/sky_eye.hpp"
+#include "plugins/fix/skyline/sky_detector.hpp"
 
 namespace odograph::skyline {
 
@@ -21,7 +21,7 @@ class PhotographFixer {
     double agree_m = 4;        ///< max distance between the places by the sky in colour and in grey; judgement
     PhotographLevelParameters level;
   };
-  struct Answer {
+  struct Outcome {
     std::optional<Match> match;
     std::optional<Match> tried;  ///< the rejected match, for tests and tools
     double gain = 0;
@@ -33,16 +33,16 @@ class PhotographFixer {
   explicit PhotographFixer(City& city, const PhotographParameters& matching = {})
       : ground_(city.edges()), matcher_(city, ground_, matching) {}
   /// The prior's north and east are used; its height only where the model has no ground.
-  Answer place(Picture picture, const PhotographPrior& prior);
+  Outcome estimate_pose(Picture picture, const PhotographPrior& prior);
   const Ground& ground() const { return ground_; }
 
  private:
-  Answer agreed(Answer colour, Answer grey) const;
+  Outcome combined(Outcome colour, Outcome grey) const;
 
   Parameters p_;
   Ground ground_;
   PhotographMatcher matcher_;
-  SkyEye eye_;
+  SkyDetector sky_detector_;
 };
 
 }  // namespace odograph::skyline

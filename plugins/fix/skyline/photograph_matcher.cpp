@@ -15,7 +15,7 @@ constexpr double kDegree = PhotographParameters::kDegree;
 double apart(const Guess& x, const Guess& y) { return std::hypot(x.north - y.north, x.east - y.east); }
 
 template <class... Numbers>
-std::string words(const char* format, Numbers... numbers) {
+std::string format_text(const char* format, Numbers... numbers) {
   char text[160];
   std::snprintf(text, sizeof text, format, numbers...);
   return text;
@@ -30,9 +30,9 @@ Eigen::Vector3d PhotographMatcher::place_of(const Guess& guess) const {
 }
 
 /// Computes the model's roof line at a guess's place; the fit treats the guess's `up` to first order.
-void PhotographMatcher::look(const Guess& guess) {
-  city_.quick_horizon(place_of(guess), horizon_, winners_);
-  line_.set(horizon_, winners_, city_.edges(), p_.roofs);
+void PhotographMatcher::render_skyline(const Guess& guess) {
+  city_.quick_horizon(place_of(guess), horizon_, edge_indices_);
+  line_.set(horizon_, edge_indices_, city_.edges(), p_.roofs);
 }
 
 double PhotographMatcher::cost_of_prior(const Guess& g) const {
@@ -103,7 +103,7 @@ void PhotographMatcher::move(Candidate& at) {
         Candidate there = at;
         (k / 2 ? there.guess.east : there.guess.north) += k % 2 ? -size : size;
         if (apart(there.guess, {}) > p_.max_m + 2 || is_built(there.guess)) continue;
-        look(there.guess);
+        render_skyline(there.guess);
         align(there);
         if (there.cost < at.cost - 1e-3) at = there, better = true;
       }
@@ -122,12 +122,12 @@ void PhotographMatcher::search() {
     for (int tb = -tiles; tb <= tiles; ++tb) {
       const Guess middle{.north = ta * tile_m, .east = tb * tile_m};
       if (apart(middle, {}) > radius + tile_m) continue;
-      city_.look_around(place_of(middle), 0.71 * tile_m + 1, 0.03, 4);
+      city_.select_edges(place_of(middle), 0.71 * tile_m + 1, 0.03, 4);
       for (int a = -reach; a <= reach; ++a)
         for (int b = -reach; b <= reach; ++b) {
           Candidate at{{.north = middle.north + a * step, .east = middle.east + b * step}, 0, step * step};
           if (apart(at.guess, {}) > radius || is_built(at.guess)) continue;
-          look(at.guess);
+          render_skyline(at.guess);
           at.line = lines_.size();
           lines_.push_back(line_);
           search_place(at);
@@ -145,7 +145,7 @@ std::vector<PhotographMatcher::Candidate> PhotographMatcher::surroundings_of(con
       Candidate at = best;
       at.guess.north += a * p_.fine_step_m, at.guess.east += b * p_.fine_step_m;
       if (apart(at.guess, best.guess) > p_.fine_m || is_built(at.guess)) continue;
-      look(at.guess);
+      render_skyline(at.guess);
       align(at);
       at.area_m2 = p_.fine_step_m * p_.fine_step_m;
       all.push_back(at);
@@ -155,7 +155,7 @@ std::vector<PhotographMatcher::Candidate> PhotographMatcher::surroundings_of(con
 
 /// Covariance, and the probability of other places over all that were evaluated. False, with the reason, where either
 /// is too large.
-bool PhotographMatcher::judge(const Candidate& best, Match& match) {
+bool PhotographMatcher::accept(const Candidate& best, Match& match) {
   auto places = surroundings_of(best);
   for (const Candidate& c : candidates_)
     if (apart(c.guess, best.guess) > p_.fine_m) places.push_back(c);
@@ -176,7 +176,7 @@ bool PhotographMatcher::judge(const Candidate& best, Match& match) {
   const double worst_m = std::sqrt(Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(match.covariance).eigenvalues()[1]);
   // The heading's sigma at the best place, from the fit one degree aside.
   Candidate aside = best;
-  look(best.guess);
+  render_skyline(best.guess);
   double curvature = 0;
   for (const double by : {-1.0, 1.0}) {
     aside.guess.yaw = best.guess.yaw + by * kDegree;
@@ -187,28 +187,28 @@ bool PhotographMatcher::judge(const Candidate& best, Match& match) {
   // the prior's headings to the place's.
   const double headings = std::max(1.0, prior_.yaw_sigma_rad / std::sqrt(own + turned / all));
   const double none = 2 * std::numbers::pi * prior_.sigma_m * prior_.sigma_m * headings *
-                      std::exp(std::min(50.0, best.cost - fit_.nothing()));
+                      std::exp(std::min(50.0, best.cost - fit_.no_match_cost()));
   other_ = (others + none) / (all + none);
   match.second_best_ratio = other_;
-  const double doubt = std::sqrt(match.covariance.trace() / 2) / p_.doubt_over_m;
+  const double doubt = std::sqrt(match.covariance.trace() / 2) / p_.roof_distance_m;
   match.yaw_sigma_rad = std::sqrt(turned / all + own + doubt * doubt);
   match.height_sigma_m = prior_.height_sigma_m;
   fit_.cost(line_, best.guess);
   match.agreement = fit_.agreement();
   if (none > others && other_ > p_.max_other)
-    why_ = words("only %.0f %% of the sky's edge coincides with a roof of the model: that may be chance",
+    why_ = format_text("only %.0f %% of the sky's edge coincides with a roof of the model: that may be chance",
                  100 * match.agreement);
   else if (other_ > p_.max_other)
-    why_ = words("it fits elsewhere too: the best place is right with %.0f %%", 100 * (1 - other_));
+    why_ = format_text("it fits elsewhere too: the best place is right with %.0f %%", 100 * (1 - other_));
   else if (worst_m > p_.max_sigma_m)
-    why_ = words("the visible roofs determine the place only to %.1f m; %.1f m are required", worst_m, p_.max_sigma_m);
+    why_ = format_text("the visible roofs determine the place only to %.1f m; %.1f m are required", worst_m, p_.max_sigma_m);
   return why_.empty();
 }
 
 bool PhotographMatcher::describe(const Candidate& best, Match& match) {
   match.p_n = place_of(best.guess) - Eigen::Vector3d(0, 0, best.guess.up);
   match.q_n_c = best.guess.rotation() * prior_.q_n_c;
-  look(best.guess);
+  render_skyline(best.guess);
   const auto highest = static_cast<size_t>(std::max_element(horizon_.elevation.begin(), horizon_.elevation.end()) -
                                            horizon_.elevation.begin());
   const double h = static_cast<double>(horizon_.height_m[highest]);
@@ -225,7 +225,7 @@ std::optional<Match> PhotographMatcher::match(const std::vector<SkyEdge>& edges,
   gain_ = -1e9, other_ = 1;
   why_.clear(), tried_.reset();
   if (const size_t closed = closed_edges(edges); closed < p_.min_edges) {
-    why_ = words("roofs end against the sky in %.0f degrees of the picture only, %.0f are wanted",
+    why_ = format_text("roofs end against the sky in %.0f degrees of the picture only, %.0f are wanted",
                  0.5 * static_cast<double>(closed), 0.5 * static_cast<double>(p_.min_edges));
     return std::nullopt;
   }
@@ -252,8 +252,8 @@ std::optional<Match> PhotographMatcher::match(const std::vector<SkyEdge>& edges,
       modes.push_back(c);
   }
   for (Candidate& m : modes) {
-    city_.look_around(place_of(m.guess), 8, 0.03, 4);
-    look(m.guess), align(m), move(m);
+    city_.select_edges(place_of(m.guess), 8, 0.03, 4);
+    render_skyline(m.guess), align(m), move(m);
   }
   candidates_.insert(candidates_.end(), modes.begin(), modes.end());
   std::sort(modes.begin(), modes.end(), [](const auto& x, const auto& y) { return x.cost < y.cost; });
@@ -261,14 +261,14 @@ std::optional<Match> PhotographMatcher::match(const std::vector<SkyEdge>& edges,
     why_ = "nothing was searched";
     return std::nullopt;
   }
-  gain_ = fit_.nothing() - modes.front().cost;
-  city_.look_around(place_of(modes.front().guess), 8, 0.03, 4);
+  gain_ = fit_.no_match_cost() - modes.front().cost;
+  city_.select_edges(place_of(modes.front().guess), 8, 0.03, 4);
   Match match;
   if (!describe(modes.front(), match)) {
     why_ = "the model has no roof in view there";
     return std::nullopt;
   }
-  const bool good = judge(modes.front(), match);
+  const bool good = accept(modes.front(), match);
   tried_ = match;
   if (!good) return std::nullopt;
   return match;

@@ -38,7 +38,7 @@ struct PhotographParameters {
   double max_sigma_m = 3;    ///< of the position along its worst axis
   double min_sigma_m = 0.5;  ///< of north and of east: no model's corners are more accurate (CityGML 2.0, LOD3: 0.5 m)
   double max_other = 0.1;    ///< total probability of all other places and of no place
-  double doubt_over_m = 10;  ///< the position's sigma over this distance adds to the heading's: a typical distance of a
+  double roof_distance_m = 10;  ///< the position's sigma over this distance adds to the heading's: a typical distance of a
                              ///< roof (K7's drives)
 };
 
@@ -84,7 +84,7 @@ class PhotographMatcher {
   bool is_built(const Guess& guess) const {
     return ground_.is_built(prior_.p_n.head<2>() + Eigen::Vector2d(guess.north, guess.east));
   }
-  void look(const Guess& guess);
+  void render_skyline(const Guess& guess);
   double cost_of_prior(const Guess& guess) const;
   double cost_of(const Guess& guess) { return fit_.cost(line_, guess) + cost_of_prior(guess); }
   void search();
@@ -92,7 +92,7 @@ class PhotographMatcher {
   void align(Candidate& at);
   void move(Candidate& at);
   std::vector<Candidate> surroundings_of(const Candidate& best);
-  bool judge(const Candidate& best, Match& match);
+  bool accept(const Candidate& best, Match& match);
   bool describe(const Candidate& best, Match& match);
 
   PhotographParameters p_;
@@ -102,7 +102,7 @@ class PhotographMatcher {
   RoofLine line_;                // of the latest place
   std::vector<RoofLine> lines_;  // of the lattice
   Horizon horizon_;
-  City::Winners winners_{};
+  City::EdgeIndices edge_indices_{};
   PhotographPrior prior_{};
   double pitch_azimuth_ = 0;  // azimuth of the camera's axis
   std::vector<Candidate> candidates_;

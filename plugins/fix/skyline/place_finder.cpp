@@ -35,13 +35,13 @@ struct Sectors {
 
 }  // namespace
 
-bool PlaceFinder::wants(const Eigen::Vector3d& p) const {
+bool PlaceFinder::is_far_enough(const Eigen::Vector3d& p) const {
   return pictures_.empty() || (p - pictures_.back().p).head<2>().norm() >= p_.apart_m;
 }
 
 void PlaceFinder::clear() {
   pictures_.clear(), hypotheses_.clear();
-  alone_ = 0, second_best_ratio_ = 1;
+  single_count_ = 0, second_best_ratio_ = 1;
 }
 
 bool PlaceFinder::same(const Hypothesis& a, const Hypothesis& b) const {
@@ -94,7 +94,7 @@ std::vector<PlaceFinder::Hypothesis> PlaceFinder::coarse(const SeenSkyline& seen
 }
 
 /// A place with the best heading and height near a signature's; `at.cost` is the place's number.
-PlaceFinder::Hypothesis PlaceFinder::look_closely(const SeenSkyline& seen, const Hypothesis& at) const {
+PlaceFinder::Hypothesis PlaceFinder::refine_coarse(const SeenSkyline& seen, const Hypothesis& at) const {
   Hypothesis best{at.p, at.yaw, 1, 1e9};
   Horizon horizon;
   if (!database_.horizon(static_cast<size_t>(at.cost), horizon)) return best;
@@ -123,7 +123,7 @@ bool PlaceFinder::horizon_at(const Eigen::Vector3d& p, Horizon& out) const {
   const auto edges = database_.edges_seen_from(i);
   if (edges.empty()) return false;
   City city(edges);
-  city.look_near(p, 0.1, 0);
+  city.select_near_edges(p, 0.1, 0);
   city.horizon(p, out);
   return true;
 }
@@ -203,7 +203,7 @@ void PlaceFinder::search(std::vector<Hypothesis>& found, const Spend& spend) {
   std::vector<Hypothesis> close;
   for (const Hypothesis& at : coarse(seen, spend)) {
     spend(9 * Horizon::kDirections + 5 * 17 * seen.turned_size() / 4);
-    close.push_back(look_closely(seen, at));
+    close.push_back(refine_coarse(seen, at));
   }
   std::stable_sort(close.begin(), close.end(), [](const auto& a, const auto& b) { return a.cost < b.cost; });
   size_t taken = 0;
@@ -248,8 +248,8 @@ std::optional<PlaceFinder::Found> PlaceFinder::add(const std::vector<SkyEdge>& e
   const double path_m = (pictures_.back().p - pictures_.front().p).head<2>().norm();
   const double agreed = agreement(best);
   const bool alone = stays && second_best_ratio_ < p_.max_second_best_ratio && agreed >= p_.min_agreement;
-  alone_ = alone ? alone_ + 1 : 0;
-  if (alone_ < p_.steady || pictures_.size() < p_.min_pictures || path_m < p_.min_path_m) return std::nullopt;
+  single_count_ = alone ? single_count_ + 1 : 0;
+  if (single_count_ < p_.steady || pictures_.size() < p_.min_pictures || path_m < p_.min_path_m) return std::nullopt;
   return Found{best.p + offset_n_, best.yaw, agreed, second_best_ratio_};
 }
 

@@ -57,7 +57,7 @@ class PlaceFinder {
   std::optional<Found> add(const std::vector<SkyEdge>& edges, const Eigen::Quaterniond& q_n_c,
                            const Eigen::Vector3d& p_odometry, const Spend& spend);
   /// Whether a picture from here is far enough from the previous one.
-  bool wants(const Eigen::Vector3d& p_odometry) const;
+  bool is_far_enough(const Eigen::Vector3d& p_odometry) const;
   /// Removes all pictures, for a tracking loss of the odometry.
   void clear();
   size_t pictures() const { return pictures_.size(); }
@@ -77,7 +77,7 @@ class PlaceFinder {
 
   void search(std::vector<Hypothesis>& found, const Spend& spend);
   std::vector<Hypothesis> coarse(const SeenSkyline& seen, const Spend& spend) const;
-  Hypothesis look_closely(const SeenSkyline& seen, const Hypothesis& at) const;
+  Hypothesis refine_coarse(const SeenSkyline& seen, const Hypothesis& at) const;
   bool horizon_at(const Eigen::Vector3d& p, Horizon& out) const;
   Eigen::Vector3d moved(const Hypothesis& h, const Eigen::Vector3d& odometry) const;
   Eigen::Vector3d place_of(const Hypothesis& h, const Picture& picture) const;
@@ -92,7 +92,7 @@ class PlaceFinder {
   std::deque<Picture> pictures_;
   std::vector<Hypothesis> hypotheses_;  // the best first
   double second_best_ratio_ = 1;
-  int alone_ = 0;
+  int single_count_ = 0;
 };
 
 }  // namespace odograph::skyline

@@ -12,13 +12,13 @@
 #include "plugins/fix/skyline/fixer_config.hpp"
 #include "plugins/fix/skyline/fixer_parameters.hpp"
 #include "plugins/fix/skyline/frame_chroma.hpp"
-#include "plugins/fix/skyline/judge_match.hpp"
-#include "plugins/fix/skyline/look.hpp"
+#include "plugins/fix/skyline/validate_match.hpp"
+#include "plugins/fix/skyline/picture_job.hpp"
 #include "plugins/fix/skyline/matcher.hpp"
 #include "plugins/fix/skyline/photograph_fixer.hpp"
 #include "plugins/fix/skyline/photograph_prior.hpp"
 #include "plugins/fix/skyline/place_finder.hpp"
-#include "plugins/fix/skyline/sky_eye.hpp"
+#include "plugins/fix/skyline/sky_detector.hpp"
 #include "plugins/fix/skyline/skyline_database.hpp"
 #include "plugins/fix/skyline/sliced_worker.hpp"
 #include "plugins/fix/skyline/vanishing_point.hpp"
@@ -71,7 +71,7 @@ class Skyline : public FixerConfig {
   }
 
   const void* extension(std::string_view id) const {
-    return id == ODO_EXTENSION_SKYLINES && extension_ ? extension_->told() : nullptr;
+    return id == ODO_EXTENSION_SKYLINES && extension_ ? extension_->table() : nullptr;
   }
 
   void on(const odo_calibration& c, odo::Output&) {
@@ -92,7 +92,7 @@ class Skyline : public FixerConfig {
   void on(const odo_correction& c, odo::Output&) {
     const Eigen::Quaterniond q = odograph::raw_quaternion(c.q_n);
     const Eigen::Vector3d p(c.p_n);
-    window_.correct(q, p), path_judge_.correct(q, p), look_.correct(q, p);
+    window_.correct(q, p), path_validator_.correct(q, p), job_.correct(q, p);
   }
 
   /// A frame waits for its pose where the front-end, which waits for the IMU, emits it later. While a picture is
@@ -123,23 +123,23 @@ class Skyline : public FixerConfig {
       return refuse(kPrior, "no pose of the camera at the frame's time", output);
     if (photograph_fixer_) return place_photograph(picture, output);
     const double variance = std::max(pose_->covariance[21], pose_->covariance[28]);
-    if (placed_ && std::sqrt(variance) > kParameters.nowhere_m)
+    if (placed_ && std::sqrt(variance) > kParameters.unplaced_sigma_m)
       return refuse(kPrior, "the pose is not placed yet", output);
     // Without metric scale the position does not change: the scale itself needs fixes.
     const bool metric = (pose_->header.flags & ODO_POSE_METRIC) != 0;
-    const double sigma = metric ? std::sqrt(variance) : std::max(std::sqrt(variance), kParameters.unscaled_m);
+    const double sigma = metric ? std::sqrt(variance) : std::max(std::sqrt(variance), kParameters.unscaled_sigma_m);
     const double yaw_sigma =
         std::clamp(std::sqrt(pose_->covariance[14]), kParameters.min_yaw_rad, kParameters.max_yaw_rad);
     // Possible drift since the last fix, by the heading's sigma or by the pose's own covariance. A pose that is farther
     // off than the search radius would be matched to a similar place.
     const double driven_m = pose_->distance_m - fixed_at_m_;
-    const double astray_m = std::max(driven_m * std::min(kParameters.max_off, 3 * yaw_sigma), 3 * sigma);
+    const double drift_m = std::max(driven_m * std::min(kParameters.max_off, 3 * yaw_sigma), 3 * sigma);
     const auto slack_m = displacement_from_start(yaw_sigma, sigma, metric);
-    const bool lost = !slack_m && (astray_m > radius || failures_ >= kParameters.hopeless);
-    const bool anywhere = place_finder_ && (!placed_ || lost);
-    if (lost && astray_m > radius && !anywhere)
+    const bool lost = !slack_m && (drift_m > radius || failures_ >= kParameters.failures_until_search);
+    const bool global_search = place_finder_ && (!placed_ || lost);
+    if (lost && drift_m > radius && !global_search)
       return refuse(kPrior, "the pose may be off by more than the search radius", output);
-    if (anywhere && (!metric || pose_->state == ODO_LOST)) {
+    if (global_search && (!metric || pose_->state == ODO_LOST)) {
       place_finder_->clear();
       return refuse(kPrior, "not placed, and the odometry has no metric scale", output);
     }
@@ -147,40 +147,40 @@ class Skyline : public FixerConfig {
                                    kParameters.max_tilt_rad);
     const Eigen::Quaterniond q_n_c = orientation_of(*pose_);
     const Eigen::Vector3d p_n(pose_->p_n);
-    if (anywhere && !place_finder_->wants(p_n)) return;
-    if (!anywhere && joins_ && !window_.wants(p_n, q_n_c)) return;
-    look_ = {picture,
+    if (global_search && !place_finder_->is_far_enough(p_n)) return;
+    if (!global_search && joins_ && !window_.adds_information(p_n, q_n_c)) return;
+    job_ = {picture,
              p_n,
              q_n_c,
              pose_->distance_m,
              Prior{.p_n = p_n - Eigen::Vector3d(0, 0, up_m_),
                    .q_n_c = q_n_c,
-                   .position_sigma_m = std::max(sigma + failures_, astray_m / 3),
+                   .position_sigma_m = std::max(sigma + failures_, drift_m / 3),
                    .yaw_sigma_rad = joins_ ? yaw_sigma + failures_ * kParameters.failed_yaw_rad : yaw_sigma,
                    .tilt_sigma_rad = tilt,
                    .farthest_m = radius,
-                   .lost = failures_ >= kParameters.doubtful,
+                   .lost = failures_ >= kParameters.failures_until_lost,
                    .height_sigma_m = std::sqrt(up_variance_),
                    .pivot_n = slack_m ? start_n_ : std::nullopt,
                    .slack_m = slack_m.value_or(0)},
-             anywhere,
-             join && !anywhere && yaw_sigma < kParameters.no_heading_rad &&
-                 pose_->scale_sigma < kParameters.path_metre * pose_->scale,
+             global_search,
+             join && !global_search && yaw_sigma < kParameters.no_heading_rad &&
+                 pose_->scale_sigma < kParameters.max_scale_sigma * pose_->scale,
              window_.views()};
-    worker_.start([this](const Spend& spend) { look(spend); }, slice_);
+    worker_.start([this](const Spend& spend) { process_picture(spend); }, slice_);
   }
 
   /// Synchronous, on this thread: a photograph has no frame-time limit.
   void place_photograph(const Picture& picture, odo::Output& output) {
-    const auto answer = photograph_fixer_->place(picture, photograph_prior(*pose_, height_sigma));
-    if (!answer.match)
-      return refuse(answer.no_sky                          ? kSky
-                    : answer.other > kParameters.elsewhere ? kAmbiguity
+    const auto outcome = photograph_fixer_->estimate_pose(picture, photograph_prior(*pose_, height_sigma));
+    if (!outcome.match)
+      return refuse(outcome.no_sky                          ? kSky
+                    : outcome.other > kParameters.max_elsewhere ? kAmbiguity
                                                            : kAgreement,
-                    answer.why, output);
-    odo_fix fix = fix_of(*answer.match, picture.t_ns);
+                    outcome.why, output);
+    odo_fix fix = fix_of(*outcome.match, picture.t_ns);
     fix.header.flags |= ODO_FIX_DOWN;
-    fix.covariance_n[8] = answer.match->height_sigma_m * answer.match->height_sigma_m;
+    fix.covariance_n[8] = outcome.match->height_sigma_m * outcome.match->height_sigma_m;
     output.emit(fix);
   }
 
@@ -199,19 +199,19 @@ class Skyline : public FixerConfig {
   }
 
   /// Thread: the worker's.
-  void look(const Spend& spend) {
-    if (inclination == "vanishing_point") align_with_gravity(look_.prior, look_.picture, tilt_sigma);
-    const auto& edges = eye_.find(look_.picture, look_.prior.q_n_c.conjugate(), sky == "flood_fill");
-    spend(kParameters.sky_work * look_.picture.grey.total());
-    look_.sky_seen = !edges.empty();
-    if (!look_.sky_seen) return;
-    if (look_.anywhere) return look_anywhere(edges, spend);
-    const bool alone = Matcher::tells_enough(edges) || !look_.may_join;
-    if (alone) return void(look_.match = matcher_->match(edges, look_.prior, spend));
-    look_.view = View{edges, look_.prior.p_n, look_.prior.q_n_c};
-    Prior prior = look_.prior;
+  void process_picture(const Spend& spend) {
+    if (inclination == "vanishing_point") align_with_gravity(job_.prior, job_.picture, tilt_sigma);
+    const auto& edges = sky_detector_.find(job_.picture, job_.prior.q_n_c.conjugate(), sky == "flood_fill");
+    spend(kParameters.sky_work * job_.picture.grey.total());
+    job_.sky_seen = !edges.empty();
+    if (!job_.sky_seen) return;
+    if (job_.global_search) return search_database(edges, spend);
+    const bool alone = Matcher::has_enough_edges(edges) || !job_.may_join;
+    if (alone) return void(job_.match = matcher_->match(edges, job_.prior, spend));
+    job_.view = View{edges, job_.prior.p_n, job_.prior.q_n_c};
+    Prior prior = job_.prior;
     prior.lost = false, prior.pivot_n.reset();
-    look_.match = matcher_->match(edges, prior, spend, look_.older);
+    job_.match = matcher_->match(edges, prior, spend, job_.older);
   }
 
   /// Replaces the prior's pitch and roll by those of the vertical lines in the picture, where there are enough.
@@ -225,68 +225,68 @@ class Skyline : public FixerConfig {
   }
 
   /// Searches the database for the place on which several pictures agree, then matches this picture there.
-  void look_anywhere(const std::vector<SkyEdge>& edges, const Spend& spend) {
-    if (!Matcher::tells_enough(edges)) {
-      look_.sky_seen = false;
+  void search_database(const std::vector<SkyEdge>& edges, const Spend& spend) {
+    if (!Matcher::has_enough_edges(edges)) {
+      job_.sky_seen = false;
       return;
     }
-    const auto found = place_finder_->add(edges, look_.prior.q_n_c, look_.p_n, spend);
+    const auto found = place_finder_->add(edges, job_.prior.q_n_c, job_.p_n, spend);
     if (!found) return;
-    Prior& prior = look_.prior;
+    Prior& prior = job_.prior;
     prior.p_n = found->p_n;
     prior.q_n_c = Eigen::AngleAxisd(found->yaw_rad, Eigen::Vector3d::UnitZ()) * prior.q_n_c;
     prior.position_sigma_m = kParameters.found_sigma_m, prior.yaw_sigma_rad = kParameters.found_sigma_rad;
     prior.height_sigma_m = kParameters.found_sigma_m, prior.lost = false;
-    look_.match = matcher_->match(edges, prior, spend);
-    if (look_.match && (look_.match->p_n - found->p_n).head<2>().norm() > kParameters.found_apart_m)
-      look_.match.reset();
+    job_.match = matcher_->match(edges, prior, spend);
+    if (job_.match && (job_.match->p_n - found->p_n).head<2>().norm() > kParameters.found_apart_m)
+      job_.match.reset();
   }
 
   void finish(odo::Output& output) {
-    if (!look_.sky_seen) return refuse(kSky, "no sky around the zenith, or too few roofs", output);
-    if (look_.anywhere && !look_.match) {
+    if (!job_.sky_seen) return refuse(kSky, "no sky around the zenith, or too few roofs", output);
+    if (job_.global_search && !job_.match) {
       char text[120];
       std::snprintf(text, sizeof text, "searched everywhere: %zu pictures, the next best place is %.2g times as likely",
                     place_finder_->pictures(), place_finder_->second_best_ratio());
       return refuse(kAmbiguity, text, output);
     }
-    joins_ = look_.view.has_value();
-    const auto why = joins_ ? judge_path() : judge();
+    joins_ = job_.view.has_value();
+    const auto why = joins_ ? validate_path_match() : validate_single_match();
     if (why) {
-      const bool gathers = joins_ && !look_.match && matcher_->refusal() == Refusal::few_edges;
+      const bool gathers = joins_ && !job_.match && matcher_->refusal() == Refusal::few_edges;
       if (!gathers) ++failures_;
       return refuse(why->first, why->second, output);
     }
     failures_ = 0;
     placed_ = fixed_once_ = true;
     if (place_finder_) place_finder_->clear();
-    fixed_at_m_ = look_.path_m;
-    follow_road(*look_.match);
-    odo_fix fix = fix_of(*look_.match, look_.picture.t_ns);
-    if (pose_->header.t_ns - look_.picture.t_ns >
+    fixed_at_m_ = job_.path_m;
+    update_road_height(*job_.match);
+    odo_fix fix = fix_of(*job_.match, job_.picture.t_ns);
+    if (pose_->header.t_ns - job_.picture.t_ns >
         kParameters.late_ns) {  // too late for estimators: refer it to the newest pose
-      fix = fix_of(look_.carried_to(Eigen::Vector3d(pose_->p_n), orientation_of(*pose_), kParameters.drift),
+      fix = fix_of(job_.propagated_to(Eigen::Vector3d(pose_->p_n), orientation_of(*pose_), kParameters.drift),
                    pose_->header.t_ns);
       fix.header.flags &= ~ODO_FIX_SLANT;
     }
     output.emit(fix);
   }
 
-  std::optional<Why> judge() {
-    window_.clear(), path_judge_.clear();
-    if (!look_.match) return reason_of(matcher_->refusal());
-    return judge_match(*look_.match, min_agreement, look_.anywhere);
+  std::optional<Rejection> validate_single_match() {
+    window_.clear(), path_validator_.clear();
+    if (!job_.match) return rejection_of(matcher_->refusal());
+    return validate_match(*job_.match, min_agreement, job_.global_search);
   }
 
-  std::optional<Why> judge_path() {
-    View& view = *look_.view;
-    view.p_n = look_.corrected(view.p_n), view.q_n_c = look_.corrected(view.q_n_c);
+  std::optional<Rejection> validate_path_match() {
+    View& view = *job_.view;
+    view.p_n = job_.corrected(view.p_n), view.q_n_c = job_.corrected(view.q_n_c);
     const Eigen::Vector3d p_n = view.p_n;
     const Eigen::Quaterniond q_n_c = view.q_n_c;
-    if (closed_edges(view.edges) >= kParameters.min_of_view) window_.add(std::move(view), look_.path_m);
-    if (!look_.match) return reason_of(matcher_->refusal());
-    const auto why = path_judge_.judge(*look_.match, p_n, q_n_c, min_agreement);
-    if (!why) window_.doubt(*look_.match, kParameters.drift);
+    if (closed_edges(view.edges) >= kParameters.min_of_view) window_.add(std::move(view), job_.path_m);
+    if (!job_.match) return rejection_of(matcher_->refusal());
+    const auto why = path_validator_.validate(*job_.match, p_n, q_n_c, min_agreement);
+    if (!why) window_.inflate_covariance(*job_.match, kParameters.drift);
     return why;
   }
 
@@ -311,8 +311,8 @@ class Skyline : public FixerConfig {
   }
 
   /// Tracks the road's height above n's origin, which the odometry does not observe.
-  void follow_road(const Match& match) {
-    const double measured = look_.p_n.z() - match.p_n.z();
+  void update_road_height(const Match& match) {
+    const double measured = job_.p_n.z() - match.p_n.z();
     // The match includes the prior: its sigma is the posterior's.
     up_m_ = measured;
     up_variance_ = std::max(match.height_sigma_m * match.height_sigma_m,
@@ -349,20 +349,20 @@ class Skyline : public FixerConfig {
   std::optional<DatabaseExtension> extension_;
   std::optional<Matcher> matcher_;
   std::optional<PhotographFixer> photograph_fixer_;
-  SkyEye eye_;
+  SkyDetector sky_detector_;
   ViewWindow window_;
-  PathJudge path_judge_;
+  PathMatchValidator path_validator_;
   bool joins_ = false;  // the latest picture saw too little to be matched alone
   std::array<uint64_t, kReasons> refused_{};
   double fixed_at_m_ = 0;              // distance along the path at the last fix
   double up_m_ = 0, up_variance_ = 1;  // the camera's height above the pose's
   std::optional<odo_pose> pose_;
   std::optional<Picture> waiting_;
-  Look look_;
+  PictureJob job_;
   Eigen::Quaterniond q_c_b_ = Eigen::Quaterniond::Identity();
   Eigen::Vector3d p_b_c_ = Eigen::Vector3d::Zero();
   cv::Mat converted_;
-  odograph::ToldCamera camera_;
+  odograph::CalibratedCamera camera_;
   int64_t last_ns_ = INT64_MIN, frame_ns_ = INT64_MIN;
   uint64_t slice_ = kParameters.min_slice;  // of the newest frame
   int failures_ = 0;                        // consecutive; each adds a metre to the prior's standard deviation

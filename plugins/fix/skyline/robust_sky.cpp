@@ -31,12 +31,12 @@ RobustSkyFinder::RobustSkyFinder(const Parameters& parameters, const CameraModel
 const std::vector<SkyEdge>& RobustSkyFinder::find(const cv::Mat& grey, const cv::Mat& mask, const Eigen::Vector3d& up_c,
                                                   const Eigen::Vector3d& north_c, const Chroma& chroma) {
   edges_.clear();
-  sky_ = &network_.look(grey, mask, chroma, up_c);
+  sky_ = &network_.segment(grey, mask, chroma, up_c);
   if (sky_->part < p_.min_sky_part) return edges_;
   sample(up_c, north_c);
   unary();
   draw_line();
-  tell(grey);
+  extract_edges(grey);
   return edges_;
 }
 
@@ -162,7 +162,7 @@ void RobustSkyFinder::draw_line() {
   }
 }
 
-void RobustSkyFinder::tell(const cv::Mat& grey) {
+void RobustSkyFinder::extract_edges(const cv::Mat& grey) {
   const int other = std::max(1, static_cast<int>(p_.other_rad / step_rad_));
   const double fine_rad = 0.5 / camera_.focal();
   const int reach = static_cast<int>(std::lround(p_.refine_px * sky_->scale / 2 / 0.5));

@@ -56,7 +56,7 @@ class RobustSkyFinder {
   void sample(const Eigen::Vector3d& up_c, const Eigen::Vector3d& north_c);
   void unary();
   void draw_line();
-  void tell(const cv::Mat& grey);
+  void extract_edges(const cv::Mat& grey);
 
   Parameters p_;
   CameraModel camera_;

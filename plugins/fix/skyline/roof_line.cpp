@@ -16,7 +16,7 @@ constexpr double kVotedSigmas = 3;
 
 }  // namespace
 
-void RoofLine::set(const Horizon& horizon, const City::Winners& winners, const std::vector<Edge>& edges,
+void RoofLine::set(const Horizon& horizon, const City::EdgeIndices& edge_indices, const std::vector<Edge>& edges,
                    const RoofErrorParameters& p) {
   std::array<int, kDirections> known;  // object of the model by local number
   objects = 0;
@@ -29,7 +29,7 @@ void RoofLine::set(const Horizon& horizon, const City::Winners& winners, const s
     const double variance = p.line_rad * p.line_rad + detail * detail;
     inverse_sigma[j] = static_cast<float>(1 / std::sqrt(variance));
     width[j] = static_cast<float>(0.5 * std::log(variance / (p.line_rad * p.line_rad)));
-    const int winner = winners[j], of = winner < 0 ? Edge::kGround : edges[static_cast<size_t>(winner)].object;
+    const int winner = edge_indices[j], of = winner < 0 ? Edge::kGround : edges[static_cast<size_t>(winner)].object;
     if (of == Edge::kGround) {
       object[j] = -1;
       continue;
@@ -100,11 +100,11 @@ double RoofLineFit::offset_of(int first, double& information) const {
   return offset;
 }
 
-double RoofLineFit::nothing() const {
+double RoofLineFit::no_match_cost() const {
   double sum = p_.run_loss;
   for (const Ray& ray : rays_)
     if (!ray.open && !ray.above) sum += ray.weight * p_.run_above;
-  return p_.trust * sum;
+  return p_.likelihood_power * sum;
 }
 
 /// The cheapest division of the line into the model's roofs and runs of objects that the model lacks (Viterbi 1967).
@@ -157,7 +157,7 @@ double RoofLineFit::cost(const RoofLine& model, const Guess& g, size_t stride) {
     heights += 0.5 * offset * offset / (p_.building_m * p_.building_m);
     heights += 0.5 * std::log(information * p_.building_m * p_.building_m);  // Occam's factor
   }
-  return p_.trust * (divided() + heights);
+  return p_.likelihood_power * (divided() + heights);
 }
 
 }  // namespace odograph::skyline

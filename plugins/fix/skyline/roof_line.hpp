@@ -31,7 +31,7 @@ struct RoofErrorParameters {
   /// height; and cost per direction, higher where sky is visible instead of the model's roof.
   double run_loss = 9, run_above = 0.35, run_below = 0.5;
   double correlated = 5;  ///< neighbouring directions with a common error: two and a half degrees
-  double trust = 1;       ///< power of the whole likelihood
+  double likelihood_power = 1;       ///< power of the whole likelihood
 };
 
 /// The model's skyline from a place, with the object of each direction.
@@ -44,8 +44,8 @@ struct RoofLine {
   std::array<int16_t, kDirections> object{};       ///< local number from 0; -1: none
   int objects = 0;
 
-  /// `winners`: indices into `edges`.
-  void set(const Horizon& horizon, const City::Winners& winners, const std::vector<Edge>& edges,
+  /// `edge_indices`: indices into `edges`.
+  void set(const Horizon& horizon, const City::EdgeIndices& edge_indices, const std::vector<Edge>& edges,
            const RoofErrorParameters& parameters);
 };
 
@@ -59,7 +59,7 @@ class RoofLineFit {
   /// direction only, for a search.
   double cost(const RoofLine& model, const Guess& guess, size_t stride = 1);
   /// Cost if nothing fitted: the reference for cost(), higher for a picture with many roofs.
-  double nothing() const;
+  double no_match_cost() const;
   /// After cost(): fraction of the directions with a roof's edge that agree.
   double agreement() const { return edge_weight_ > 0 ? agreeing_ / edge_weight_ : 0; }
 

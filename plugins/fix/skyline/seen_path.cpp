@@ -23,7 +23,7 @@ void SeenPath::set(const std::vector<SkyEdge>& edges, const Eigen::Vector3d& p_n
   }
   for (Seen& seen : seen_) {
     seen.sector = Sector::all();
-    seen.looked_n.setConstant(std::numeric_limits<double>::quiet_NaN());
+    seen.computed_n.setConstant(std::numeric_limits<double>::quiet_NaN());
     if (!is_path()) continue;
     const auto [from, to] = seen.skyline.azimuths();
     const double beside = std::min(yaw_reach_rad, std::numbers::pi) + p_.beside_rad;
@@ -63,22 +63,22 @@ double SeenPath::half_length_m() const {
   return farthest;
 }
 
-bool SeenPath::must_look(const Seen& seen, const Eigen::Vector3d& newest_n, double yaw_rad) const {
-  return !((seen.place(newest_n, yaw_rad) - seen.looked_n).norm() < p_.moved_m);
+bool SeenPath::must_recompute(const Seen& seen, const Eigen::Vector3d& newest_n, double yaw_rad) const {
+  return !((seen.place(newest_n, yaw_rad) - seen.computed_n).norm() < p_.moved_m);
 }
 
-uint64_t SeenPath::work_to_look(const City& city, const Eigen::Vector3d& newest_n, double yaw_rad, bool anew) const {
+uint64_t SeenPath::work_to_recompute(const City& city, const Eigen::Vector3d& newest_n, double yaw_rad, bool recompute_all) const {
   uint64_t work = 0;
   for (const Seen& seen : seen_)
-    if (anew || (is_path() && must_look(seen, newest_n, yaw_rad))) work += city.quick_work(seen.sector);
+    if (recompute_all || (is_path() && must_recompute(seen, newest_n, yaw_rad))) work += city.quick_work(seen.sector);
   return work;
 }
 
-void SeenPath::look(const City& city, const Eigen::Vector3d& newest_n, double yaw_rad, bool anew) {
+void SeenPath::look(const City& city, const Eigen::Vector3d& newest_n, double yaw_rad, bool recompute_all) {
   for (Seen& seen : seen_) {
-    if (!anew && (!is_path() || !must_look(seen, newest_n, yaw_rad))) continue;
-    seen.looked_n = seen.place(newest_n, yaw_rad);
-    city.quick_horizon(seen.looked_n, seen.horizon, seen.sector);
+    if (!recompute_all && (!is_path() || !must_recompute(seen, newest_n, yaw_rad))) continue;
+    seen.computed_n = seen.place(newest_n, yaw_rad);
+    city.quick_horizon(seen.computed_n, seen.horizon, seen.sector);
   }
 }
 

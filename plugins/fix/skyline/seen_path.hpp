@@ -32,8 +32,8 @@ class SeenPath {
     SeenSkyline skyline;
     Eigen::Vector3d offset_n;  ///< from the newest place
     Sector sector;             ///< that contains its directions for all headings in reach
-    Horizon horizon;           ///< of the city, at looked_n
-    Eigen::Vector3d looked_n;  ///< the place of the latest evaluation
+    Horizon horizon;           ///< of the city, at computed_n
+    Eigen::Vector3d computed_n;  ///< the place of the latest evaluation
 
     Eigen::Vector3d place(const Eigen::Vector3d& newest_n, double yaw_rad) const;
   };
@@ -58,16 +58,16 @@ class SeenPath {
   Eigen::Vector3d middle_n() const;
   double half_length_m() const;
 
-  /// Computes the city's skyline at all places of the path; unless `anew`, only at those that the heading has moved.
-  void look(const City& city, const Eigen::Vector3d& newest_n, double yaw_rad, bool anew);
-  uint64_t work_to_look(const City& city, const Eigen::Vector3d& newest_n, double yaw_rad, bool anew) const;
+  /// Computes the city's skyline at all places of the path; unless `recompute_all`, only at those that the heading has moved.
+  void look(const City& city, const Eigen::Vector3d& newest_n, double yaw_rad, bool recompute_all);
+  uint64_t work_to_recompute(const City& city, const Eigen::Vector3d& newest_n, double yaw_rad, bool recompute_all) const;
   /// Mean loss of a direction, rad, against the computed skylines.
   double loss(const Guess& guess, double max_rad) const;
   /// Fraction of the directions in which picture and model agree, against the computed skylines.
   double agreement(const Guess& guess, double bound_rad) const;
 
  private:
-  bool must_look(const Seen& seen, const Eigen::Vector3d& newest_n, double yaw_rad) const;
+  bool must_recompute(const Seen& seen, const Eigen::Vector3d& newest_n, double yaw_rad) const;
 
   Parameters p_;
   std::vector<Seen> seen_;

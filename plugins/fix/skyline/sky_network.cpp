@@ -124,18 +124,18 @@ void SkyNetwork::measure(const cv::Mat& grey, const cv::Mat& mask) {
   view_.contrast *= kContrastUnit;
 }
 
-void SkyNetwork::tell(const cv::Mat& grey, const Chroma& chroma, const Eigen::Vector3d& up_c) {
+void SkyNetwork::set_inputs(const cv::Mat& grey, const Chroma& chroma, const Eigen::Vector3d& up_c) {
   planes_.create(kPlanes, grid_.height, grid_.width);
   const cv::Mat* const from[] = {&grey, &chroma.cb, &chroma.cr};
   cv::Mat bytes, valid;
   for (int k = 0; k < 3; ++k) {
     if (k > 0 && chroma.empty()) {
-      told_[k] = cv::Mat(grid_, CV_32F, cv::Scalar(0));
+      input_planes_[k] = cv::Mat(grid_, CV_32F, cv::Scalar(0));
     } else {
       resize(*from[k], bytes, grid_);
-      bytes.convertTo(told_[k], CV_32F, 1 / kUnits[k], -kMiddle / kUnits[k]);
+      bytes.convertTo(input_planes_[k], CV_32F, 1 / kUnits[k], -kMiddle / kUnits[k]);
     }
-    put(told_[k], planes_, k);
+    put(input_planes_[k], planes_, k);
   }
   cv::Mat sees;
   view_.valid.convertTo(valid, CV_32F, 1 / 255.0);
@@ -163,7 +163,7 @@ void SkyNetwork::run(const std::vector<Separable>& blocks, const Volume& in, Vol
   }
 }
 
-void SkyNetwork::judge() {
+void SkyNetwork::forward() {
   convolve(fine_, planes_, true, split_, levels_[0]);
   convolve(stem_, planes_, true, split_, half_);
   for (size_t level = 0; level < 4; ++level) run(down_[level], level == 0 ? half_ : levels_[level], levels_[level + 1]);
@@ -185,7 +185,7 @@ void SkyNetwork::log_odds(const cv::Mat& grey, const Chroma& chroma, cv::Size si
   for (int k = 0; k < (chroma.empty() ? 1 : 3); ++k) {
     resize(*planes[k], fine, size);
     fine.convertTo(fine, CV_32F, 1 / kUnits[k], -kMiddle / kUnits[k]);
-    cv::resize(told_[k], wide, size, 0, 0, cv::INTER_LINEAR);
+    cv::resize(input_planes_[k], wide, size, 0, 0, cv::INTER_LINEAR);
     cv::resize(plane_of(terms_, k + 1), slope, size, 0, 0, cv::INTER_LINEAR);
     fine -= wide;
     cv::multiply(fine, slope, fine);
@@ -210,11 +210,11 @@ void SkyNetwork::summarise() {
   view_.noise = kContrastUnit * std::log(1.0 + median);
 }
 
-const SkyView& SkyNetwork::look(const cv::Mat& grey, const cv::Mat& mask, const Chroma& chroma,
+const SkyView& SkyNetwork::segment(const cv::Mat& grey, const cv::Mat& mask, const Chroma& chroma,
                                 const Eigen::Vector3d& up_c) {
   measure(grey, mask);
-  tell(grey, chroma, up_c);
-  judge();
+  set_inputs(grey, chroma, up_c);
+  forward();
   log_odds(image_, chroma, small_, view_.log_odds);
   summarise();
   return view_;

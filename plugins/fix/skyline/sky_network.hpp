@@ -51,7 +51,7 @@ class SkyNetwork {
 
   /// `grey`: 8-bit, of the size given; `mask`: 0 where the picture must not be used, may be empty; `up_c`: the zenith's
   /// direction in c, unit, inside or outside the picture; zero without an attitude.
-  const SkyView& look(const cv::Mat& grey, const cv::Mat& mask, const Chroma& chroma, const Eigen::Vector3d& up_c);
+  const SkyView& segment(const cv::Mat& grey, const cv::Mat& mask, const Chroma& chroma, const Eigen::Vector3d& up_c);
   /// Log-odds of each pixel of the latest picture, CV_32F; the arguments must be that picture's.
   void log_odds(const cv::Mat& grey, const Chroma& chroma, cv::Size size, cv::Mat& out) const;
   /// Inputs and outputs of the network, for tests.
@@ -63,8 +63,8 @@ class SkyNetwork {
     Convolution deep, flat;
   };
   void measure(const cv::Mat& grey, const cv::Mat& mask);
-  void tell(const cv::Mat& grey, const Chroma& chroma, const Eigen::Vector3d& up_c);
-  void judge();
+  void set_inputs(const cv::Mat& grey, const Chroma& chroma, const Eigen::Vector3d& up_c);
+  void forward();
   void run(const Separable& block, const Volume& in, Volume& out);
   void run(const std::vector<Separable>& blocks, const Volume& in, Volume& out);
   void summarise();
@@ -80,7 +80,7 @@ class SkyNetwork {
   };
   std::vector<Up> up_;
   Volume planes_, terms_, split_, deep_, narrow_, half_, levels_[5], swap_[2], joined_;
-  cv::Mat told_[3];  // Y, Cb, Cr on the grid
+  cv::Mat input_planes_[3];  // Y, Cb, Cr on the grid
   SkyView view_;
   cv::Mat image_, low_, high_, bytes_;
 };

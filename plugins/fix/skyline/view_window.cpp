@@ -6,7 +6,7 @@
 
 namespace odograph::skyline {
 
-bool ViewWindow::wants(const Eigen::Vector3d& p_n, const Eigen::Quaterniond& q_n_c) const {
+bool ViewWindow::adds_information(const Eigen::Vector3d& p_n, const Eigen::Quaterniond& q_n_c) const {
   if (views_.empty()) return true;
   const View& newest = views_.back();
   return (p_n - newest.p_n).head<2>().norm() >= p_.apart_m || q_n_c.angularDistance(newest.q_n_c) >= p_.turned_rad;
@@ -22,7 +22,7 @@ void ViewWindow::add(View view, double path_m) {
   path_m_.erase(path_m_.begin(), path_m_.begin() + static_cast<std::ptrdiff_t>(gone));
 }
 
-void ViewWindow::doubt(Match& match, double drift) {
+void ViewWindow::inflate_covariance(Match& match, double drift) {
   if (views_.empty()) return;
   const double all = static_cast<double>(views_.size()), fresh = static_cast<double>(std::max<size_t>(1, fresh_));
   const double times = std::max(1.0, all / fresh);

@@ -24,7 +24,7 @@ class ViewWindow {
   explicit ViewWindow(const Parameters& parameters) : p_(parameters) {}
 
   /// Whether a picture from here would add information to the newest one.
-  bool wants(const Eigen::Vector3d& p_n, const Eigen::Quaterniond& q_n_c) const;
+  bool adds_information(const Eigen::Vector3d& p_n, const Eigen::Quaterniond& q_n_c) const;
   /// Adds the newest picture, taken after `path_m` of the path; drops those that lie too far back.
   void add(View view, double path_m);
   /// A correction of n moves x to q x + p.
@@ -32,7 +32,7 @@ class ViewWindow {
   void clear() { views_.clear(), path_m_.clear(), fresh_ = 0; }
   /// Inflates a match's covariance by the odometry's error, `drift` times the path of the pictures, and limits its
   /// information to that of the new pictures: consecutive matches share most pictures and therefore errors.
-  void doubt(Match& match, double drift);
+  void inflate_covariance(Match& match, double drift);
   const std::vector<View>& views() const { return views_; }
 
  private:

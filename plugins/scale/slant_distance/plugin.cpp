@@ -37,8 +37,8 @@ class SlantDistance {
     const Eigen::Vector3d place = Eigen::Vector3d(fix.landmark_n) - fix.slant_distance_m * to_landmark.normalized();
     if (!(place.norm() < kMaxDisplacement))
       throw odo::Error(ODO_E_DISCARD, "landmark_n or slant_distance_m is out of range or not finite");
-    literal_.add_place(place, fix.slant_distance_m);
-    scale_.add_place(fix.header.t_ns, place.head<2>(),
+    literal_.add_position(place, fix.slant_distance_m);
+    scale_.add_position(fix.header.t_ns, place.head<2>(),
                      std::max(1e-6, 0.5 * (fix.covariance_n[0] + fix.covariance_n[4])));
   }
 

@@ -54,7 +54,7 @@ void SlantScale::guess(double dt, double distance) {
   scale_ = Scale{guessed_.median(), p_.guess * guessed_.median()};
 }
 
-void SlantScale::add_place(int64_t t_ns, const Vector2d& p_n, double variance) {
+void SlantScale::add_position(int64_t t_ns, const Vector2d& p_n, double variance) {
   const auto at =
       std::lower_bound(path_.begin(), path_.end(), t_ns, [](const Point& p, int64_t t) { return p.t_ns < t; });
   if (at == path_.end() || at->t_ns != t_ns) return;
@@ -101,22 +101,22 @@ void SlantScale::fit() {
   }
   if (2 * spread_m.norm() < min_displacement_m_) return;  // nearly standing: the direction of the line is undefined
   // A scale that doubles within a window is rejected as fixes of a similar place, unless it persists.
-  const bool leaps = known_ && std::abs(std::log(s / scale_->scale)) > p_.leap;
-  leaps_ = leaps ? leaps_ + 1 : 0;
-  if (leaps && leaps_ < p_.insist) return;
+  const bool leaps = known_ && std::abs(std::log(s / scale_->scale)) > p_.max_jump;
+  jumps_ = leaps ? jumps_ + 1 : 0;
+  if (leaps && jumps_ < p_.confirmations) return;
   scale_ = Scale{s, std::hypot(sigma, scale_drift_ * s)};
   known_ = true;
 }
 
 void LiteralScale::add_motion(const Eigen::Vector3d& d_n, uint32_t group) {
-  if (group_ && *group_ != group) at_ = before_ = last_place_;
+  if (group_ && *group_ != group) at_ = before_ = last_position_;
   group_ = group;
   before_ = at_;
   at_ += d_n;
 }
 
-void LiteralScale::add_place(const Eigen::Vector3d& p_n, double slant_distance_m) {
-  last_place_ = p_n;
+void LiteralScale::add_position(const Eigen::Vector3d& p_n, double slant_distance_m) {
+  last_position_ = p_n;
   const double baseline = (p_n - before_).norm();
   if (baseline > kMinBaseline) scale_ = slant_distance_m / baseline;
 }

@@ -25,8 +25,8 @@ class SlantScale {
   /// Empirical, not tuned.
   struct Parameters {
     double huber = 1.5;         ///< standard deviations of a position beyond which the loss is linear
-    double leap = 0.7;          ///< change of the log-scale within a window, a factor of two: a similar place
-    int insist = 20;            ///< consecutive fixes that confirm the change
+    double max_jump = 0.7;          ///< change of the log-scale within a window, a factor of two: a similar place
+    int confirmations = 20;            ///< consecutive fixes that confirm the change
     double guess = 0.3;         ///< relative sigma of a scale from the previous speed
     double guess_s = 1;         ///< of motions from which it is computed
     double standing_mps = 0.5;  ///< below it the previous speed carries no information
@@ -40,7 +40,7 @@ class SlantScale {
   /// final speed of the old group.
   void add_motion(int64_t from_ns, int64_t t_ns, const Eigen::Vector3d& d_n, uint32_t group);
   /// The vehicle's position by the city model, m, and the variance per axis, m^2.
-  void add_place(int64_t t_ns, const Eigen::Vector2d& p_n, double variance);
+  void add_position(int64_t t_ns, const Eigen::Vector2d& p_n, double variance);
   const std::optional<Scale>& scale() const { return scale_; }
 
  private:
@@ -75,7 +75,7 @@ class SlantScale {
   Eigen::Vector2d at_ = Eigen::Vector2d::Zero();
   std::optional<uint32_t> group_;
   std::optional<Scale> scale_;
-  int leaps_ = 0;
+  int jumps_ = 0;
   bool known_ = false;       ///< from fixes, not from the previous speed
   RunningMedian speed_mps_;  ///< of the latest motions with a known scale
   RunningMedian guessed_;    ///< scale, from the first motions of a new group
@@ -89,13 +89,13 @@ class LiteralScale {
   /// A motion's displacement in n, up to scale: the positions of eq. (6). A new group starts at the last position.
   void add_motion(const Eigen::Vector3d& d_n, uint32_t group);
   /// The position by the city model and the slant distance from there, m.
-  void add_place(const Eigen::Vector3d& p_n, double slant_distance_m);
+  void add_position(const Eigen::Vector3d& p_n, double slant_distance_m);
   /// Nothing before the first position.
   std::optional<double> scale() const { return scale_; }
 
  private:
   Eigen::Vector3d at_ = Eigen::Vector3d::Zero(), before_ = Eigen::Vector3d::Zero(),
-                  last_place_ = Eigen::Vector3d::Zero();
+                  last_position_ = Eigen::Vector3d::Zero();
   std::optional<uint32_t> group_;
   std::optional<double> scale_;
 };

@@ -30,7 +30,7 @@ std::optional<Eigen::Vector2d> StepFit::at(int64_t t_ns) const {
 
 /// A standing person's moving hand produces steps as well, but no displacement: a walk is three consecutive steps with
 /// similar odometry displacements in a straight line.
-bool StepFit::walks() const {
+bool StepFit::is_walk() const {
   if (recent_count_ < recent_.size()) return false;
   double shortest = 1e300, longest = 0, sum = 0;
   Eigen::Vector2d displacement = Eigen::Vector2d::Zero();
@@ -46,9 +46,9 @@ bool StepFit::add_step(int64_t start_ns, int64_t end_ns, double length_m, double
   if (!start || !end || length_m <= 0) return false;
   if (start_ns - last_end_ns_ > p_.pause_ns) recent_count_ = 0;
   last_end_ns_ = end_ns;
-  const bool walked = walks();
+  const bool walked = is_walk();
   recent_[recent_count_++ % recent_.size()] = {*end - *start, length_m, sigma_m / length_m};
-  if (!walks()) return false;
+  if (!is_walk()) return false;
   if (walked) return take(recent_[(recent_count_ - 1) % recent_.size()]);
   for (const Step& step : recent_) take(step);  // the earlier ones are accepted with it
   return true;

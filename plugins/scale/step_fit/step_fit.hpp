@@ -50,7 +50,7 @@ class StepFit {
     double length_m = 0, relative_sigma = 0;
   };
   std::optional<Eigen::Vector2d> at(int64_t t_ns) const;
-  bool walks() const;
+  bool is_walk() const;
   bool take(const Step& step);
 
   Parameters p_;

@@ -45,10 +45,10 @@ void CornerTracker::refill(const cv::Mat& mask) {
     return static_cast<size_t>(row * columns + column);
   };
   for (const Track& track : tracks_) taken[cell(track.pixel)] = 1;
-  const int wanted = p_.most - static_cast<int>(tracks_.size());
+  const int wanted = p_.max_corners - static_cast<int>(tracks_.size());
   if (wanted <= 0) return;
   std::vector<cv::Point2f> corners;
-  cv::goodFeaturesToTrack(latest_, corners, 4 * p_.most, p_.quality, 0.35 * p_.cell_px, mask, 5);
+  cv::goodFeaturesToTrack(latest_, corners, 4 * p_.max_corners, p_.quality, 0.35 * p_.cell_px, mask, 5);
   std::vector<cv::Point2f> chosen;
   for (const cv::Point2f& corner : corners) {
     if (static_cast<int>(chosen.size()) >= wanted) break;

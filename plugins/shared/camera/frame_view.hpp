@@ -26,41 +26,41 @@ inline CameraModel camera_of(const odo_calibration& c) {
 }
 
 /// The camera as described by its calibrations and frames. Pixels.
-class ToldCamera {
+class CalibratedCamera {
  public:
   /// Takes a calibration. True if it is a different camera; a phone with autofocus or stabiliser sends its own lens
   /// repeatedly.
   bool take(const odo_calibration& c) {
-    const bool same = told_ && told_->header.source == c.header.source && told_->model == c.model &&
-                      told_->width == c.width && told_->height == c.height;
-    told_ = c;
+    const bool same = calibration_ && calibration_->header.source == c.header.source && calibration_->model == c.model &&
+                      calibration_->width == c.width && calibration_->height == c.height;
+    calibration_ = c;
     return !same;
   }
 
-  const std::optional<odo_calibration>& calibration() const { return told_; }
+  const std::optional<odo_calibration>& calibration() const { return calibration_; }
   cv::Size size() const {
-    return told_ ? cv::Size(static_cast<int>(told_->width), static_cast<int>(told_->height)) : cv::Size();
+    return calibration_ ? cv::Size(static_cast<int>(calibration_->width), static_cast<int>(calibration_->height)) : cv::Size();
   }
 
   /// The lens of a frame: that of the calibration, with the frame's own focal length and principal point if given.
   /// Throws odo::Error (discard) if the frame does not belong to the calibration.
   CameraModel lens_of(const odo_frame& frame) const {
     const auto discard = [](const std::string& text) { throw odo::Error(ODO_E_DISCARD, text); };
-    if (!told_ || frame.header.source != told_->header.source)
+    if (!calibration_ || frame.header.source != calibration_->header.source)
       discard("header.source = " + std::to_string(frame.header.source) +
-              (told_ ? "; expected the camera of the last calibration, " + std::to_string(told_->header.source)
+              (calibration_ ? "; expected the camera of the last calibration, " + std::to_string(calibration_->header.source)
                      : "; this camera has no calibration"));
-    if (frame.width != told_->width || frame.height != told_->height)
+    if (frame.width != calibration_->width || frame.height != calibration_->height)
       discard("width x height = " + std::to_string(frame.width) + " x " + std::to_string(frame.height) +
-              "; expected its calibration's " + std::to_string(told_->width) + " x " + std::to_string(told_->height));
-    CameraModel lens = camera_of(*told_);
+              "; expected its calibration's " + std::to_string(calibration_->width) + " x " + std::to_string(calibration_->height));
+    CameraModel lens = camera_of(*calibration_);
     if (frame.header.flags & ODO_FRAME_INTRINSICS)
       lens.fx = frame.fx, lens.fy = frame.fy, lens.cx = frame.cx, lens.cy = frame.cy;
     return lens;
   }
 
  private:
-  std::optional<odo_calibration> told_;
+  std::optional<odo_calibration> calibration_;
 };
 
 /// Grey picture of a frame, without a copy if the format has a grey plane.

@@ -18,7 +18,7 @@ struct PictureContent {
   double contrast2 = 0;  ///< variance of the means of 4 x 4 pixels, minus the contribution of independent noise
   double noise2 = 0;     ///< that contribution: a fifteenth of the variance within the blocks
 
-  bool shows_something(const Parameters& p) const {
+  bool has_content(const Parameters& p) const {
     return mean_grey >= p.dark_grey && contrast2 > p.min_contrast * p.min_contrast &&
            contrast2 > p.min_over_noise * noise2;
   }

@@ -3,26 +3,26 @@
 
 namespace odograph::steps {
 
-Carry CarryModeClassifier::classify(const FoundStep& step, const Eigen::Vector3d& up_b) {
-  const bool loose = step.gyro_radps > (now_ == Carry::texting ? p_.loose_radps : p_.held_radps);
+CarryMode CarryModeClassifier::classify(const FoundStep& step, const Eigen::Vector3d& up_b) {
+  const bool loose = step.gyro_radps > (now_ == CarryMode::texting ? p_.loose_radps : p_.held_radps);
   rate_radps_ += (rate_radps_ > 0 ? p_.learn_rate : 1.0) * (step.gyro_radps - rate_radps_);
   swings_ = rate_radps_ > (swings_ ? p_.thigh_ends_radps : p_.thigh_radps);
-  Carry seen = Carry::texting;
+  CarryMode seen = CarryMode::texting;
   if (step.swing_mps2 > p_.running_swing_mps2 && step.frequency_hz > p_.running_hz)
-    seen = Carry::running;
+    seen = CarryMode::running;
   else if (up_b.y() < p_.top_down || (up_b.y() > p_.on_end && step.gyro_radps > p_.thigh_radps))
-    seen = Carry::pocket;
+    seen = CarryMode::pocket;
   else if (loose && up_b.y() < p_.on_end)
-    seen = Carry::swinging;
+    seen = CarryMode::swinging;
   else if (!step.gentle && step.vertical_part < p_.worn_part && rate_radps_ > p_.worn_radps)
-    seen = Carry::pocket;
+    seen = CarryMode::pocket;
   if (since_ns_ == 0) since_ns_ = step.t_start_ns;
   if (seen == now_) {
     agreed_ = 0;
     return now_;
   }
   if (seen != next_ || agreed_ == 0) next_ = seen, agreed_ = 0, next_since_ns_ = step.t_start_ns;
-  if (++agreed_ >= p_.steps_to_believe) now_ = seen, since_ns_ = next_since_ns_, agreed_ = 0;
+  if (++agreed_ >= p_.min_agreeing_steps) now_ = seen, since_ns_ = next_since_ns_, agreed_ = 0;
   return now_;
 }
 

@@ -25,24 +25,24 @@ class CarryModeClassifier {
     double thigh_ends_radps = 1.1;                        ///< below it the phone is no longer on a thigh
     double worn_part = 0.56, worn_radps = 0.45;  ///< vertical part below and rate above: bag or body, treated as pocket
     double learn_rate = 0.15;                    ///< weight of the newest step in the mean rate
-    int steps_to_believe = 2;                    ///< consecutive agreeing steps
+    int min_agreeing_steps = 2;                    ///< consecutive agreeing steps
   };
   CarryModeClassifier() : CarryModeClassifier(Parameters{}) {}
   explicit CarryModeClassifier(const Parameters& parameters) : p_(parameters) {}
 
   /// `up_b`: direction of up in b.
-  Carry classify(const FoundStep& step, const Eigen::Vector3d& up_b);
+  CarryMode classify(const FoundStep& step, const Eigen::Vector3d& up_b);
   /// Start of the present carrying mode.
   int64_t since_ns() const { return since_ns_; }
   /// In a pocket that swings with a leg.
-  bool on_leg() const { return now_ == Carry::pocket && swings_; }
+  bool on_leg() const { return now_ == CarryMode::pocket && swings_; }
   void reset() { *this = CarryModeClassifier(p_); }
 
  private:
   Parameters p_;
   double rate_radps_ = 0;  ///< of the last steps
   bool swings_ = false;    ///< swings like a thigh
-  Carry now_ = Carry::texting, next_ = Carry::texting;
+  CarryMode now_ = CarryMode::texting, next_ = CarryMode::texting;
   int agreed_ = 0;
   int64_t since_ns_ = 0, next_since_ns_ = 0;
 };

@@ -25,25 +25,25 @@ double LengthModel::length_m(const FoundStep& step) const {
     const double length = std::pow(by_cadence, 1 - part_of_rise) * std::pow(by_rise, part_of_rise);
     return std::clamp(gentle_factor * length, shortest_m, longest_m);
   }
-  const double quicker_hz = std::clamp(step.frequency_hz, slowest_hz, quickest_hz) - usual_cadence_hz;
-  const double higher_m = std::min(step.rise_m, highest_m) - usual_rise_m;
+  const double quicker_hz = std::clamp(step.frequency_hz, min_cadence_hz, max_cadence_hz) - usual_cadence_hz;
+  const double higher_m = std::min(step.rise_m, max_rise_m) - usual_rise_m;
   const double rocking =
-      (std::clamp(step.gyro_radps, calmest_radps, wildest_radps) - usual_radps) * (step.vertical_part - usual_part);
+      (std::clamp(step.gyro_radps, min_rate_radps, max_rate_radps) - usual_radps) * (step.vertical_part - usual_part);
   const double length =
       usual_m + per_rise * (step.rise_m - usual_rise_m) + per_cadence_and_rise * quicker_hz * higher_m +
       per_repetition * (step.repetition - usual_repetition) + per_rocking_and_rise * rocking * step.rise_m;
-  return std::clamp(setting_out_part(step) * length, shortest_m, longest_m);
+  return std::clamp(initiation_part(step) * length, shortest_m, longest_m);
 }
 
-double LengthModel::setting_out_part(const FoundStep& step) const {
-  return 1 - (1 - first_part) * std::exp(-step.since_stood / setting_out_steps);
+double LengthModel::initiation_part(const FoundStep& step) const {
+  return 1 - (1 - first_part) * std::exp(-step.since_stood / initiation_steps);
 }
 
 double LengthModel::own_sigma(const FoundStep& step) const {
   if (step.gentle) return gentle_sigma;
-  const double part = setting_out_part(step);
+  const double part = initiation_part(step);
   return std::hypot(regular_sigma + per_irregularity * std::clamp(1 - step.repetition, 0.0, 0.5),
-                    setting_out_sigma * (1 - part) / part);
+                    initiation_sigma * (1 - part) / part);
 }
 
 double Walker::factor_sigma() const { return std::sqrt(P_(0, 0)); }
@@ -66,7 +66,7 @@ void Walker::on_fix(const Vector2d& p_n, double sigma_m) {
     anchor_ = p_n, anchor_sigma_m_ = sigma_m;
     path_.setZero(), gentle_path_.setZero();
     walked_m_ = gentle_m_ = own_variance_m2_ = 0;
-    doubted_ = 0;
+    rejected_ = 0;
   };
   if (!has_anchor_) return anchor_here();
   const double fix_sigma = std::hypot(sigma_m, anchor_sigma_m_);
@@ -97,7 +97,7 @@ void Walker::on_fix(const Vector2d& p_n, double sigma_m) {
   const Eigen::Matrix2d inverse = S.inverse();
   if (innovation.dot(inverse * innovation) > p_.gate) {
     // Either this fix or the anchor is wrong: keeps the path, and restarts from here after some more rejections.
-    if (++doubted_ >= p_.believe_after) anchor_here(), has_rotation_ = false;
+    if (++rejected_ >= p_.max_rejected) anchor_here(), has_rotation_ = false;
     return;
   }
   const Eigen::Matrix<double, 3, 2> K = P_ * H.transpose() * inverse;

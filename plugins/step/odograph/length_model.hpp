@@ -11,7 +11,7 @@
 namespace odograph::steps {
 
 /// Carrying mode.
-enum class Carry : uint32_t { texting, swinging, pocket, running };
+enum class CarryMode : uint32_t { texting, swinging, pocket, running };
 
 /// Step length. For a vivid walk it is linear in the rise of the phone within the step, the cadence and the regularity,
 /// that is, the repetition of the walk from stride to stride. A walker who goes straight at his own pace is regular and
@@ -27,9 +27,9 @@ struct LengthModel {
   double per_rocking_and_rise = -1.75;                                         ///< s
   double usual_rise_m = 0.03, usual_cadence_hz = 1.8, usual_repetition = 0.85, usual_radps = 0.5, usual_part = 0.6;
   /// Limits of the fitted range of cadence, rise and angular rate.
-  double slowest_hz = 1.4, quickest_hz = 2.3, highest_m = 0.06, calmest_radps = 0.2, wildest_radps = 1.4;
+  double min_cadence_hz = 1.4, max_cadence_hz = 2.3, max_rise_m = 0.06, min_rate_radps = 0.2, max_rate_radps = 1.4;
   /// The first step after standing is half as long; the deficit decays with the further steps: RIDI's walkers (README).
-  double first_part = 0.5, setting_out_steps = 1.3, setting_out_sigma = 0.5;  ///< the sigma is relative to the deficit
+  double first_part = 0.5, initiation_steps = 1.3, initiation_sigma = 0.5;  ///< the sigma is relative to the deficit
   double at_one_mps_m = 0.632, by_speed = 0.42;  ///< a, for a body height of 1.70 m, and its exponent
   double per_root_gentle_rise = 4.0;             ///< m per sqrt(m): leg length 0.90 m; knees and arms take 55 %
   double part_of_rise = 0.45;                    ///< weight of the rise in the log of a gentle step
@@ -43,7 +43,7 @@ struct LengthModel {
   double own_sigma(const FoundStep& step) const;
 
  private:
-  double setting_out_part(const FoundStep& step) const;
+  double initiation_part(const FoundStep& step) const;
 };
 
 /// Estimated parameters of a walker: a factor on the model's lengths, a further one on gentle steps, and the rotation
@@ -62,7 +62,7 @@ class Walker {
     double min_path_m = 4.0;             ///< min path between two fixes used
     double fix_sigmas = 3;               ///< min path in sigmas of the fixes; empirical
     double gate = 9.0;                   ///< chi-square with two components: rejects 1 % of good paths
-    int believe_after = 3;               ///< consecutive rejected paths after which the anchor is dropped
+    int max_rejected = 3;               ///< consecutive rejected paths after which the anchor is dropped
     double min_factor = 0.6, max_factor = 1.6;              ///< limits of the walker's factor; empirical
     double min_gentle_ratio = 0.5, max_gentle_ratio = 1.6;  ///< empirical
     /// Lower bounds of the standard deviations, since a walker varies during a day; empirical.
@@ -100,7 +100,7 @@ class Walker {
   Eigen::Vector2d anchor_ = Eigen::Vector2d::Zero(), path_ = Eigen::Vector2d::Zero(),
                   gentle_path_ = Eigen::Vector2d::Zero();
   double anchor_sigma_m_ = 0, walked_m_ = 0, gentle_m_ = 0, own_variance_m2_ = 0;
-  int doubted_ = 0;
+  int rejected_ = 0;
 };
 
 }  // namespace odograph::steps

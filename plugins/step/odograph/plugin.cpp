@@ -52,8 +52,8 @@ class OdographSteps {
   /// As after configure: the estimated walker is discarded too, unless it is loaded again.
   void reset() {
     resampler_ = Resampler();
-    finder_.reset(), carry_.reset(), direction_.reset(), stairs_.reset();
-    carried_ = ODO_MODE_WALKING_TEXTING, mode_since_ns_ = INT64_MIN;
+    finder_.reset(), classifier_.reset(), direction_.reset(), stairs_.reset();
+    carry_mode_ = ODO_MODE_WALKING_TEXTING, mode_since_ns_ = INT64_MIN;
     hand_ = StillnessDetector();
     walking_ = false, stopped_ns_ = 0;
     headings_.fill({});
@@ -133,13 +133,13 @@ class OdographSteps {
 
   void emit(const FoundStep& step, int64_t now_ns, odo::Output& output) {
     const Vector3d up_b = q_n_b_.conjugate() * Vector3d(0, 0, -1);
-    if (std::exchange(carried_, mode_of(carry_.classify(step, up_b))) != carried_) direction_.reset();
+    if (std::exchange(carry_mode_, mode_of(classifier_.classify(step, up_b))) != carry_mode_) direction_.reset();
     const double model_length = model.length_m(step);
     const double own_sigma = model.own_sigma(step);
     const double learnt = walker_->factor() * (step.gentle ? walker_->gentle_ratio() : 1.0);
     stairs_.add_step(step.t_start_ns, step.t_end_ns, learnt * model_length);
     const uint32_t mode = walking_mode();
-    set_mode(mode, std::max(carry_.since_ns(), since_ns(mode, step)), output);
+    set_mode(mode, std::max(classifier_.since_ns(), since_ns(mode, step)), output);
     auto event = odo::make<odo_step>(now_ns);
     event.t_start_ns = step.t_start_ns, event.t_end_ns = step.t_end_ns;
     event.frequency_hz = 1e9 / static_cast<double>(std::max<int64_t>(1, step.t_end_ns - step.t_start_ns));
@@ -155,7 +155,7 @@ class OdographSteps {
       event.heading_rad = std::atan2(f.y(), f.x());
       direction_.add(step.surge_n, event.heading_rad);
       // On a leg the phone's axis is arbitrary; elsewhere it is the better estimate (README).
-      if (carry_.on_leg() && direction_.sigma_rad() < kKnownDirection_rad)
+      if (classifier_.on_leg() && direction_.sigma_rad() < kKnownDirection_rad)
         event.heading_rad = std::remainder(event.heading_rad + direction_.offset_rad(), 2 * M_PI);
       event.header.flags |= ODO_STEP_HEADING;
       walker_->on_step(treads ? stairs_.parameters().tread_m / factor : model_length, event.heading_rad, own_sigma,
@@ -190,24 +190,24 @@ class OdographSteps {
     output.emit(event);
   }
 
-  uint32_t walking_mode() const { return stairs_.on_stairs() ? ODO_MODE_STAIRS : carried_; }
+  uint32_t walking_mode() const { return stairs_.on_stairs() ? ODO_MODE_STAIRS : carry_mode_; }
 
-  static uint32_t mode_of(Carry carry) {
+  static uint32_t mode_of(CarryMode carry) {
     switch (carry) {
-      case Carry::swinging: return ODO_MODE_WALKING_SWINGING;
-      case Carry::pocket: return ODO_MODE_WALKING_POCKET;
-      case Carry::running: return ODO_MODE_RUNNING;
+      case CarryMode::swinging: return ODO_MODE_WALKING_SWINGING;
+      case CarryMode::pocket: return ODO_MODE_WALKING_POCKET;
+      case CarryMode::running: return ODO_MODE_RUNNING;
       default: return ODO_MODE_WALKING_TEXTING;
     }
   }
 
   std::optional<Walker> walker_;
   StairDetector stairs_;
-  uint32_t carried_ = ODO_MODE_WALKING_TEXTING;
+  uint32_t carry_mode_ = ODO_MODE_WALKING_TEXTING;
   int64_t mode_since_ns_ = INT64_MIN;
   Resampler resampler_;
   GaitFinder finder_;
-  CarryModeClassifier carry_;
+  CarryModeClassifier classifier_;
   WalkDirection direction_;
   StillnessDetector hand_;
   int64_t stopped_ns_ = 0;

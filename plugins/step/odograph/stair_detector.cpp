@@ -35,7 +35,7 @@ void StairDetector::add(int64_t t_ns, double pressure_pa) {
       ascends_ ? std::abs(slope) > p_.end_mps : std::abs(slope) > std::max(p_.begin_mps, p_.clear_sigmas * sigma);
   // A change that the slope did not cause is due to the last steps.
   const int64_t middle_ns = t_ns - static_cast<int64_t>(0.5e9 * span_s);
-  judge(ascends_ != ascended ? middle_ns : std::max(middle_ns, step_ns_));
+  update_state(ascends_ != ascended ? middle_ns : std::max(middle_ns, step_ns_));
 }
 
 void StairDetector::add_step(int64_t t_start_ns, int64_t t_end_ns, double length_m) {
@@ -46,10 +46,10 @@ void StairDetector::add_step(int64_t t_start_ns, int64_t t_end_ns, double length
   const bool begins = t_start_ns - step_ns_ > nanoseconds(p_.pause_s);
   speed_mps_ = begins ? speed_mps : speed_mps_ + p_.learn_speed * (speed_mps - speed_mps_);
   step_ns_ = t_end_ns;
-  judge(t_start_ns);
+  update_state(t_start_ns);
 }
 
-void StairDetector::judge(int64_t since_ns) {
+void StairDetector::update_state(int64_t since_ns) {
   const double steepest = on_stairs_ ? p_.still_steep : p_.steepest_ramp;
   const bool on_stairs = ascends_ && std::abs(climb_mps_) > steepest * speed_mps_;
   if (on_stairs == on_stairs_) return;

@@ -48,7 +48,7 @@ class StairDetector {
     int64_t t_ns;
     double m;
   };
-  void judge(int64_t since_ns);
+  void update_state(int64_t since_ns);
 
   Parameters p_;
   Ring<Height, 256> heights_;

@@ -13,9 +13,9 @@ StepFinder::Parameters StepFinder::Parameters::of_gentle_steps() {
   p.min_swing_mps2 = 0.17;
   p.relative_swing = 0.20;
   p.longest_s = 1.4;
-  p.to_begin = 5;
+  p.min_peaks = 5;
   p.alike = 1.8;
-  p.regular_to_begin = 0.8;
+  p.start_regularity = 0.8;
   p.upright = p.still_upright = 0;
   p.regular = 0.3;
   p.swing_per_rate = 0;
@@ -26,7 +26,7 @@ StepFinder::Parameters StepFinder::Parameters::of_gentle_steps() {
   p.kept_peaks = 16;
   p.weak = 0.4;
   p.min_alternating_part = 0.05;
-  p.strides_to_begin = kMaxPeaks + 1;  // never: strides are the task of the other finder
+  p.min_stride_peaks = kMaxPeaks + 1;  // never: strides are the task of the other finder
   return p;
 }
 
@@ -71,26 +71,26 @@ void StepFinder::confirm(const WalkSignal& signal) {
   if (peak_count_ > 0 && (best_.t_ns - peaks_[peak_count_ - 1].t_ns) * 1e-9 > p_.longest_s) peak_count_ = 0;
   if (peak_count_ == p_.kept_peaks)
     std::copy(peaks_.begin() + 1, peaks_.begin() + static_cast<long>(peak_count_--), peaks_.begin());
-  best_.a_foot = p_.gentle ? !hand_moves(signal, best_.value - best_.low, p_.part_over_s)
+  best_.may_be_foot = p_.gentle ? !hand_moves(signal, best_.value - best_.low, p_.part_over_s)
                            : signal.vertical_part(p_.part_over_s) > 0.4 * p_.upright;
   peaks_[peak_count_++] = best_;
   if (walking_)
-    go_on(signal);
-  else if (peak_count_ >= (p_.gentle ? p_.to_begin : kResume.peaks)) {
-    begin(signal);
-    if (!walking_ && p_.weak > 0) begin_without_weak(signal);
+    continue_walk(signal);
+  else if (peak_count_ >= (p_.gentle ? p_.min_peaks : kResume.peaks)) {
+    try_start(signal);
+    if (!walking_ && p_.weak > 0) try_start_without_weak(signal);
   }
 }
 
-void StepFinder::go_on(const WalkSignal& signal) {
+void StepFinder::continue_walk(const WalkSignal& signal) {
   const double swing = std::max(typical_swing_, best_.value - best_.low);
-  const bool stray = p_.gentle
+  const bool invalid = p_.gentle
                          ? hand_moves(signal, swing, p_.part_over_s) || hand_moves(signal, swing, p_.gentle_over_s)
                          : signal.vertical_part(p_.part_over_s) < p_.still_upright &&
                                repetition(signal, typical_s_, 2) < p_.regular &&
                                stride_repetition(signal, typical_s_, 1) < p_.regular;
-  stray_ = stray ? stray_ + 1 : 0;
-  if (stray_ >= p_.stray_to_end) {
+  invalid_ = invalid ? invalid_ + 1 : 0;
+  if (invalid_ >= p_.max_invalid) {
     walking_ = false;
     since_ns_ = static_cast<int64_t>(best_.t_ns);
     peak_count_ = 0;
@@ -103,15 +103,15 @@ void StepFinder::go_on(const WalkSignal& signal) {
       p_.learn_part * (signal.vertical_part_between(peaks_[peak_count_ - 2].index, best_.index) - typical_part_);
   typical_repetition_ += p_.learn_interval * (stride_repetition(signal, typical_s_, 1) - typical_repetition_);
   ++walked_;
-  if (!stray) emit(signal, peaks_[peak_count_ - 2], best_);
+  if (!invalid) emit(signal, peaks_[peak_count_ - 2], best_);
 }
 
 /// Retries without weak peaks, which may be second harmonics of slow steps.
-void StepFinder::begin_without_weak(const WalkSignal& signal) {
+void StepFinder::try_start_without_weak(const WalkSignal& signal) {
   const auto all = peaks_;
   const size_t count = peak_count_;
   double strongest = 0;
-  for (size_t i = count - std::min(count, 2 * p_.to_begin); i < count; ++i)
+  for (size_t i = count - std::min(count, 2 * p_.min_peaks); i < count; ++i)
     strongest = std::max(strongest, all[i].value - all[i].low);
   peak_count_ = 0;
   double low = 1e9;
@@ -121,7 +121,7 @@ void StepFinder::begin_without_weak(const WalkSignal& signal) {
     peaks_[peak_count_] = all[i];
     peaks_[peak_count_++].low = std::exchange(low, 1e9);
   }
-  if (peak_count_ >= p_.to_begin) begin(signal);
+  if (peak_count_ >= p_.min_peaks) try_start(signal);
   if (!walking_) peaks_ = all, peak_count_ = count;
 }
 
@@ -141,7 +141,7 @@ StepFinder::Run StepFinder::run_from(size_t first) const {
 bool StepFinder::steps_alike(const WalkSignal& signal, const Run& run) const {
   return run.longest_s <= p_.alike * run.shortest_s && run.strongest <= p_.max_swing_ratio * run.weakest &&
          may_be_walk(signal, run.mean_swing, run.first, peak_count_ - 1) &&
-         repetition(signal, run.mean_s, 2) >= p_.regular_to_begin;
+         repetition(signal, run.mean_s, 2) >= p_.start_regularity;
 }
 
 bool StepFinder::strides_alike(const WalkSignal& signal, const Run& run) const {
@@ -153,28 +153,28 @@ bool StepFinder::strides_alike(const WalkSignal& signal, const Run& run) const {
   return stride_repetition(signal, run.mean_s, 2) >= p_.strides_alike;
 }
 
-double StepFinder::stood_s(const Run& run) const {
+double StepFinder::standing_s(const Run& run) const {
   return (peaks_[run.first].t_ns - static_cast<double>(since_ns_)) * 1e-9;
 }
 
 /// After a recent walk a few similar steps are enough.
-bool StepFinder::like_before(const WalkSignal& signal, const Run& run) const {
-  if (p_.gentle || walked_ < kResume.after_steps || stood_s(run) > kResume.within_s) return false;
+bool StepFinder::resembles_last_walk(const WalkSignal& signal, const Run& run) const {
+  if (p_.gentle || walked_ < kResume.after_steps || standing_s(run) > kResume.within_s) return false;
   return run.longest_s < kResume.interval * typical_s_ && run.shortest_s > typical_s_ / kResume.interval &&
          run.weakest > kResume.swing * typical_swing_ && run.strongest <= p_.max_swing_ratio * run.weakest &&
          may_be_walk(signal, run.mean_swing, run.first, peak_count_ - 1);
 }
 
 /// Starts a walk when the last peaks are alike.
-void StepFinder::begin(const WalkSignal& signal) {
+void StepFinder::try_start(const WalkSignal& signal) {
   if (peak_count_ >= kResume.peaks)
-    if (const Run few = run_from(peak_count_ - kResume.peaks); like_before(signal, few))
+    if (const Run few = run_from(peak_count_ - kResume.peaks); resembles_last_walk(signal, few))
       return start(signal, few, typical_repetition_);  // three peaks are too few for a repetition
-  if (peak_count_ < p_.to_begin) return;
-  const Run steps = run_from(peak_count_ - p_.to_begin);
+  if (peak_count_ < p_.min_peaks) return;
+  const Run steps = run_from(peak_count_ - p_.min_peaks);
   if (steps_alike(signal, steps)) return start(signal, steps, stride_repetition(signal, steps.mean_s, 1));
-  if (peak_count_ < p_.strides_to_begin) return;
-  const Run strides = run_from(peak_count_ - p_.strides_to_begin);
+  if (peak_count_ < p_.min_stride_peaks) return;
+  const Run strides = run_from(peak_count_ - p_.min_stride_peaks);
   if (strides_alike(signal, strides)) start(signal, strides, stride_repetition(signal, strides.mean_s, 1));
 }
 
@@ -183,8 +183,8 @@ void StepFinder::start(const WalkSignal& signal, const Run& run, double repetiti
   const size_t last = peak_count_ - 1;
   const double mean_s = run.mean_s;
   walking_ = true;
-  stray_ = 0;
-  if (stood_s(run) > kResume.within_s) walked_ = 0;
+  invalid_ = 0;
+  if (standing_s(run) > kResume.within_s) walked_ = 0;
   walked_ += static_cast<double>(last - run.first);
   typical_s_ = mean_s;
   typical_swing_ = run.mean_swing;
@@ -195,7 +195,7 @@ void StepFinder::start(const WalkSignal& signal, const Run& run, double repetiti
         signal.vertical_part_between(peaks_[i - 1].index, peaks_[i].index) / static_cast<double>(last - run.first);
   size_t first = run.first;
   const auto belongs = [&](size_t i) {
-    return interval_s(i + 1) < p_.setting_out * mean_s && peaks_[i].a_foot &&
+    return interval_s(i + 1) < p_.initiation_interval * mean_s && peaks_[i].may_be_foot &&
            peaks_[i].value - peaks_[i].low > p_.weakest * typical_swing_;
   };
   while (first > 0 && belongs(first - 1)) --first;

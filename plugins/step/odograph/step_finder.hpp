@@ -49,13 +49,13 @@ class StepFinder {
     double relative_swing = 0.25;     ///< min swing within a walk, relative to the typical one
     double longest_s = 1.1;           ///< max duration of a step; after it a walk is over
     double missing = 2.0;             ///< of the typical interval, after which a walk is over
-    size_t to_begin = 4;              ///< similar peaks
+    size_t min_peaks = 4;              ///< similar peaks
     double alike = 1.45;              ///< max ratio of their intervals
-    double regular_to_begin = 0.85;   ///< min autocorrelation at the step lag to start
+    double start_regularity = 0.85;   ///< min autocorrelation at the step lag to start
     double upright = 0.75;            ///< min vertical part of the power to start
     double still_upright = 0.40;      ///< the same to continue
     double regular = 0.5;             ///< min autocorrelation at a step, or of all axes at a stride, to continue
-    size_t strides_to_begin = 7;      ///< peaks of three strides
+    size_t min_stride_peaks = 7;      ///< peaks of three strides
     double strides_alike = 0.8;       ///< min repetition of all axes over two strides to start
     double strides_swing_mps2 = 1.5;  ///< min mean swing to start: softer steps are left to the other finder
     double rotating_radps = 1.6, rotating_alike = 0.6;  ///< above both a hand draws eights: on a leg the feet differ
@@ -64,7 +64,7 @@ class StepFinder {
     double max_tilting_radps = 1e9;   ///< rms tilting above which a hand's motion hides steps
     double swing_per_tilting = 0;     ///< m/s^2 per rad/s above which tilting hides none
     double min_alternating_part = 0;  ///< min vertical part of the alternating power
-    double setting_out = 1.7;         ///< max interval of the first steps, relative to the mean
+    double initiation_interval = 1.7;         ///< max interval of the first steps, relative to the mean
     double weakest = 0.12;            ///< min swing of the same, relative to the typical one
     size_t kept_peaks = 8;            ///< number of peaks before the start that are examined, at most kMaxPeaks
     double weak = 0;                  ///< relative to the strongest: weaker gentle peaks before a walk are harmonics
@@ -74,7 +74,7 @@ class StepFinder {
     double gentle_hz = 1.5;           ///< frequency that min_swing refers to; quicker steps are smoothed more
     double refractory = 0.55;         ///< min interval of peaks within a walk, relative to the typical one
     double push = 0.55;               ///< of the typical swing: a weaker first peak is a push-off
-    int stray_to_end = 3;             ///< consecutive invalid steps that end a walk
+    int max_invalid = 3;             ///< consecutive invalid steps that end a walk
     double max_swing_ratio = 3.0;     ///< max ratio of swings to start
     double part_over_s = 0.8;         ///< averaging time of the vertical part and of the hand's tilting
     double gentle_over_s = 2.0;       ///< the same, in addition, for gentle steps
@@ -103,7 +103,7 @@ class StepFinder {
     size_t index;
     double t_ns;  // between samples
     double value, low;
-    bool a_foot;  // may be a foot's contact, by the simultaneous motion of the hand
+    bool may_be_foot;  // may be a foot's contact, by the simultaneous motion of the hand
   };
   /// The peaks from `first` to the newest.
   struct Run {
@@ -113,15 +113,15 @@ class StepFinder {
   Run run_from(size_t first) const;
   bool steps_alike(const WalkSignal& signal, const Run& run) const;
   bool strides_alike(const WalkSignal& signal, const Run& run) const;
-  bool like_before(const WalkSignal& signal, const Run& run) const;
-  double stood_s(const Run& run) const;  // since the last walk
+  bool resembles_last_walk(const WalkSignal& signal, const Run& run) const;
+  double standing_s(const Run& run) const;  // since the last walk
   void start(const WalkSignal& signal, const Run& run, double repetition);
   bool hand_moves(const WalkSignal& signal, double swing_mps2, double seconds) const;
   bool may_be_walk(const WalkSignal& signal, double swing_mps2, size_t first, size_t last) const;
   void confirm(const WalkSignal& signal);
-  void begin(const WalkSignal& signal);
-  void begin_without_weak(const WalkSignal& signal);
-  void go_on(const WalkSignal& signal);
+  void try_start(const WalkSignal& signal);
+  void try_start_without_weak(const WalkSignal& signal);
+  void continue_walk(const WalkSignal& signal);
   double repetition(const WalkSignal& signal, double interval_s, size_t intervals) const;
   double stride_repetition(const WalkSignal& signal, double interval_s, size_t strides) const;
   void emit(const WalkSignal& signal, const Peak& from, const Peak& to);
@@ -135,7 +135,7 @@ class StepFinder {
   double low_ = 1e9;
   std::array<Peak, kMaxPeaks> peaks_{};  // newest last
   size_t peak_count_ = 0;
-  int stray_ = 0;
+  int invalid_ = 0;
   double walked_ = 0;  // steps of the present or last walk, including those before it resumed
   double typical_swing_ = 0, typical_s_ = 0.55, typical_part_ = 0, typical_repetition_ = 0;
   std::array<FoundStep, kMaxPeaks> found_{};

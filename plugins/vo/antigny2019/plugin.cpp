@@ -67,7 +67,7 @@ class Antigny2019 {
  private:
   std::optional<Odometry> vo_;
   cv::Mat converted_;
-  odograph::ToldCamera camera_;
+  odograph::CalibratedCamera camera_;
   int64_t previous_ns_ = INT64_MIN;
 };
 

@@ -25,7 +25,7 @@ class FivePoint {
   void on(const odo_calibration& c, odo::Output&) {
     if (!camera_.take(c)) return;  // the lens comes with each frame
     VisualOdometry::Parameters p;
-    p.corners.most = static_cast<int>(corners);
+    p.corners.max_corners = static_cast<int>(corners);
     p.inlier_px = inlier_threshold;
     vo_.emplace(p, odograph::camera_of(c));
     previous_ns_ = INT64_MIN;
@@ -54,7 +54,7 @@ class FivePoint {
 
   std::optional<VisualOdometry> vo_;
   cv::Mat converted_;
-  odograph::ToldCamera camera_;
+  odograph::CalibratedCamera camera_;
   int64_t previous_ns_ = INT64_MIN;
 };
 

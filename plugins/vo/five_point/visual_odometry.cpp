@@ -35,7 +35,7 @@ void split(const Isometry3d& T, cv::Mat& rotation_vector, cv::Mat& translation) 
 
 Motion VisualOdometry::process(const cv::Mat& grey, const cv::Mat& mask) {
   Motion motion;
-  const bool shows = content_of(grey).shows_something(p_.content);
+  const bool shows = content_of(grey).has_content(p_.content);
   shows ? tracker_.follow(grey) : tracker_.skip();
   std::vector<cv::Point2f> pixels;
   for (const auto& track : tracker_.tracks()) pixels.push_back(track.pixel);
@@ -132,7 +132,7 @@ bool VisualOdometry::try_start(Motion& motion) {
     if (pair->inliers[i]) {
       if (const auto X = triangulate(point.sightings, threshold(), 0.5 * p_.point_parallax_rad)) {
         point.X_w = *X;
-        point.located = true;
+        point.triangulated = true;
       }
       points_[ids[i]] = std::move(point);
     }
@@ -170,7 +170,7 @@ bool VisualOdometry::agrees_with_two_views(const Isometry3d& T_w_c0) {
 bool VisualOdometry::plausible(const Isometry3d& T_c_w, const Isometry3d& T_predicted,
                                const std::vector<cv::Point3d>& inliers, size_t asked) const {
   if (4 * inliers.size() < asked) return false;
-  if (Eigen::AngleAxisd(T_c_w.linear() * T_predicted.linear()).angle() > p_.surprise_rad) return false;
+  if (Eigen::AngleAxisd(T_c_w.linear() * T_predicted.linear()).angle() > p_.max_deviation_rad) return false;
   size_t behind = 0;
   for (const auto& X : inliers) behind += (T_c_w * Vector3d(X.x, X.y, X.z)).z() <= 0;
   return 20 * behind <= inliers.size();
@@ -183,7 +183,7 @@ bool VisualOdometry::estimate_pose(Motion& motion) {
   std::vector<uint64_t> ids;
   for (size_t i = 0; i < tracker_.tracks().size(); ++i) {
     const auto found = points_.find(tracker_.tracks()[i].id);
-    if (found == points_.end() || !found->second.located) continue;
+    if (found == points_.end() || !found->second.triangulated) continue;
     world.emplace_back(found->second.X_w.x(), found->second.X_w.y(), found->second.X_w.z());
     image.push_back(normalized_[i]);
     ids.push_back(found->first);
@@ -240,7 +240,7 @@ void VisualOdometry::extend_map() {
     if (point.sightings.size() >= 2) {
       if (const auto X = triangulate(point.sightings, 2 * threshold(), p_.point_parallax_rad)) {
         point.X_w = *X;
-        point.located = true;
+        point.triangulated = true;
       }
     }
     alive[id] = std::move(point);

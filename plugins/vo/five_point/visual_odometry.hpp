@@ -43,7 +43,7 @@ class VisualOdometry {
     /// empirical.
     double contradiction_rad = 0.0025;
     int check_every = 2;        ///< frames
-    double surprise_rad = 0.5;  ///< largest change of a frame's rotation from the previous one: 860 deg/s at 30 Hz
+    double max_deviation_rad = 0.5;  ///< largest change of a frame's rotation from the previous one: 860 deg/s at 30 Hz
   };
 
   VisualOdometry(const Parameters& parameters, const CameraModel& camera)
@@ -58,7 +58,7 @@ class VisualOdometry {
   struct Point {
     std::vector<Sighting> sightings;
     Eigen::Vector3d X_w;
-    bool located = false;
+    bool triangulated = false;
     int misses = 0;
   };
 

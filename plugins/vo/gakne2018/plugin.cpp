@@ -66,7 +66,7 @@ class Gakne2018 {
   std::optional<Eigen::Quaterniond> q_n_b_;
   Eigen::Quaterniond q_b_c_ = Eigen::Quaterniond::Identity();
   cv::Mat converted_;
-  odograph::ToldCamera camera_;
+  odograph::CalibratedCamera camera_;
   int64_t previous_ns_ = INT64_MIN;
 };
 

@@ -50,13 +50,13 @@ class OdographVo {
   }
 
   void on(const odo_calibration& c, odo::Output& output) {
-    tell_pending(true, output);
+    emit_pending(true, output);
     if (camera_.take(c) || std::holds_alternative<std::monostate>(odometry_)) start();
   }
 
   /// The manufacturer's noise values replace the defaults from here on.
   void on(const odo_imu_noise& noise, odo::Output& output) {
-    tell_pending(true, output);
+    emit_pending(true, output);
     noise_ = noise;
     if (camera_.calibration()) start();
   }
@@ -68,7 +68,7 @@ class OdographVo {
       throw odo::Error(ODO_E_DISCARD, "gyro_b or accel_b exceeds the range of any phone's sensor");
     if (auto* inertial = std::get_if<InertialOdometry>(&odometry_)) {
       inertial->add_imu({imu.header.t_ns, gyro_b, accel_b}, has_force);
-      tell_pending(false, output);
+      emit_pending(false, output);
     } else if (auto* visual = std::get_if<Odometry>(&odometry_)) {
       visual->add_gyroscope(imu.header.t_ns, q_b_c_.conjugate() * gyro_b);
     }
@@ -82,11 +82,11 @@ class OdographVo {
     const Frame view{odograph::grey_of(frame, converted_), odograph::mask_of(frame), frame.header.t_ns,
                      odograph::seconds(rolls ? frame.line_time_ns : 0)};
     if (auto* inertial = std::get_if<InertialOdometry>(&odometry_)) {
-      tell_pending(true, output);
+      emit_pending(true, output);
       inertial->change_lens(lens);
       head_ = frame;
       inertial->begin(view);
-      tell_pending(false, output);
+      emit_pending(false, output);
     } else if (auto* visual = std::get_if<Odometry>(&odometry_)) {
       visual->change_lens(lens);
       const Motion motion = visual->process(view);
@@ -135,7 +135,7 @@ class OdographVo {
   }
 
   /// Reports the pending frame's motion once the IMU has reached it, or at once with `force`.
-  void tell_pending(bool force, odo::Output& output) {
+  void emit_pending(bool force, odo::Output& output) {
     auto* inertial = std::get_if<InertialOdometry>(&odometry_);
     if (!inertial) return;
     const auto motion = inertial->finish(force);
@@ -190,7 +190,7 @@ class OdographVo {
   double accel_bias_ = kPriors.accel_bias_mps2, gyro_bias_ = kPriors.gyro_bias_radps;
   double accel_scale_ = kPriors.accel_scale, gyro_scale_ = kPriors.gyro_scale;
   double misalignment_ = kPriors.misalignment_rad, time_offset_ = kPriors.time_offset_s;
-  odograph::ToldCamera camera_;
+  odograph::CalibratedCamera camera_;
   std::optional<odo_imu_noise> noise_;
   /// Empty before the first calibration; then as `inertial` selects. The visual odometry is up to scale.
   std::variant<std::monostate, Odometry, InertialOdometry> odometry_;

@@ -145,7 +145,7 @@ class Vit {
   std::optional<System> system_;
   Isometry3d T_b_c_ = Isometry3d::Identity(), T_w_c_ = Isometry3d::Identity();
   cv::Mat converted_;
-  odograph::ToldCamera camera_;
+  odograph::CalibratedCamera camera_;
   int64_t last_ns_ = INT64_MIN, first_ns_ = INT64_MIN;
   bool started_ = false;
 };

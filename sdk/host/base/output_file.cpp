@@ -23,26 +23,26 @@ fs::path target_of(fs::path path) {
 
 }  // namespace
 
-OutputFile::OutputFile(fs::path file, fs::path beside, FileLock lock)
+OutputFile::OutputFile(fs::path file, fs::path part_file, FileLock lock)
     : lock_(std::move(lock)),
       file_(std::move(file)),
-      beside_(std::move(beside)),
-      out_(beside_.empty() ? file_ : beside_, std::ios::binary | std::ios::trunc) {}
+      part_file_(std::move(part_file)),
+      out_(part_file_.empty() ? file_ : part_file_, std::ios::binary | std::ios::trunc) {}
 
 OutputFile::OutputFile(OutputFile&& other) noexcept
     : lock_(std::move(other.lock_)),
       file_(std::move(other.file_)),
-      beside_(std::exchange(other.beside_, {})),
+      part_file_(std::exchange(other.part_file_, {})),
       out_(std::move(other.out_)) {}
 
 OutputFile::~OutputFile() {
-  if (beside_.empty()) return;
+  if (part_file_.empty()) return;
   out_.close();
   std::error_code error;
-  fs::remove(beside_, error);
+  fs::remove(part_file_, error);
 }
 
-Result<OutputFile> OutputFile::create(const fs::path& file, Beside beside) {
+Result<OutputFile> OutputFile::create(const fs::path& file, PartFile part_file) {
   const fs::path target = target_of(file);
   std::error_code error;
   const auto status = fs::status(target, error);
@@ -50,16 +50,16 @@ Result<OutputFile> OutputFile::create(const fs::path& file, Beside beside) {
   const bool plain = !exists || fs::is_regular_file(status);  // a device or a pipe may have several writers
   fs::path part = target;
   part += ".part";
-  const bool is_beside = exists ? plain : beside == Beside::always;
+  const bool has_part_file = exists ? plain : part_file == PartFile::always;
   FileLock lock;
   auto state = FileLock::State::impossible;
-  if (plain && (FileLock::is_held(is_beside ? target : part)))
+  if (plain && (FileLock::is_held(has_part_file ? target : part)))
     state = FileLock::State::busy;
   else if (plain)
-    state = lock.take(is_beside ? part : target);
+    state = lock.take(has_part_file ? part : target);
   if (state == FileLock::State::busy)
     return Failure{ODO_E_STATE, file.string() + ": is being written by another recorder or run"};
-  OutputFile made(target, is_beside ? part : fs::path(), std::move(lock));
+  OutputFile made(target, has_part_file ? part : fs::path(), std::move(lock));
   if (!made.out_) {
     made.abandon();
     return Failure{ODO_E_NOT_FOUND, file.string() + ": cannot be written"};
@@ -70,9 +70,9 @@ Result<OutputFile> OutputFile::create(const fs::path& file, Beside beside) {
 Result<bool> OutputFile::commit() {
   out_.close();
   std::error_code error;
-  if (out_ && !beside_.empty()) fs::rename(beside_, file_, error);
+  if (out_ && !part_file_.empty()) fs::rename(part_file_, file_, error);
   if (!out_ || error) return Failure{ODO_E_NOT_FOUND, file_.string() + ": writing failed; is the disk full?"};
-  beside_.clear();
+  part_file_.clear();
   return true;
 }
 

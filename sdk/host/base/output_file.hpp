@@ -15,11 +15,11 @@ namespace odograph {
 /// path exclude each other during their lifetimes.
 class OutputFile {
  public:
-  enum class Beside { always, if_exists };
+  enum class PartFile { always, if_exists };
 
   /// `if_exists`: a new file is written directly to its path, so that a partial file remains after a crash. ODO_E_STATE
   /// if another writer, in this or another process, has the path.
-  static Result<OutputFile> create(const std::filesystem::path& file, Beside beside = Beside::always);
+  static Result<OutputFile> create(const std::filesystem::path& file, PartFile part_file = PartFile::always);
   OutputFile(OutputFile&& other) noexcept;
   OutputFile& operator=(OutputFile&&) = delete;
   /// Removes an uncommitted NAME.part.
@@ -29,13 +29,13 @@ class OutputFile {
   /// Moves the file to its path. On failure the previous file remains.
   Result<bool> commit();
   /// Leaves what was written on disk.
-  void abandon() { beside_.clear(); }
+  void abandon() { part_file_.clear(); }
 
  private:
-  OutputFile(std::filesystem::path file, std::filesystem::path beside, FileLock lock);
+  OutputFile(std::filesystem::path file, std::filesystem::path part_file, FileLock lock);
 
   FileLock lock_;
-  std::filesystem::path file_, beside_;  // beside_ is empty if the file itself is written
+  std::filesystem::path file_, part_file_;  // part_file_ is empty if the file itself is written
   std::ofstream out_;
 };
 

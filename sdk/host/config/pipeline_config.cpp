@@ -19,14 +19,14 @@ const YamlNode* in_plugins(const YamlNode& root, const char* key) {
 
 /// Reads the search path and the allow list before the whole file is validated, because the validation needs them.
 /// Mistakes in them are reported by that validation.
-std::vector<std::string> early_texts(const YamlNode& root, const char* key) {
+std::vector<std::string> raw_texts(const YamlNode& root, const char* key) {
   std::vector<std::string> texts;
   if (const YamlNode* list = in_plugins(root, key))
     for (const YamlNode& item : list->items) texts.push_back(item.text);
   return texts;
 }
 
-std::vector<Signer> early_signers(const YamlNode& root) {
+std::vector<Signer> raw_signers(const YamlNode& root) {
   std::vector<Signer> signers;
   const YamlNode* list = in_plugins(root, "signers");
   for (size_t i = 0; list && i < list->items.size(); ++i) {
@@ -37,7 +37,7 @@ std::vector<Signer> early_signers(const YamlNode& root) {
   return signers;
 }
 
-std::string early_text(const YamlNode& root, const char* key) {
+std::string raw_text(const YamlNode& root, const char* key) {
   const YamlNode* node = in_plugins(root, key);
   return node ? node->text : "";
 }
@@ -195,11 +195,11 @@ Result<PipelineConfig> interpret(const YamlNode& root, const std::string& text, 
                                  const std::filesystem::path& base, std::vector<std::filesystem::path> directories) {
   if (root.kind == YamlNode::Kind::null)
     return Failure{ODO_E_CONFIG, at(name, {}, "the config is empty; expected a map that starts with 'odograph: 1'")};
-  const PluginPolicy policy{early_texts(root, "allow"), early_signers(root), base};
-  for (const auto& directory : early_texts(root, "search")) directories.push_back(base / utf8_path(directory));
+  const PluginPolicy policy{raw_texts(root, "allow"), raw_signers(root), base};
+  for (const auto& directory : raw_texts(root, "search")) directories.push_back(base / utf8_path(directory));
   PluginRegistry registry(plugin_directories(directories), directories.size());
   registry.require_signature(policy.signers);
-  registry.allow_writable(early_text(root, "allow_writable") == "true");
+  registry.allow_writable(raw_text(root, "allow_writable") == "true");
   const auto checked = checked_values(root, name, registry, policy);
   if (!checked) return checked.failure();
   const Value& v = *checked;

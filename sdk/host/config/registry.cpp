@@ -36,15 +36,15 @@ bool is_allowed(const Manifest& manifest, const std::vector<std::string>& allow,
 
 /// The first world-writable path among manifest and library, with links resolved, and all their parent directories;
 /// empty if there is none.
-fs::path open_to_all(const Manifest& manifest) {
+fs::path world_writable_path(const Manifest& manifest) {
   for (const fs::path& path : {manifest.path, manifest.library}) {
     std::error_code error;
     const fs::path real = fs::canonical(path, error);
     if (error) continue;
     for (const fs::path& each : {path.parent_path(), real.parent_path(), real})
-      if (everybody_writes(each.empty() ? fs::path(".") : each, false)) return each;
+      if (is_world_writable(each.empty() ? fs::path(".") : each, false)) return each;
     for (fs::path above = real.parent_path(); above.has_relative_path(); above = above.parent_path())
-      if (everybody_writes(above, true)) return above;
+      if (is_world_writable(above, true)) return above;
   }
   return {};
 }
@@ -171,13 +171,13 @@ Result<bool> PluginRegistry::may_be_loaded(const Manifest& manifest, bool by_pat
     return Failure{ODO_E_UNSUPPORTED, manifest.path.string() + ": this program's platform (" + kPlatform.name +
                                           ") loads no plugin from a file; expected one that is linked in and "
                                           "registered (odo_register_plugin)"};
-  if (const fs::path open = allow_writable_ ? fs::path() : open_to_all(manifest); !open.empty())
+  if (const fs::path open = allow_writable_ ? fs::path() : world_writable_path(manifest); !open.empty())
     return Failure{ODO_E_CONFIG,
                    "plugin '" + manifest.id + "': " + open.string() +
                        " may be written to by every user; expected 'chmod o-w', or plugins.allow_writable"};
   std::vector<std::string> keys;
   for (const Signer& signer : signers_)
-    if (signer.vouches_for(manifest.id)) keys.push_back(signer.key);
+    if (signer.covers(manifest.id)) keys.push_back(signer.key);
   if (!keys.empty()) return verify_signature(manifest, keys);
   if (by_path && !signers_.empty())
     return Failure{ODO_E_CONFIG, "plugin '" + manifest.id + "': " + manifest.path.string() +

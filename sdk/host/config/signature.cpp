@@ -89,7 +89,7 @@ bool is_signed(const Crypto& crypto, const Key& key, const std::string& text, co
 
 }  // namespace
 
-bool Signer::vouches_for(const std::string& id) const {
+bool Signer::covers(const std::string& id) const {
   const bool open = !ids.empty() && ids.back() == '*';
   return open ? id.starts_with(std::string_view(ids).substr(0, ids.size() - 1)) : id == ids;
 }

@@ -13,7 +13,7 @@ struct Signer {
   std::string ids;  // an id, a prefix and '*' ("acme/*"), or "*" for all
   std::string key;  // Ed25519 public key, 32 bytes in hex
 
-  bool vouches_for(const std::string& id) const;
+  bool covers(const std::string& id) const;
 };
 
 /// Whether one of `keys` (Ed25519 public keys, 32 bytes in hex) has signed the manifest. NAME.odoplugin.sig beside it

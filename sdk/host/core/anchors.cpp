@@ -36,38 +36,38 @@ Vector3d vector(const std::array<double, 3>& a) { return Vector3d(a[0], a[1], a[
 
 }  // namespace
 
-Anchors::Anchor& Anchors::add(const odo_anchor_place& place, Hangs hangs) {
+Anchors::Anchor& Anchors::add(const odo_anchor_place& place, Reference reference) {
   Anchor& anchor = anchors_.emplace_back();
   anchor.id = ++last_id_;
   anchor.kind = place.kind;
   const std::string_view name(place.name.data, place.name.data ? place.name.size : 0);
   anchor.name = whole_characters(name, kMaxName);
-  anchor.hangs = hangs;
+  anchor.reference = reference;
   anchor.smooth = SmoothPose(p_.smooth);
   anchor.q = rotation(place.q);
   return anchor;
 }
 
-uint64_t Anchors::add_local(const odo_anchor_place& place, const Seen& seen) {
+uint64_t Anchors::add_local(const odo_anchor_place& place, const Placement& placement) {
   const std::lock_guard lock(mutex_);
-  if (anchors_.size() >= p_.most) return 0;
-  Anchor& anchor = add(place, Hangs::awaits_pose);
+  if (anchors_.size() >= p_.max_anchors) return 0;
+  Anchor& anchor = add(place, Reference::awaiting_pose);
   anchor.placed = true;
-  anchor.T_n_a = seen.T_n_a;
-  anchor.T_b_a = seen.T_n_b.inverse() * seen.T_n_a;
-  anchor.seen_ns = seen.t_ns;
+  anchor.T_n_a = placement.T_n_a;
+  anchor.T_b_a = placement.T_n_b.inverse() * placement.T_n_a;
+  anchor.seen_ns = placement.t_ns;
   return anchor.id;
 }
 
 uint64_t Anchors::add_geodetic(const odo_anchor_place& place) {
   const std::lock_guard lock(mutex_);
-  if (anchors_.size() >= p_.most) return 0;
-  Anchor& anchor = add(place, Hangs::on_earth);
+  if (anchors_.size() >= p_.max_anchors) return 0;
+  Anchor& anchor = add(place, Reference::geodetic);
   const double geoid_m = place.height_above == ODO_HEIGHT_GEOID ? place.geoid_height_m : 0.0;
   anchor.geodetic = {place.latitude_rad, place.longitude_rad, place.height_m + geoid_m};
   anchor.height_above = place.height_above;
   anchor.sigma_m = place.sigma_m;
-  anchor.why_not = ODO_REASON_NO_FIX;
+  anchor.lost_reason = ODO_REASON_NO_FIX;
   return anchor.id;
 }
 
@@ -75,7 +75,7 @@ bool Anchors::remove(uint64_t id) {
   const std::lock_guard lock(mutex_);
   const auto found = std::find_if(anchors_.begin(), anchors_.end(), [id](const Anchor& a) { return a.id == id; });
   if (found == anchors_.end()) return false;
-  if (found->held != 0) to_let_go_.push_back(found->held);
+  if (found->pose_id != 0) poses_to_release_.push_back(found->pose_id);
   anchors_.erase(found);
   return true;
 }
@@ -87,29 +87,29 @@ std::vector<uint64_t> Anchors::ids() const {
   return ids;
 }
 
-std::optional<Anchors::Known> Anchors::get(uint64_t id, int64_t t_ns) const {
+std::optional<Anchors::State> Anchors::get(uint64_t id, int64_t t_ns) const {
   const std::lock_guard lock(mutex_);
   const auto found = std::find_if(anchors_.begin(), anchors_.end(), [id](const Anchor& a) { return a.id == id; });
   if (found == anchors_.end()) return std::nullopt;
   const Anchor& anchor = *found;
-  asked_ns_ = std::max(asked_ns_, t_ns);
-  Known known;
-  known.anchor.kind = anchor.kind;
-  known.anchor.id = anchor.id;
-  anchor.name.copy(known.anchor.name, kMaxName);
-  known.anchor.state = anchor.placed ? ODO_TRACKING : ODO_LOST;
-  known.anchor.reason = anchor.placed ? ODO_REASON_NONE : anchor.why_not;
-  known.T_n_a = anchor.T_n_a;
+  queried_ns_ = std::max(queried_ns_, t_ns);
+  State state;
+  state.anchor.kind = anchor.kind;
+  state.anchor.id = anchor.id;
+  anchor.name.copy(state.anchor.name, kMaxName);
+  state.anchor.state = anchor.placed ? ODO_TRACKING : ODO_LOST;
+  state.anchor.reason = anchor.placed ? ODO_REASON_NONE : anchor.lost_reason;
+  state.T_n_a = anchor.T_n_a;
   const auto smooth = anchor.smooth.at(t_ns, {anchor.T_n_a.q, anchor.T_n_a.p});
-  known.smooth_T_n_a = {smooth.q_n, smooth.p_n};
-  if (anchor.hangs == Hangs::on_earth && anchor.height_above != ODO_HEIGHT_TERRAIN)
-    known.geodetic = anchor.geodetic;
+  state.smooth_T_n_a = {smooth.q_n, smooth.p_n};
+  if (anchor.reference == Reference::geodetic && anchor.height_above != ODO_HEIGHT_TERRAIN)
+    state.geodetic = anchor.geodetic;
   else if (anchor.placed && placed_ && geodesy_.has_origin())
-    known.geodetic = geodesy_.to_geodetic(array(anchor.T_n_a.p));
-  known.position_variance = largest_variance(anchor.covariance);
-  known.view_variance = largest_variance(anchor.view_covariance);
-  known.yaw_variance = anchor.yaw_variance;
-  return known;
+    state.geodetic = geodesy_.to_geodetic(array(anchor.T_n_a.p));
+  state.position_variance = largest_variance(anchor.covariance);
+  state.view_variance = largest_variance(anchor.view_covariance);
+  state.yaw_variance = anchor.yaw_variance;
+  return state;
 }
 
 /// North-East-Down axes at that point, expressed in n: over a walk the meridians converge by less than a millirad.
@@ -127,14 +127,14 @@ Quaterniond Anchors::axes_at(const std::array<double, 3>& geodetic) const {
   return Quaterniond(axes);
 }
 
-void Anchors::put_on_earth(Anchor& anchor, const HeldPose& now) {
+void Anchors::georeference(Anchor& anchor, const RetainedPose& now) {
   if (anchor.placed) return;
-  anchor.why_not = !placed_ ? ODO_REASON_NO_FIX : ODO_REASON_NO_ORIGIN;
+  anchor.lost_reason = !placed_ ? ODO_REASON_NO_FIX : ODO_REASON_NO_ORIGIN;
   if (!placed_ || !geodesy_.has_origin()) return;
   auto place = anchor.geodetic;
   Vector3d p_n = vector(geodesy_.from_geodetic(place));
   if (anchor.height_above == ODO_HEIGHT_TERRAIN) {
-    anchor.why_not = ODO_REASON_NO_GROUND;
+    anchor.lost_reason = ODO_REASON_NO_GROUND;
     // The horizontal position of a latitude and longitude depends on the height by only a millionth of it.
     place[2] = geodesy_.to_geodetic(array(now.p_n_b))[2];
     p_n = vector(geodesy_.from_geodetic(place));
@@ -145,70 +145,70 @@ void Anchors::put_on_earth(Anchor& anchor, const HeldPose& now) {
   anchor.T_n_a = {(axes_at(place) * anchor.q).normalized(), p_n};
   anchor.smooth.reset();
   anchor.placed = true;
-  anchor.why_not = 0;
+  anchor.lost_reason = 0;
 }
 
-void Anchors::hang(Anchor& anchor, HeldPoses& poses) {
-  anchor.held = poses.hold_pose(anchor.seen_ns);
-  if (anchor.held != 0) anchor.hangs = Hangs::on_pose;
+void Anchors::attach_to_pose(Anchor& anchor, RetainedPoses& poses) {
+  anchor.pose_id = poses.retain_pose(anchor.seen_ns);
+  if (anchor.pose_id != 0) anchor.reference = Reference::pose;
 }
 
 /// Covariance in n and relative to the view: with l from the body to the anchor and s from the retained pose to it, the
 /// position error is dp_h - s x theta_h, and the error in the view is that - dp + l x theta.
-void Anchors::judge(Anchor& anchor, const HeldPose* held, const HeldPose& now) const {
+void Anchors::update_covariance(Anchor& anchor, const RetainedPose* retained, const RetainedPose& now) const {
   Matrix36 by_now;
   by_now << skew(anchor.T_n_a.p - now.p_n_b), -Matrix3d::Identity();
   Matrix3d view = by_now * now.now * by_now.transpose();
   Matrix3d place = Matrix3d::Identity() * (anchor.sigma_m * anchor.sigma_m);
   anchor.yaw_variance = 0;
-  if (held) {
-    Matrix36 by_held;
-    by_held << -skew(anchor.T_n_a.p - held->p_n_b), Matrix3d::Identity();
-    place = by_held * held->own * by_held.transpose();
-    const Matrix3d common = by_held * held->cross * by_now.transpose();
+  if (retained) {
+    Matrix36 by_retained;
+    by_retained << -skew(anchor.T_n_a.p - retained->p_n_b), Matrix3d::Identity();
+    place = by_retained * retained->own * by_retained.transpose();
+    const Matrix3d common = by_retained * retained->cross * by_now.transpose();
     view += common + common.transpose();
-    anchor.yaw_variance = held->own(2, 2);
+    anchor.yaw_variance = retained->own(2, 2);
   }
   anchor.covariance = place;
   anchor.view_covariance = view + place;
 }
 
-void Anchors::follow(HeldPoses& poses, int64_t t_ns, const Rigid* correction) {
+void Anchors::update(RetainedPoses& poses, int64_t t_ns, const Rigid* correction) {
   const std::lock_guard lock(mutex_);
   placed_ = placed_ || poses.is_placed();
-  for (const uint64_t id : to_let_go_) poses.let_go(id);
-  to_let_go_.clear();
-  HeldPose now;
+  for (const uint64_t id : poses_to_release_) poses.release_pose(id);
+  poses_to_release_.clear();
+  RetainedPose now;
   if (anchors_.empty() || !poses.pose_now(now)) return;
   for (Anchor& anchor : anchors_) {
-    const bool was_placed = anchor.placed, stays = anchor.hangs == Hangs::on_earth || anchor.hangs == Hangs::in_n;
+    const bool was_placed = anchor.placed, stays = anchor.reference == Reference::geodetic || anchor.reference == Reference::navigation;
     const Rigid before = correction ? *correction * anchor.T_n_a : anchor.T_n_a;
-    if (anchor.hangs == Hangs::awaits_pose) hang(anchor, poses);
-    HeldPose held;
-    const bool on_pose = anchor.hangs == Hangs::on_pose;
-    if (on_pose && poses.held_pose(anchor.held, held)) {
-      anchor.T_n_a = Rigid{held.q_n_b, held.p_n_b} * anchor.T_b_a;
+    if (anchor.reference == Reference::awaiting_pose) attach_to_pose(anchor, poses);
+    RetainedPose retained;
+    const bool on_pose = anchor.reference == Reference::pose;
+    if (on_pose && poses.retained_pose(anchor.pose_id, retained)) {
+      anchor.T_n_a = Rigid{retained.q_n_b, retained.p_n_b} * anchor.T_b_a;
     } else if (!stays) {
-      if (on_pose) anchor.hangs = Hangs::on_track;
+      if (on_pose) anchor.reference = Reference::track;
       anchor.T_n_a = before;
     }
-    if (anchor.hangs == Hangs::on_earth) put_on_earth(anchor, now);
-    if (anchor.hangs == Hangs::in_n && placed_) anchor.placed = true, anchor.why_not = 0;
-    judge(anchor, anchor.hangs == Hangs::on_pose ? &held : nullptr, now);
+    if (anchor.reference == Reference::geodetic) georeference(anchor, now);
+    if (anchor.reference == Reference::navigation && placed_) anchor.placed = true, anchor.lost_reason = 0;
+    update_covariance(anchor, anchor.reference == Reference::pose ? &retained : nullptr, now);
     const Rigid moved = before.inverse() * anchor.T_n_a;
     if (was_placed && (moved.p.norm() > p_.max_smooth_jump_m || moved.q.vec().norm() > p_.max_smooth_jump_m))
-      anchor.smooth.jumped(std::max(t_ns, asked_ns_), {before.q, before.p}, {anchor.T_n_a.q, anchor.T_n_a.p});
+      anchor.smooth.jumped(std::max(t_ns, queried_ns_), {before.q, before.p}, {anchor.T_n_a.q, anchor.T_n_a.p});
   }
 }
 
-void Anchors::lose_holds() {
+void Anchors::drop_retained_poses() {
   const std::lock_guard lock(mutex_);
   placed_ = false;
-  asked_ns_ = INT64_MIN;  // the sensor clock was set back
-  to_let_go_.clear();
+  queried_ns_ = INT64_MIN;  // the sensor clock was set back
+  poses_to_release_.clear();
   for (Anchor& anchor : anchors_) {
-    if (anchor.hangs == Hangs::on_pose || anchor.hangs == Hangs::awaits_pose) anchor.hangs = Hangs::on_track;
-    anchor.held = 0;
+    if (anchor.reference == Reference::pose || anchor.reference == Reference::awaiting_pose) anchor.reference = Reference::track;
+    anchor.pose_id = 0;
     anchor.smooth.reset();
   }
 }
@@ -217,14 +217,14 @@ namespace {
 
 /// An anchor as it is saved: geodetic where n was georeferenced, otherwise in n.
 struct Saved {
-  uint32_t kind, hangs, height_above, reserved;
+  uint32_t kind, reference, height_above, reserved;
   double geodetic[3], q[4], p[3], sigma_m;
   char name[64];
 };
 static_assert(sizeof(Saved) == 168);
-constexpr uint32_t kSavedOnEarth = 1, kSavedInN = 2;
+constexpr uint32_t kSavedGeodetic = 1, kSavedNavigation = 2;
 
-bool sound(const Saved& saved) {
+bool is_valid(const Saved& saved) {
   const auto finite = [](const double* x, int n) {
     return std::all_of(x, x + n, [](double v) { return std::isfinite(v); });
   };
@@ -232,7 +232,7 @@ bool sound(const Saved& saved) {
     return false;
   const double norm = Eigen::Vector4d(saved.q).norm();
   return norm > 0.9 && norm < 1.1 && std::abs(saved.geodetic[0]) <= EIGEN_PI / 2 &&
-         (saved.hangs == kSavedOnEarth || saved.hangs == kSavedInN) && saved.name[sizeof saved.name - 1] == 0;
+         (saved.reference == kSavedGeodetic || saved.reference == kSavedNavigation) && saved.name[sizeof saved.name - 1] == 0;
 }
 
 }  // namespace
@@ -245,20 +245,20 @@ std::vector<uint8_t> Anchors::save() const {
     saved.kind = anchor.kind, saved.height_above = anchor.height_above, saved.sigma_m = anchor.sigma_m;
     anchor.name.copy(saved.name, kMaxName);
     Quaterniond q = anchor.T_n_a.q;
-    if (anchor.hangs == Hangs::on_earth) {
-      saved.hangs = kSavedOnEarth;
+    if (anchor.reference == Reference::geodetic) {
+      saved.reference = kSavedGeodetic;
       std::copy(anchor.geodetic.begin(), anchor.geodetic.end(), saved.geodetic);
       q = anchor.q;
     } else if (!placed_) {
       continue;  // a later session could not place it
     } else if (geodesy_.has_origin()) {
-      saved.hangs = kSavedOnEarth;
+      saved.reference = kSavedGeodetic;
       const auto geodetic = geodesy_.to_geodetic(array(anchor.T_n_a.p));
       std::copy(geodetic.begin(), geodetic.end(), saved.geodetic);
       q = axes_at(geodetic).conjugate() * q;
       saved.sigma_m = std::sqrt(largest_variance(anchor.covariance));
     } else {
-      saved.hangs = kSavedInN;
+      saved.reference = kSavedNavigation;
       Vector3d::Map(saved.p) = anchor.T_n_a.p;
       saved.sigma_m = std::sqrt(largest_variance(anchor.covariance));
     }
@@ -274,18 +274,18 @@ bool Anchors::load(std::span<const uint8_t> blob) {
   std::vector<Saved> all(blob.size() / sizeof(Saved));
   if (!blob.empty()) std::memcpy(all.data(), blob.data(), blob.size());
   const std::lock_guard lock(mutex_);
-  if (!std::all_of(all.begin(), all.end(), sound) || anchors_.size() + all.size() > p_.most) return false;
+  if (!std::all_of(all.begin(), all.end(), is_valid) || anchors_.size() + all.size() > p_.max_anchors) return false;
   for (const Saved& saved : all) {
     odo_anchor_place place{};
     place.kind = saved.kind;
     place.name = {saved.name, std::strlen(saved.name)};
     std::copy(saved.q, saved.q + 4, place.q);
-    Anchor& anchor = add(place, saved.hangs == kSavedOnEarth ? Hangs::on_earth : Hangs::in_n);
+    Anchor& anchor = add(place, saved.reference == kSavedGeodetic ? Reference::geodetic : Reference::navigation);
     std::copy(saved.geodetic, saved.geodetic + 3, anchor.geodetic.begin());
     anchor.T_n_a = {anchor.q, Vector3d(saved.p)};
     anchor.height_above = saved.height_above;
     anchor.sigma_m = saved.sigma_m;
-    anchor.why_not = ODO_REASON_NO_FIX;
+    anchor.lost_reason = ODO_REASON_NO_FIX;
   }
   return true;
 }

@@ -13,7 +13,7 @@
 
 #include "sdk/host/base/geodesy.hpp"
 #include "sdk/host/core/smooth_pose.hpp"
-#include "sdk/host/localizer/held_poses.hpp"
+#include "sdk/host/localizer/retained_poses.hpp"
 
 namespace odograph {
 
@@ -27,12 +27,12 @@ struct Rigid {
 };
 
 /// The app's anchors. The pipeline reports changes of the track; the app creates, queries and removes anchors. A local
-/// anchor refers to a retained pose (HeldPoses::hold_pose); where none is available, each correction moves it as a
+/// anchor refers to a retained pose (RetainedPoses::retain_pose); where none is available, each correction moves it as a
 /// whole. Thread-safe; a call holds the lock for microseconds.
 class Anchors {
  public:
   struct Parameters {
-    size_t most = 1024;               ///< anchors; each costs under 1 us per update
+    size_t max_anchors = 1024;               ///< anchors; each costs under 1 us per update
     double max_smooth_jump_m = 1e-6;  ///< m, smaller changes are not blended
     SmoothPose::Parameters smooth;
   };
@@ -41,13 +41,13 @@ class Anchors {
   using Ground = std::function<std::optional<double>(double north_m, double east_m, double near_down_m)>;
 
   /// A local anchor and the body pose from which it was placed, both in the corrected world.
-  struct Seen {
+  struct Placement {
     int64_t t_ns = 0;
     Rigid T_n_b, T_n_a;
   };
 
   /// State of an anchor, apart from the phone's pose.
-  struct Known {
+  struct State {
     odo_anchor anchor{};  ///< id, kind, name, state, reason; TRACKING if its position is known
     Rigid T_n_a, smooth_T_n_a;
     std::optional<std::array<double, 3>> geodetic;
@@ -58,20 +58,20 @@ class Anchors {
 
   // [any]
   /// Returns the id, or 0 if there are too many anchors.
-  uint64_t add_local(const odo_anchor_place& place, const Seen& seen);
+  uint64_t add_local(const odo_anchor_place& place, const Placement& placement);
   uint64_t add_geodetic(const odo_anchor_place& place);
   bool remove(uint64_t id);
   std::vector<uint64_t> ids() const;
   /// State at a time, which the blending needs; nothing if the anchor does not exist.
-  std::optional<Known> get(uint64_t id, int64_t t_ns) const;
+  std::optional<State> get(uint64_t id, int64_t t_ns) const;
 
   // [process]
   /// Sets the ground model, called on the pipeline's thread.
   void set_ground(Ground ground) { ground_ = std::move(ground); }
   /// The track advanced or was corrected. `correction` is null unless a correction was announced.
-  void follow(HeldPoses& poses, int64_t t_ns, const Rigid* correction);
+  void update(RetainedPoses& poses, int64_t t_ns, const Rigid* correction);
   /// The localizer restarts and retains no poses any more.
-  void lose_holds();
+  void drop_retained_poses();
 
   // [control]
   /// All anchors, for the next session; empty if there are none.
@@ -80,20 +80,20 @@ class Anchors {
   bool load(std::span<const uint8_t> blob);
 
  private:
-  enum class Hangs { on_earth, on_pose, on_track, awaits_pose, in_n };
+  enum class Reference { geodetic, pose, track, awaiting_pose, navigation };
   struct Anchor {
     uint64_t id = 0;
     uint32_t kind = 0;
     std::string name;
-    Hangs hangs = Hangs::on_track;
+    Reference reference = Reference::track;
     bool placed = false;
-    uint32_t why_not = 0;  // ODO_REASON_*
+    uint32_t lost_reason = 0;  // ODO_REASON_*
     Rigid T_n_a;
     SmoothPose smooth;
     // relative to a pose
     int64_t seen_ns = 0;
     Rigid T_b_a;
-    uint64_t held = 0;
+    uint64_t pose_id = 0;
     // geodetic
     std::array<double, 3> geodetic{};
     Eigen::Quaterniond q = Eigen::Quaterniond::Identity();
@@ -104,10 +104,10 @@ class Anchors {
     double yaw_variance = 0;
   };
 
-  Anchor& add(const odo_anchor_place& place, Hangs hangs);
-  void hang(Anchor& anchor, HeldPoses& poses);
-  void put_on_earth(Anchor& anchor, const HeldPose& now);
-  void judge(Anchor& anchor, const HeldPose* held, const HeldPose& now) const;
+  Anchor& add(const odo_anchor_place& place, Reference reference);
+  void attach_to_pose(Anchor& anchor, RetainedPoses& poses);
+  void georeference(Anchor& anchor, const RetainedPose& now);
+  void update_covariance(Anchor& anchor, const RetainedPose* retained, const RetainedPose& now) const;
   Eigen::Quaterniond axes_at(const std::array<double, 3>& geodetic) const;
 
   Parameters p_;
@@ -115,10 +115,10 @@ class Anchors {
   Ground ground_;
   mutable std::mutex mutex_;
   std::vector<Anchor> anchors_;
-  std::vector<uint64_t> to_let_go_;  // retained poses of removed anchors
+  std::vector<uint64_t> poses_to_release_;  // retained poses of removed anchors
   uint64_t last_id_ = 0;
   bool placed_ = false;  // n is placed, by the configured start or by a fix
-  mutable int64_t asked_ns_ = INT64_MIN;
+  mutable int64_t queried_ns_ = INT64_MIN;
 };
 
 }  // namespace odograph

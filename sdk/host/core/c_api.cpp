@@ -14,7 +14,7 @@
 #include "sdk/host/core/c_guard.hpp"
 #include "sdk/host/core/session.hpp"
 #include "sdk/host/platform/utf8_path.hpp"
-#include "sdk/host/plugin_host/breadcrumb.hpp"
+#include "sdk/host/plugin_host/plugin_call.hpp"
 #include "sdk/host/plugin_host/library.hpp"
 
 struct odo_session {
@@ -47,7 +47,7 @@ int32_t create(const odo_session_options& options, odo_session** out, odo_error*
                    : std::filesystem::absolute(odograph::utf8_path(path)).parent_path()};
   for (const auto& folder : odograph::path_list(text(options.asset_path)))
     assets.push_back(std::filesystem::absolute(folder));
-  if (options.flags & ODO_SESSION_CRASH_NOTES) odograph::name_crashing_plugins();
+  if (options.flags & ODO_SESSION_CRASH_NOTES) odograph::install_crash_handler();
   auto session = odograph::Session::make(std::move(*config), std::move(assets), options.run != ODO_RUN_REPLAY,
                                          options.seed, {options.user, options.get_service});
   if (!session) return fail(error, session.failure());

@@ -56,7 +56,7 @@ int32_t Intake::borrow(odo_borrowed& message) {
 
 int32_t Intake::add(OwnedMessage message) {
   const odo_header header = message.header();
-  std::vector<OwnedMessage> given_up;
+  std::vector<OwnedMessage> dropped;
   TimeOrder::Verdict verdict = TimeOrder::Verdict::accepted;
   int spikes = 0;
   {
@@ -67,14 +67,14 @@ int32_t Intake::add(OwnedMessage message) {
       if (header.struct_size > sizeof imu)  // flags of fields beyond the host's struct are cleared with them
         imu.header.flags &= (2 * ODO_IMU_ACCEL_CORRECTED - 1) | ODO_FLAG_QUALITY;
       spikes = gate_.push(imu, [&](const odo_imu& passed) {
-        const auto each = order(OwnedMessage(passed.header), given_up);
+        const auto each = order(OwnedMessage(passed.header), dropped);
         if (each == TimeOrder::Verdict::accepted)
           poses_.add_imu(passed);
         else
           verdict = each;
       });
     } else {
-      verdict = order(std::move(message), given_up);
+      verdict = order(std::move(message), dropped);
     }
   }
   if (spikes > 0)
@@ -84,27 +84,27 @@ int32_t Intake::add(OwnedMessage message) {
 }
 
 /// Requires the lock. Rejected messages are released without it.
-TimeOrder::Verdict Intake::order(OwnedMessage message, std::vector<OwnedMessage>& given_up) {
-  auto verdict = order_.judge(message.header());
+TimeOrder::Verdict Intake::order(OwnedMessage message, std::vector<OwnedMessage>& dropped) {
+  auto verdict = order_.classify(message.header());
   if (verdict == TimeOrder::Verdict::restarted) {
-    restart(given_up);
-    verdict = order_.judge(message.header());
+    restart(dropped);
+    verdict = order_.classify(message.header());
   }
   if (verdict == TimeOrder::Verdict::accepted)
     order_.add(std::move(message));
   else
-    given_up.push_back(std::move(message));
+    dropped.push_back(std::move(message));
   return verdict;
 }
 
 /// Requires the lock. Waiting messages are of the old clock and are dropped, except sensor descriptions.
-void Intake::restart(std::vector<OwnedMessage>& given_up) {
+void Intake::restart(std::vector<OwnedMessage>& dropped) {
   std::vector<OwnedMessage> descriptions;
   OwnedMessage message;
   while (order_.drain(message)) {
     const uint32_t type = message.header().type;
     const bool describes = type == ODO_TYPE_CALIBRATION || type == ODO_TYPE_IMU_NOISE;
-    (describes ? descriptions : given_up).push_back(std::move(message));
+    (describes ? descriptions : dropped).push_back(std::move(message));
   }
   order_.restart();
   gate_.reset();

@@ -49,8 +49,8 @@ class Intake {
 
  private:
   int32_t borrow(odo_borrowed& message);
-  TimeOrder::Verdict order(OwnedMessage message, std::vector<OwnedMessage>& given_up);
-  void restart(std::vector<OwnedMessage>& given_up);
+  TimeOrder::Verdict order(OwnedMessage message, std::vector<OwnedMessage>& dropped);
+  void restart(std::vector<OwnedMessage>& dropped);
   int32_t refuse(std::atomic<uint64_t>& count, const char* key, const odo_header& sample, int32_t status,
                  const std::string& why);
   int32_t refuse_invalid(const odo_header& sample, int32_t status, const std::string& why) {

@@ -21,39 +21,39 @@ constexpr Pipeline::Parameters kParameters;
 void Pipeline::process(const odo_header& message) {
   wake();
   events_.begin();
-  if (watch_.see(message)) on_pause();
+  if (watch_.on_message(message)) on_pause();
   switch (message.type) {
     case ODO_TYPE_IMU: joiner_.push(as<odo_imu>(message), [this](const odo_imu& whole) { on_imu(whole); }); break;
     case ODO_TYPE_IMU_NOISE:
-      roster_.remember(message);
-      ask(message);
+      roster_.store_description(message);
+      dispatch(message);
       break;
     case ODO_TYPE_FRAME:
       ++counters_.frames;
       if (roster_.is_main_camera(message) && roster_.has_front_end()) composer_.update(FrameTime{message.t_ns});
       publisher_.publish_estimates();
-      ask(message);
+      dispatch(message);
       break;
     case ODO_TYPE_CALIBRATION:
-      roster_.remember(message);
+      roster_.store_description(message);
       if (roster_.is_main_camera(message)) composer_.on_calibration(as<odo_calibration>(message));
-      ask(message);
+      dispatch(message);
       break;
     case ODO_TYPE_EARTH_FIELD:
       north_.add(as<odo_earth_field>(message));
-      ask(message);
+      dispatch(message);
       break;
     case ODO_TYPE_BAROMETER:
       composer_.update(&as<odo_barometer>(message));
-      tell_notice();
+      report_notice();
       publisher_.publish_estimates();
-      ask(message);
+      dispatch(message);
       break;
-    default: ask(message);  // magnetometer, GNSS, waypoints, and types that only a plugin knows
+    default: dispatch(message);  // magnetometer, GNSS, waypoints, and types that only a plugin knows
   }
   handle_events();
-  publisher_.watch_silence();
-  if (!publisher_.take_broken()) return;
+  publisher_.check_silence();
+  if (!publisher_.take_non_finite()) return;
   host_.report(0, ODO_SEVERITY_ERROR, "broken_pose",
                "the localizer's pose is not finite: it is not published, and the pipeline restarts", ODO_E_ERROR);
   reset();
@@ -69,12 +69,12 @@ void Pipeline::on_pause() {
 void Pipeline::on_imu(const odo_imu& imu) {
   events_.begin();
   if ((imu.header.flags & ODO_IMU_ACCEL) == 0) {  // for front-ends only: all others need gravity
-    roster_.tell_kind(ODO_INTERFACE_VO_FRONTEND, imu.header);
+    roster_.forward_to_kind(ODO_INTERFACE_VO_FRONTEND, imu.header);
     return handle_events();
   }
   composer_.add_imu(imu);
   publisher_.publish_estimates();
-  ask(imu.header);
+  dispatch(imu.header);
 }
 
 void Pipeline::wake() {
@@ -84,8 +84,8 @@ void Pipeline::wake() {
 }
 
 /// Passes a sample to each plugin in turn and handles all resulting events before the next plugin.
-void Pipeline::ask(const odo_header& message) {
-  if (!roster_.ask(message, [this] { handle_events(); }) && !message_info(message.type)) ++counters_.unknown;
+void Pipeline::dispatch(const odo_header& message) {
+  if (!roster_.dispatch(message, [this] { handle_events(); }) && !message_info(message.type)) ++counters_.unknown;
 }
 
 void Pipeline::enqueue(const AnyMessage& event) {
@@ -112,7 +112,7 @@ void Pipeline::handle(AnyMessage& event) {
   switch (header.type) {
     case ODO_TYPE_FIX: return on_fix(reinterpret_cast<odo_fix&>(event.header()));
     case ODO_TYPE_POSE:  // a prior for fix plugins; already published
-    case ODO_TYPE_CORRECTION: return roster_.tell(header);
+    case ODO_TYPE_CORRECTION: return roster_.forward_event(header);
     case ODO_TYPE_VO_MOTION:
       if (roster_.in_use(header) && is_of_main_camera(as<odo_vo_motion>(header)))
         return on_vo_motion(reinterpret_cast<odo_vo_motion&>(event.header()));
@@ -128,7 +128,7 @@ void Pipeline::handle(AnyMessage& event) {
       break;
     case ODO_TYPE_STEP:
       if (!roster_.in_use(header)) break;
-      roster_.tell(header);
+      roster_.forward_event(header);
       if (watch_.pause().is_within(as<odo_step>(header).t_start_ns, as<odo_step>(header).t_end_ns)) break;
       ++counters_.steps;
       if (steps_alone_need_heading_ && (header.flags & ODO_STEP_HEADING) == 0)
@@ -136,25 +136,25 @@ void Pipeline::handle(AnyMessage& event) {
                      "a step without heading_rad (ODO_STEP_HEADING) and no camera: this coupling does not use it; "
                      "`coupling: {type: localizer}` uses the phone's direction");
       composer_.update(&as<odo_step>(header));
-      tell_notice();
+      report_notice();
       break;
     case ODO_TYPE_MOTION_MODE:
       if (!roster_.in_use(header)) break;
-      roster_.tell(header);
+      roster_.forward_event(header);
       break;
     case ODO_TYPE_VO_MOTION: break;
-    default: roster_.tell(header);  // for plugins that declare it
+    default: roster_.forward_event(header);  // for plugins that declare it
   }
 }
 
 void Pipeline::on_attitude(const odo_attitude& attitude) {
   poses_.predictor().add_attitude(attitude);
   north_.observe(attitude);
-  if (!publisher_.camera_knows_bias() && (attitude.header.flags & ODO_ATTITUDE_GYRO_BIAS))
+  if (!publisher_.has_camera_bias() && (attitude.header.flags & ODO_ATTITUDE_GYRO_BIAS))
     poses_.predictor().set_biases(Eigen::Vector3d(attitude.gyro_bias_b), Eigen::Vector3d::Zero());
   composer_.update(&attitude);
   publisher_.publish_estimates();
-  roster_.tell(attitude.header);
+  roster_.forward_event(attitude.header);
 }
 
 /// A scale published outside of a motion callback.
@@ -191,7 +191,7 @@ const odo_scale* Pipeline::scale_for(const odo_vo_motion& motion) {
       auto& scale = reinterpret_cast<odo_scale&>(event.header());
       publish_scale(scale, scale_join_.answer(i, scale));
     }
-    if (sources[i]->take_reset()) roster_.describe_sensors_to(*sources[i]);
+    if (sources[i]->take_reset()) roster_.send_descriptions(*sources[i]);
   }
   return scale_join_.joined();
 }
@@ -200,27 +200,27 @@ void Pipeline::on_vo_motion(odo_vo_motion& motion) {
   if (motion.state > ODO_LOST) motion.state = ODO_LOST;  // an unknown state, from a newer ABI (docs/abi.md)
   composer_.prepare(motion);
   publish_(motion.header);
-  odo_vo_motion judged = motion;
-  for (double& c : judged.covariance) c *= odometry_covariance_;
-  judged.scale_sigma *= std::sqrt(odometry_covariance_);
+  odo_vo_motion weighted = motion;
+  for (double& c : weighted.covariance) c *= odometry_covariance_;
+  weighted.scale_sigma *= std::sqrt(odometry_covariance_);
   const odo_scale* scale = scale_for(motion);
   // A front-end may relocalise after a pause with its own metric scale; a scale assumed over a pause is invalid.
   if (watch_.pause().is_within(motion.t_from_ns, motion.header.t_ns)) {
     scale = nullptr;
     if ((motion.header.flags & ODO_VO_METRIC) == 0) {
-      judged.header.flags &= ~ODO_VO_TRANSLATION;
-      judged.state = std::max(judged.state, ODO_DEGRADED), judged.reason = ODO_REASON_SENSOR_SILENT;
+      weighted.header.flags &= ~ODO_VO_TRANSLATION;
+      weighted.state = std::max(weighted.state, ODO_DEGRADED), weighted.reason = ODO_REASON_SENSOR_SILENT;
     }
   }
-  composer_.update(RelativeMotion{&judged, scale});
-  tell_notice();
+  composer_.update(RelativeMotion{&weighted, scale});
+  report_notice();
   publisher_.publish_estimates();
-  roster_.tell(motion.header, false);  // the scale sources have received it already
+  roster_.forward_event(motion.header, false);  // the scale sources have received it already
   odo_fix reference;
-  while (composer_.take_step_reference(reference)) roster_.tell_kind(ODO_INTERFACE_STEP_ESTIMATOR, reference.header);
+  while (composer_.take_step_reference(reference)) roster_.forward_to_kind(ODO_INTERFACE_STEP_ESTIMATOR, reference.header);
 }
 
-void Pipeline::tell_notice() {
+void Pipeline::report_notice() {
   if (const Notice notice = composer_.take_notice(); notice.key)
     host_.report(0, notice.severity, notice.key, notice.text);
 }
@@ -229,7 +229,7 @@ void Pipeline::on_fix(odo_fix& fix) {
   geodesy_.resolve(fix);  // the published fix has metric coordinates and the verdict
   const UpdateResult result = is_beyond_frame(fix) ? UpdateResult{} : composer_.update(&fix);
   const bool used = result.accepted;
-  tell_notice();
+  report_notice();
   if (!used && result.dof > 0)
     host_.report(fix.header.source, ODO_SEVERITY_INFO, "rejected_fix",
                  "a fix was rejected by the gate: " + std::to_string(std::sqrt(result.nis)) +
@@ -238,7 +238,7 @@ void Pipeline::on_fix(odo_fix& fix) {
   if (used) fix.header.flags |= ODO_FLAG_ACCEPTED;
   if (used) north_.observe(fix);
   publish_(fix.header);
-  if (used) roster_.tell(fix.header);
+  if (used) roster_.forward_event(fix.header);
 }
 
 /// Whether a position is so far from the origin of n that n is meaningless there; reported.
@@ -268,7 +268,7 @@ void Pipeline::reset() {
   events_.begin();
   roster_.reset();
   composer_.reset();
-  anchors_.lose_holds();
+  anchors_.drop_retained_poses();
   for (const AnyMessage& description : roster_.descriptions()) {
     if (description.header().type == ODO_TYPE_CALIBRATION && roster_.is_main_camera(description.header()))
       composer_.on_calibration(as<odo_calibration>(description.header()));
@@ -298,7 +298,7 @@ Pipeline::Pipeline(const PipelineConfig& config, const Surroundings& surrounding
       north_(config.declination_rad, config.start.heading_given),
       publisher_({composer_, roster_, watch_, north_, poses_, anchors_, surroundings.world_mutex}, publish_,
                  [this](const odo_header& event) {
-                   if (event.type == ODO_TYPE_POSE ? gives_poses_to_ : gives_corrections_to_)
+                   if (event.type == ODO_TYPE_POSE ? plugins_want_poses_ : plugins_want_corrections_)
                      enqueue(AnyMessage(event));
                  }) {
   if (config.origin) geodesy_.set_origin(*config.origin);
@@ -311,8 +311,8 @@ Result<std::unique_ptr<Pipeline>> Pipeline::make(const PipelineConfig& config, c
                                                  Publish publish) {
   std::unique_ptr<Pipeline> pipeline(new Pipeline(config, surroundings, std::move(publish)));
   if (const auto started = pipeline->roster_.start(config); !started) return started.failure();
-  pipeline->gives_poses_to_ = pipeline->roster_.wants(ODO_TYPE_POSE);
-  pipeline->gives_corrections_to_ = pipeline->roster_.wants(ODO_TYPE_CORRECTION);
+  pipeline->plugins_want_poses_ = pipeline->roster_.wants(ODO_TYPE_POSE);
+  pipeline->plugins_want_corrections_ = pipeline->roster_.wants(ODO_TYPE_CORRECTION);
   return pipeline;
 }
 

@@ -84,7 +84,7 @@ class Pipeline {
   void on_pause();
   void on_imu(const odo_imu& imu);
   bool is_of_main_camera(const odo_vo_motion& motion);
-  void ask(const odo_header& message);
+  void dispatch(const odo_header& message);
   void enqueue(const AnyMessage& event);
   void handle_events();
   void handle(AnyMessage& event);
@@ -92,13 +92,13 @@ class Pipeline {
   void on_vo_motion(odo_vo_motion& motion);
   void on_fix(odo_fix& fix);
   bool is_beyond_frame(const odo_fix& fix);
-  void tell_notice();
+  void report_notice();
   void on_scale(odo_scale& scale);
   void publish_scale(odo_scale& scale, bool accepted);
   const odo_scale* scale_for(const odo_vo_motion& motion);
 
   PluginRoster roster_;
-  bool gives_poses_to_ = false, gives_corrections_to_ = false;  // some plugin wants them
+  bool plugins_want_poses_ = false, plugins_want_corrections_ = false;  // some plugin wants them
   Composer composer_;
   HostServices& host_;
   Geodesy& geodesy_;

@@ -24,7 +24,7 @@ Result<bool> PluginRoster::start(const PipelineConfig& config) {
       kind->push_back(plugins_.emplace_back(std::move(*made)).get());
     }
   for (const auto* kind : {&attitudes, &front_ends, &scale_sources_, &steps, &fixers})
-    asked_.insert(asked_.end(), kind->begin(), kind->end());
+    call_order_.insert(call_order_.end(), kind->begin(), kind->end());
   has_attitude_ = !attitudes.empty();
   has_front_end_ = !front_ends.empty();
   return true;
@@ -37,12 +37,12 @@ bool PluginRoster::is_for(const PluginInstance& plugin, const odo_header& messag
          plugin.interface_id() != ODO_INTERFACE_VO_FRONTEND;
 }
 
-bool PluginRoster::ask(const odo_header& message, const std::function<void()>& handled) {
+bool PluginRoster::dispatch(const odo_header& message, const std::function<void()>& handled) {
   bool wanted = false;
-  for (PluginInstance* plugin : asked_) {
+  for (PluginInstance* plugin : call_order_) {
     if (is_for(*plugin, message)) {
       wanted = true;
-      take(*plugin, message);
+      deliver(*plugin, message);
       handled();
     } else if (message.type == ODO_TYPE_FRAME && plugin->wants(message.type)) {
       host_.report(0, ODO_SEVERITY_INFO, "other_camera",
@@ -53,25 +53,25 @@ bool PluginRoster::ask(const odo_header& message, const std::function<void()>& h
   return wanted;
 }
 
-void PluginRoster::tell(const odo_header& event, bool scale_sources_too) {
-  for (PluginInstance* plugin : asked_) {
+void PluginRoster::forward_event(const odo_header& event, bool scale_sources_too) {
+  for (PluginInstance* plugin : call_order_) {
     if (plugin->number() == event.source || !plugin->wants(event.type)) continue;
     const bool is_scale = std::find(scale_sources_.begin(), scale_sources_.end(), plugin) != scale_sources_.end();
-    if (scale_sources_too || !is_scale) take(*plugin, event);
+    if (scale_sources_too || !is_scale) deliver(*plugin, event);
   }
 }
 
-void PluginRoster::tell_kind(const char* interface_id, const odo_header& message) {
-  for (PluginInstance* plugin : asked_)
-    if (plugin->interface_id() == interface_id && plugin->wants(message.type)) take(*plugin, message);
+void PluginRoster::forward_to_kind(const char* interface_id, const odo_header& message) {
+  for (PluginInstance* plugin : call_order_)
+    if (plugin->interface_id() == interface_id && plugin->wants(message.type)) deliver(*plugin, message);
 }
 
-void PluginRoster::take(PluginInstance& plugin, const odo_header& message) {
+void PluginRoster::deliver(PluginInstance& plugin, const odo_header& message) {
   for (const AnyMessage& event : plugin.process(message)) emit_(event);
-  if (plugin.take_reset()) describe_sensors_to(plugin);
+  if (plugin.take_reset()) send_descriptions(plugin);
 }
 
-void PluginRoster::describe_sensors_to(PluginInstance& plugin) {
+void PluginRoster::send_descriptions(PluginInstance& plugin) {
   for (const AnyMessage& description : descriptions_) {
     if (!is_for(plugin, description.header())) continue;
     for (const AnyMessage& event : plugin.process(description.header())) emit_(event);
@@ -84,21 +84,21 @@ void PluginRoster::wake(const std::function<void()>& handled) {
     if (number == 0 || number > plugins_.size()) continue;
     PluginInstance& plugin = *plugins_[number - 1];
     for (const AnyMessage& event : plugin.wake()) emit_(event);
-    if (plugin.take_reset()) describe_sensors_to(plugin);
+    if (plugin.take_reset()) send_descriptions(plugin);
     handled();
   }
 }
 
 void PluginRoster::reset() {
   for (const auto& plugin : plugins_) {
-    const auto learnt = plugin->save();  // the clock was set back, but the walker is the same
+    const auto state = plugin->save();  // the clock was set back, but the walker is the same
     plugin->reset();
-    if (!learnt.empty()) plugin->load(learnt);
-    if (plugin->take_reset()) describe_sensors_to(*plugin);
+    if (!state.empty()) plugin->load(state);
+    if (plugin->take_reset()) send_descriptions(*plugin);
   }
 }
 
-void PluginRoster::remember(const odo_header& description) {
+void PluginRoster::store_description(const odo_header& description) {
   const auto same = [&](const AnyMessage& known) {
     return known.header().type == description.type && known.header().source == description.source;
   };
@@ -114,7 +114,7 @@ bool PluginRoster::is_main_camera(const odo_header& message) {
 
 bool PluginRoster::in_use(const odo_header& event) const {
   for (const auto& plugin : plugins_)
-    if (plugin->alive() && plugin->gives(event.type)) return plugin->number() == event.source;
+    if (plugin->alive() && plugin->emits(event.type)) return plugin->number() == event.source;
   return false;
 }
 
@@ -123,15 +123,15 @@ bool PluginRoster::wants(uint32_t type) const {
 }
 
 /// Whether an active plugin provides events of this type.
-bool PluginRoster::gives(uint32_t type) const {
+bool PluginRoster::emits(uint32_t type) const {
   return std::any_of(plugins_.begin(), plugins_.end(),
-                     [type](const auto& plugin) { return plugin->alive() && plugin->gives(type); });
+                     [type](const auto& plugin) { return plugin->alive() && plugin->emits(type); });
 }
 
-bool PluginRoster::any_dead() const {
+bool PluginRoster::any_failed() const {
   for (const auto& plugin : plugins_)
     for (const uint32_t type : {ODO_TYPE_ATTITUDE, ODO_TYPE_STEP, ODO_TYPE_VO_MOTION, ODO_TYPE_SCALE})
-      if (plugin->gives(type) && (plugin->recovering() || (!plugin->alive() && !gives(type)))) return true;
+      if (plugin->emits(type) && (plugin->recovering() || (!plugin->alive() && !emits(type)))) return true;
   return false;
 }
 

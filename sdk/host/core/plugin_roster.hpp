@@ -26,22 +26,22 @@ class PluginRoster {
 
   /// Passes a sample to the plugins that want it. The attitude plugin comes first: its output is a prior for the others
   /// on the same sample. `handled` is called after each. False if no plugin wants it.
-  bool ask(const odo_header& message, const std::function<void()>& handled);
+  bool dispatch(const odo_header& message, const std::function<void()>& handled);
   /// Passes an event to the plugins that want it, except its sender, and except the scale sources if they have received
   /// it already.
-  void tell(const odo_header& event, bool scale_sources_too = true);
+  void forward_event(const odo_header& event, bool scale_sources_too = true);
   /// Passes a message to the plugins of one kind that want it.
-  void tell_kind(const char* interface_id, const odo_header& message);
+  void forward_to_kind(const char* interface_id, const odo_header& message);
   /// Calls the plugins that requested it (odo.wake/1); `handled` after each.
   void wake(const std::function<void()>& handled);
   /// Returns to the state after activation, with the plugins' saved state.
   void reset();
 
   /// Stores the newest calibration of each camera and the newest noise of each IMU.
-  void remember(const odo_header& description);
+  void store_description(const odo_header& description);
   const std::vector<AnyMessage>& descriptions() const { return descriptions_; }
   /// Sends the stored descriptions: a reset plugin has none.
-  void describe_sensors_to(PluginInstance& plugin);
+  void send_descriptions(PluginInstance& plugin);
 
   /// Whether a message belongs to the front-end's camera: the first with a calibration or a frame.
   bool is_main_camera(const odo_header& message);
@@ -55,7 +55,7 @@ class PluginRoster {
   bool wants(uint32_t type) const;
   /// Whether a plugin whose output the pose needs is restarting, or has failed without an active replacement. Fix
   /// plugins do not count.
-  bool any_dead() const;
+  bool any_failed() const;
   uint64_t faults() const;
   /// Height of the ground in n, m downwards, from the first plugin with a terrain model; nothing without one.
   std::optional<double> ground_at(double north_m, double east_m, double near_down_m) const;
@@ -70,13 +70,13 @@ class PluginRoster {
 
  private:
   bool is_for(const PluginInstance& plugin, const odo_header& message) const;
-  void take(PluginInstance& plugin, const odo_header& message);
-  bool gives(uint32_t type) const;
+  void deliver(PluginInstance& plugin, const odo_header& message);
+  bool emits(uint32_t type) const;
 
   HostServices& host_;
   Emit emit_;
   std::vector<std::unique_ptr<PluginInstance>> plugins_;
-  Plugins asked_, scale_sources_;  // the same in calling order; the scale sources among them
+  Plugins call_order_, scale_sources_;  // the same in calling order; the scale sources among them
   bool has_attitude_ = false, has_front_end_ = false;
   std::vector<AnyMessage> descriptions_;
   static constexpr int64_t kNoCamera = -1;

@@ -30,13 +30,13 @@ void PosePredictor::clear() {
   const std::lock_guard lock(mutex_);
   track_.clear();
   base_ = {};
-  base_.pose.header.t_ns = published_ns_ = asked_ns_ = INT64_MIN;
+  base_.pose.header.t_ns = published_ns_ = queried_ns_ = INT64_MIN;
   velocity_ = Velocity::none;
   v_n_b_.setZero(), rate_b_.setZero(), p_b_c_.setZero(), force_n_.setZero();
   q_b_c_.setIdentity(), q_align_.setIdentity();
   base_point_.reset();
   attitude_ = {};
-  supports_.clear();
+  fit_samples_.clear();
   state_ = ODO_LOST, reason_ = ODO_REASON_INITIALISING;
   smooth_.reset();
 }
@@ -64,9 +64,9 @@ void PosePredictor::add_attitude(const odo_attitude& attitude) {
 
 void PosePredictor::correct(const Quaterniond& q, const Vector3d& p) {
   const std::lock_guard lock(mutex_);
-  const int64_t then_ns = std::max(newest_ns(), asked_ns_);
+  const int64_t then_ns = std::max(newest_ns(), queried_ns_);
   const auto before = pose_of(body_at(then_ns));
-  for (size_t i = 0; i < supports_.size(); ++i) supports_.back(i).p_n_b = q * supports_.back(i).p_n_b + p;
+  for (size_t i = 0; i < fit_samples_.size(); ++i) fit_samples_.back(i).p_n_b = q * fit_samples_.back(i).p_n_b + p;
   base_.q_n_b = q * base_.q_n_b;
   base_.p_n_b = q * base_.p_n_b + p;
   v_n_b_ = q * v_n_b_;
@@ -77,20 +77,20 @@ void PosePredictor::correct(const Quaterniond& q, const Vector3d& p) {
 void PosePredictor::add_pose(int64_t published_ns, const Base& base) {
   const std::lock_guard lock(mutex_);
   published_ns_ = published_ns;
-  const int64_t t_ns = base.pose.header.t_ns, then_ns = std::max({newest_ns(), t_ns, asked_ns_});
+  const int64_t t_ns = base.pose.header.t_ns, then_ns = std::max({newest_ns(), t_ns, queried_ns_});
   const bool begins = !has_pose() || is_camera(base_.pose) != is_camera(base.pose);
   const bool had_position = !begins && position_known(then_ns);
   const auto before = begins ? SmoothPose::Pose{} : pose_of(body_at(then_ns));
   const double dt = begins ? 0.0 : seconds(t_ns, base_.pose.header.t_ns);
   if (dt > 0) rate_b_ = dt < 0.2 ? Vector3d(log_rotation(base_.q_n_b.conjugate() * base.q_n_b) / dt) : Vector3d::Zero();
-  if (begins) supports_.clear();
-  std::optional<Vector3d> foreseen;
+  if (begins) fit_samples_.clear();
+  std::optional<Vector3d> predicted;
   if (!begins && velocity_ == Velocity::now) {
     const Body body = body_at(t_ns);
     const Vector3d jump = base.p_n_b - body.p_n_b;
     const bool jumped = jump.norm() > parameters_.jump_m;  // an unannounced jump: move the stored data along
-    for (size_t i = 0; i < supports_.size() && jumped; ++i) supports_.back(i).p_n_b += jump;
-    if (!jumped && dt > 0) foreseen = body.v_n_b;
+    for (size_t i = 0; i < fit_samples_.size() && jumped; ++i) fit_samples_.back(i).p_n_b += jump;
+    if (!jumped && dt > 0) predicted = body.v_n_b;
   }
 
   base_ = base;
@@ -99,13 +99,13 @@ void PosePredictor::add_pose(int64_t published_ns, const Base& base) {
   base_point_ = track_.at(t_ns, parameters_.ahead_s);
   if (base_point_ && base_point_->t_ns != t_ns) base_point_.reset();  // the samples end long before
   align_attitude();
-  choose_velocity(foreseen);
+  choose_velocity(predicted);
 
   if (begins) return smooth_.reset();
   const auto after = pose_of(body_at(then_ns));
   // Without a camera, a pose is the end of a step, which cannot be predicted.
-  const bool foresaw = had_position && is_camera(base.pose);
-  smooth_.jumped(then_ns, {before.q_n, foresaw ? before.p_n : after.p_n}, after);
+  const bool was_predicted = had_position && is_camera(base.pose);
+  smooth_.jumped(then_ns, {before.q_n, was_predicted ? before.p_n : after.p_n}, after);
 }
 
 /// The attitude's heading origin is arbitrary; align it where a camera determines the orientation.
@@ -117,8 +117,8 @@ void PosePredictor::align_attitude() {
   q_align_ = (base_.q_n_b * q.conjugate()).normalized();
 }
 
-/// `foreseen`: velocity predicted from the previous pose.
-void PosePredictor::choose_velocity(const std::optional<Vector3d>& foreseen) {
+/// `predicted`: velocity predicted from the previous pose.
+void PosePredictor::choose_velocity(const std::optional<Vector3d>& predicted) {
   const odo_pose& pose = base_.pose;
   const int64_t t_ns = pose.header.t_ns;
   velocity_ = Velocity::none;
@@ -126,21 +126,21 @@ void PosePredictor::choose_velocity(const std::optional<Vector3d>& foreseen) {
   const bool metric = (pose.header.flags & ODO_POSE_METRIC) != 0 && (pose.header.flags & ODO_POSE_POSITION) != 0;
   const bool inertial = base_point_ && track_.has_force();
   if (!metric || !inertial) {
-    supports_.clear();
-  } else if (!supports_.empty() && supports_.back(0).t_ns == t_ns) {
-    supports_.back(0).p_n_b = base_.p_n_b;  // corrected
+    fit_samples_.clear();
+  } else if (!fit_samples_.empty() && fit_samples_.back(0).t_ns == t_ns) {
+    fit_samples_.back(0).p_n_b = base_.p_n_b;  // corrected
   } else {
-    supports_.push({t_ns, base_.p_n_b, *base_point_});
+    fit_samples_.push({t_ns, base_.p_n_b, *base_point_});
   }
   if (inertial && metric && base_.v_n_b) {
     velocity_ = Velocity::now;
     v_n_b_ = *base_.v_n_b;
     force_n_.setZero();
-    level_ = false;
+    planar_ = false;
   } else if (is_camera(pose) && fit_velocity()) {
     velocity_ = Velocity::now;
-    if (!foreseen) return;
-    force_n_ += (v_n_b_ - *foreseen) / parameters_.force_tau_s;
+    if (!predicted) return;
+    force_n_ += (v_n_b_ - *predicted) / parameters_.force_tau_s;
     if (const double norm = force_n_.norm(); norm > parameters_.largest_force_mps2)
       force_n_ *= parameters_.largest_force_mps2 / norm;
   } else if (pose.header.flags & ODO_POSE_VELOCITY) {
@@ -157,8 +157,8 @@ bool PosePredictor::fit_velocity() {
   const Vector3d constant_n = Vector3d(0, 0, parameters_.gravity_mps2) + force_n_;
   double n = 0, sum_t = 0, sum_tt = 0, height_m = 0;
   Vector3d sum_y = Vector3d::Zero(), sum_ty = Vector3d::Zero();
-  for (size_t i = 0; i < supports_.size(); ++i) {
-    const Support& s = supports_.back(i);
+  for (size_t i = 0; i < fit_samples_.size(); ++i) {
+    const FitSample& s = fit_samples_.back(i);
     const double t = seconds(s.t_ns, base_.pose.header.t_ns);
     if (-t > parameters_.velocity_window_s) break;
     const Vector3d moved_e = s.point.p_e - base_point_->p_e - t * base_point_->v_e;
@@ -169,8 +169,8 @@ bool PosePredictor::fit_velocity() {
   const double spread = n * sum_tt - sum_t * sum_t;
   if (n < static_cast<double>(parameters_.velocity_poses) || spread <= 0) return false;
   v_n_b_ = (n * sum_ty - sum_t * sum_y) / spread;
-  level_ = height_m < parameters_.level_m;
-  if (level_) v_n_b_.z() = 0;
+  planar_ = height_m < parameters_.planar_m;
+  if (planar_) v_n_b_.z() = 0;
   return true;
 }
 
@@ -222,7 +222,7 @@ PosePredictor::Body PosePredictor::body_at(int64_t t_ns) const {
     const double dt = seconds(now->t_ns, pose_ns);
     Vector3d moved_n = q_n_e * (now->p_e - base_point_->p_e - dt * base_point_->v_e) + 0.5 * dt * dt * constant_n;
     Vector3d gained_n = q_n_e * (now->v_e - base_point_->v_e) + dt * constant_n;
-    if (level_) moved_n.z() = gained_n.z() = 0;
+    if (planar_) moved_n.z() = gained_n.z() = 0;
     body.p_n_b += dt * v_n_b_ + moved_n;
     body.v_n_b += gained_n;
     until_ns = now->t_ns;
@@ -236,7 +236,7 @@ SmoothPose::Pose PosePredictor::pose_of(const Body& body) const {
   return {body.q_n_b * q_b_c_, body.p_n_b + body.q_n_b * p_b_c_};
 }
 
-void PosePredictor::smoothen(odo_pose& pose) const {
+void PosePredictor::apply_smoothing(odo_pose& pose) const {
   const std::lock_guard lock(mutex_);
   const auto smooth = smooth_.at(pose.header.t_ns, {quaternion(pose.q_n), Vector3d(pose.p_n)});
   put_quaternion(smooth.q_n, pose.q_n);
@@ -252,7 +252,7 @@ int32_t PosePredictor::at(int64_t t_ns, bool smooth, odo_pose& out) const {
   SmoothPose::Pose pose = pose_of(body);
   if (smooth) {
     pose = smooth_.at(t_ns, pose);
-    asked_ns_ = std::max(asked_ns_, t_ns);
+    queried_ns_ = std::max(queried_ns_, t_ns);
   }
 
   out = base_.pose;

@@ -26,7 +26,7 @@ class PosePredictor {
     double attitude_after_s = 0.25;
     double velocity_window_s = 0.35;  ///< window of poses for the velocity fit: more than half a step (judgement)
     size_t velocity_poses = 3;        ///< minimum number of poses for the fit
-    double level_m = 0.001;    ///< m, height differences below which the pipeline is taken to move only horizontally
+    double planar_m = 0.001;    ///< m, height differences below which the pipeline is taken to move only horizontally
     double force_tau_s = 3.0;  ///< s, time constant of the force error in n (inclination, bias) with fitted velocities
     double largest_force_mps2 = 1.0;  ///< clamp of that error: 6 degrees of inclination
     double jump_m = 0.15;             ///< m from the predicted position, beyond which the track has jumped (judgement)
@@ -67,7 +67,7 @@ class PosePredictor {
   /// [any]
   int32_t at(int64_t t_ns, bool smooth, odo_pose& out) const;
   /// Blends corrections into a past pose. [any]
-  void smoothen(odo_pose& pose) const;
+  void apply_smoothing(odo_pose& pose) const;
   void clear();
 
  private:
@@ -76,7 +76,7 @@ class PosePredictor {
     Eigen::Vector3d p_n_b = Eigen::Vector3d::Zero(), v_n_b = Eigen::Vector3d::Zero(), rate_b = Eigen::Vector3d::Zero();
   };
   /// A pose used in the velocity fit.
-  struct Support {
+  struct FitSample {
     int64_t t_ns = INT64_MIN;
     Eigen::Vector3d p_n_b = Eigen::Vector3d::Zero();
     InertialTrack::Point point;
@@ -94,7 +94,7 @@ class PosePredictor {
   Body body_at(int64_t t_ns) const;
   SmoothPose::Pose pose_of(const Body& body) const;
   void align_attitude();
-  void choose_velocity(const std::optional<Eigen::Vector3d>& foreseen);
+  void choose_velocity(const std::optional<Eigen::Vector3d>& predicted);
   bool fit_velocity();
 
   Parameters parameters_;
@@ -107,16 +107,16 @@ class PosePredictor {
   Eigen::Vector3d v_n_b_ = Eigen::Vector3d::Zero();
   Eigen::Vector3d rate_b_ = Eigen::Vector3d::Zero();   // between the last two poses, used without a gyroscope
   Eigen::Vector3d force_n_ = Eigen::Vector3d::Zero();  // m/s^2, correction added to force and gravity
-  bool level_ = false;                                 // the pipeline moves only horizontally
+  bool planar_ = false;                                 // the pipeline moves only horizontally
   Velocity velocity_ = Velocity::none;
   std::optional<InertialTrack::Point> base_point_;
   Attitude attitude_;
   Eigen::Quaterniond q_align_ = Eigen::Quaterniond::Identity();  // from the attitude's n to the pose's n
-  Ring<Support, 32> supports_;
+  Ring<FitSample, 32> fit_samples_;
   uint32_t state_ = ODO_LOST, reason_ = ODO_REASON_INITIALISING;
   SmoothPose smooth_;
   // Latest time of a smooth pose returned; what was shown up to here must not change.
-  mutable int64_t asked_ns_ = INT64_MIN;
+  mutable int64_t queried_ns_ = INT64_MIN;
 };
 
 }  // namespace odograph

@@ -26,27 +26,27 @@ Quaterniond about_down(const Quaterniond& q) {
 void PosePublisher::publish_estimates() {
   Correction correction;
   odo_pose corrected{}, pose{};
-  const bool moved = s_.composer.take_correction(correction, corrected) && is_whole(corrected);
+  const bool moved = s_.composer.take_correction(correction, corrected) && is_finite(corrected);
   if (moved) publish_correction(correction, corrected);
   bool any = s_.composer.take_pose(pose);
-  if (broken_ || (any && !is_whole(pose))) return;
+  if (non_finite_ || (any && !is_finite(pose))) return;
   if (moved && !(any && pose.header.t_ns == corrected.header.t_ns)) publish_pose(corrected, false);
-  for (; any && is_whole(pose); any = s_.composer.take_pose(pose)) publish_pose(pose, true);
+  for (; any && is_finite(pose); any = s_.composer.take_pose(pose)) publish_pose(pose, true);
 }
 
 /// Final check: no non-finite number is published.
-bool PosePublisher::is_whole(const odo_pose& pose) {
+bool PosePublisher::is_finite(const odo_pose& pose) {
   const auto finite = [](const double* values, size_t count) {
     return std::all_of(values, values + count, [](double x) { return std::isfinite(x); });
   };
   const bool whole = finite(pose.q_n, 4) && finite(pose.p_n, 3) && finite(pose.velocity_n, 3) &&
                      finite(pose.covariance, 36) && std::isfinite(pose.scale + pose.scale_sigma + pose.distance_m);
-  broken_ = broken_ || !whole;
+  non_finite_ = non_finite_ || !whole;
   return whole;
 }
 
 void PosePublisher::publish_pose(odo_pose pose, bool is_new) {
-  if (s_.roster.any_dead() && pose.state == ODO_TRACKING)
+  if (s_.roster.any_failed() && pose.state == ODO_TRACKING)
     pose.state = ODO_DEGRADED, pose.reason = ODO_REASON_PLUGIN_FAILED;
   if (sensor_silent()) pose.state = std::max(pose.state, ODO_DEGRADED), pose.reason = ODO_REASON_SENSOR_SILENT;
   if (s_.north.is_true() && pose.covariance[14] < kParameters.north_sigma_rad * kParameters.north_sigma_rad)
@@ -57,10 +57,10 @@ void PosePublisher::publish_pose(odo_pose pose, bool is_new) {
   {
     const std::lock_guard lock(s_.world_mutex);
     add_to_stream(pose);
-    s_.anchors.follow(s_.composer, pose.header.t_ns, nullptr);
+    s_.anchors.update(s_.composer, pose.header.t_ns, nullptr);
   }
   publish_(pose.header);
-  if (is_new) tell_plugins_(pose.header);
+  if (is_new) notify_plugins_(pose.header);
 }
 
 void PosePublisher::publish_correction(const Correction& correction, const odo_pose& corrected) {
@@ -70,7 +70,7 @@ void PosePublisher::publish_correction(const Correction& correction, const odo_p
   {  // readers must never combine a corrected phone with uncorrected anchors, or vice versa
     const std::lock_guard lock(s_.world_mutex);
     s_.poses.predictor().correct(level.q, level.p);
-    s_.anchors.follow(s_.composer, correction.t_ns, &level);
+    s_.anchors.update(s_.composer, correction.t_ns, &level);
   }
   announce(correction.t_ns, level, correction.reason);
 }
@@ -82,7 +82,7 @@ void PosePublisher::publish_restart(const odo_pose& pose) {
   const Rigid correction{q, Vector3d(pose.p_n) - q * Vector3d(before.p_n)};
   {
     const std::lock_guard lock(s_.world_mutex);
-    s_.anchors.follow(s_.composer, pose.header.t_ns, &correction);
+    s_.anchors.update(s_.composer, pose.header.t_ns, &correction);
   }
   announce(pose.header.t_ns, correction, ODO_CORRECTION_RESTART);
 }
@@ -93,7 +93,7 @@ void PosePublisher::announce(int64_t t_ns, const Rigid& correction, uint32_t rea
   Vector3d::Map(event.p_n) = correction.p;
   event.reason = reason;
   publish_(event.header);
-  tell_plugins_(event.header);
+  notify_plugins_(event.header);
 }
 
 /// Adds the pose and the body state for prediction.
@@ -104,7 +104,7 @@ void PosePublisher::add_to_stream(const odo_pose& pose) {
     if ((pose.header.flags & ODO_POSE_VELOCITY) && !then.velocity_is_mean) base.v_n_b = then.v_n_b;
     if (!then.gyro_bias_b.isZero()) {
       s_.poses.predictor().set_biases(then.gyro_bias_b, then.accel_bias_b);
-      camera_knows_bias_ = true;
+      has_camera_bias_ = true;
     }
   }
   s_.poses.add_pose(pose, base);
@@ -122,7 +122,7 @@ void PosePublisher::pause() {
 }
 
 /// A silent sensor does not mean a lost track while another one yields poses.
-void PosePublisher::watch_silence() {
+void PosePublisher::check_silence() {
   if (!sensor_silent()) return;
   const bool poses = last_ && s_.watch.recent(last_->header.t_ns);
   set_state(s_.watch.now_ns(), poses ? ODO_DEGRADED : ODO_LOST, ODO_REASON_SENSOR_SILENT);
@@ -146,7 +146,7 @@ void PosePublisher::set_state(int64_t t_ns, uint32_t state, uint32_t reason) {
 }
 
 void PosePublisher::reset() {
-  camera_knows_bias_ = false;
+  has_camera_bias_ = false;
   if (last_) before_restart_ = std::exchange(last_, std::nullopt);
   state_ = 0;
 }

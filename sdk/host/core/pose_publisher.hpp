@@ -36,29 +36,29 @@ class PosePublisher {
   };
   using Send = std::function<void(const odo_header&)>;
 
-  /// `publish`: to the listener. `tell_plugins`: to the plugins that want poses and corrections.
-  PosePublisher(const Surroundings& surroundings, Send publish, Send tell_plugins)
-      : s_(surroundings), publish_(std::move(publish)), tell_plugins_(std::move(tell_plugins)) {}
+  /// `publish`: to the listener. `notify_plugins`: to the plugins that want poses and corrections.
+  PosePublisher(const Surroundings& surroundings, Send publish, Send notify_plugins)
+      : s_(surroundings), publish_(std::move(publish)), notify_plugins_(std::move(notify_plugins)) {}
 
   /// Publishes all pending output of the localizer in time order: a correction and its corrected pose before newer
   /// poses.
   void publish_estimates();
   /// Whether the localizer returned a non-finite pose, which is not published, since the last call.
-  bool take_broken() { return std::exchange(broken_, false); }
+  bool take_non_finite() { return std::exchange(non_finite_, false); }
   /// All sensors were silent (SensorWatch::pause): the pose is lost from then until the next one.
   void pause();
   /// Call after each message: detects silence that no pose reports.
-  void watch_silence();
+  void check_silence();
   /// The clock was set back: the next pose is announced as a correction of the last one.
   void reset();
 
   /// Whether the pose stream's gyroscope bias comes from the camera's front-end.
-  bool camera_knows_bias() const { return camera_knows_bias_; }
+  bool has_camera_bias() const { return has_camera_bias_; }
   /// Sensor time spent in a state, s.
   double state_s(uint32_t state) const { return state_s_[state]; }
 
  private:
-  bool is_whole(const odo_pose& pose);
+  bool is_finite(const odo_pose& pose);
   void publish_pose(odo_pose pose, bool is_new);
   void publish_correction(const Correction& correction, const odo_pose& corrected);
   void publish_restart(const odo_pose& pose);
@@ -68,9 +68,9 @@ class PosePublisher {
   void set_state(int64_t t_ns, uint32_t state, uint32_t reason);
 
   Surroundings s_;
-  Send publish_, tell_plugins_;
+  Send publish_, notify_plugins_;
   std::optional<odo_pose> before_restart_, last_;
-  bool camera_knows_bias_ = false, broken_ = false;
+  bool has_camera_bias_ = false, non_finite_ = false;
   uint32_t state_ = 0, reason_ = ODO_REASON_INITIALISING;
   int64_t state_since_ns_ = 0;
   double state_s_[4] = {0, 0, 0, 0};  // index: ODO_TRACKING ...

@@ -24,7 +24,7 @@ class PoseStream {
   int32_t at(int64_t t_ns, bool smooth, odo_pose& out) const {
     if (t_ns == INT64_MIN || t_ns > predictor_.published_ns()) return predictor_.at(t_ns, smooth, out);
     const int32_t status = history_.at(t_ns, out);
-    if (status == ODO_OK && smooth) predictor_.smoothen(out);
+    if (status == ODO_OK && smooth) predictor_.apply_smoothing(out);
     return status;
   }
   /// For a sensor clock that was set back. [any]

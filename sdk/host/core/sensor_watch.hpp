@@ -25,12 +25,12 @@ class SensorWatch {
 
   /// Call with every message in order. Returns whether it ends a pause: no message came before it for longer than the
   /// maximum gap of a sensor.
-  bool see(const odo_header& message) {
+  bool on_message(const odo_header& message) {
     const bool paused = now_ns_ != INT64_MIN && saturating_difference(message.t_ns, now_ns_) > max_gap_ns_;
     if (paused) pause_ = {now_ns_, message.t_ns};
     if (message.t_ns > now_ns_) now_ns_ = message.t_ns;
-    if (message.type == ODO_TYPE_IMU) see(imu_ns_, message.t_ns);
-    if (message.type == ODO_TYPE_FRAME) see(frame_ns_, message.t_ns);
+    if (message.type == ODO_TYPE_IMU) count_gap(imu_ns_, message.t_ns);
+    if (message.type == ODO_TYPE_FRAME) count_gap(frame_ns_, message.t_ns);
     return paused;
   }
   /// The newest pause.
@@ -47,7 +47,7 @@ class SensorWatch {
   }
 
  private:
-  void see(int64_t& last_ns, int64_t t_ns) {
+  void count_gap(int64_t& last_ns, int64_t t_ns) {
     if (last_ns != INT64_MIN && saturating_difference(t_ns, last_ns) > max_gap_ns_) ++gaps_;
     last_ns = t_ns;
   }

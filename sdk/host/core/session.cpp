@@ -20,7 +20,7 @@ Result<std::unique_ptr<Session>> Session::make(PipelineConfig config, std::vecto
   std::unique_ptr<Session> made(new Session(std::move(config), std::move(assets), live, seed, app));
   Session& self = *made;
   WorldView& world = self.world_;
-  if (kPlatform.threads) self.hang_watch_ = std::make_unique<HangWatch>(self.host_);
+  if (kPlatform.threads) self.call_watchdog_ = std::make_unique<CallWatchdog>(self.host_);
   auto pipeline =
       Pipeline::make(self.config_, {self.host_, world.geodesy(), world.poses(), world.anchors(), world.mutex()},
                      [&self](const odo_header& event) { self.outbox_.publish(event); });
@@ -54,10 +54,10 @@ Session::Session(PipelineConfig config, std::vector<std::filesystem::path> asset
   host_.on_wake([this] { notify(); });
 }
 
-bool Session::is_in_a_child() const { return live_ && this_process() != process_; }
+bool Session::is_forked_child() const { return live_ && this_process() != process_; }
 
 Session::~Session() {
-  if (is_in_a_child()) thread_.detach();
+  if (is_forked_child()) thread_.detach();
   intake_.close();  // the app may push while its last frames are returned
   {
     const std::lock_guard lock(mutex_);
@@ -98,7 +98,7 @@ Session::Ownership::~Ownership() {
 
 /// Requires the lock.
 bool Session::work_is_waiting() const {
-  return intake_.ready() || flushes_asked_ != flushes_done_ || outbox_.report_is_waiting() || host_.has_woken();
+  return intake_.ready() || flushes_requested_ != flushes_done_ || outbox_.report_is_waiting() || host_.has_woken();
 }
 
 /// Requires ownership and the lock, which is released during every call. Samples pushed meanwhile are not flushed.
@@ -173,7 +173,7 @@ void Session::work() {
     work_waiting_.wait(lock, [this] { return stopping_ || work_is_waiting(); });
     if (stopping_) return;
     const Ownership ownership(*this, lock);
-    const uint64_t asked = flushes_asked_;
+    const uint64_t asked = flushes_requested_;
     process_waiting(lock, asked != flushes_done_ ? intake_.latest_waiting_ns() : INT64_MIN);
     flushes_done_ = asked;
   }
@@ -188,9 +188,9 @@ void Session::notify() {
 
 int32_t Session::flush() {
   Lock lock(mutex_);
-  if (is_owner() || is_in_a_child()) return ODO_E_STATE;
+  if (is_owner() || is_forked_child()) return ODO_E_STATE;
   if (live_) {
-    const uint64_t mine = ++flushes_asked_;
+    const uint64_t mine = ++flushes_requested_;
     work_waiting_.notify_one();
     owner_changed_.wait(lock, [&] { return flushes_done_ >= mine; });
     return ODO_OK;

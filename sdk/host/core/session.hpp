@@ -15,7 +15,7 @@
 #include "sdk/host/core/outbox.hpp"
 #include "sdk/host/core/pipeline.hpp"
 #include "sdk/host/core/world_view.hpp"
-#include "sdk/host/plugin_host/hang_watch.hpp"
+#include "sdk/host/plugin_host/call_watchdog.hpp"
 
 namespace odograph {
 
@@ -59,7 +59,7 @@ class Session {
 
   Session(PipelineConfig config, std::vector<std::filesystem::path> assets, bool live, uint64_t seed, AppServices app);
 
-  bool is_in_a_child() const;
+  bool is_forked_child() const;
   bool is_owner() const { return owned_ && owner_ == std::this_thread::get_id(); }
   bool work_is_waiting() const;
   void process_waiting(Lock& lock, int64_t flush_until_ns);
@@ -84,12 +84,12 @@ class Session {
   std::mutex mutex_;  // guards what follows; held only briefly
   std::condition_variable work_waiting_, owner_changed_;
   bool stopping_ = false;
-  uint64_t flushes_asked_ = 0, flushes_done_ = 0;
+  uint64_t flushes_requested_ = 0, flushes_done_ = 0;
   bool owned_ = false;
   std::thread::id owner_;
 
   std::thread thread_;
-  std::unique_ptr<HangWatch> hang_watch_;  // last: it reports to this session
+  std::unique_ptr<CallWatchdog> call_watchdog_;  // last: it reports to this session
 };
 
 }  // namespace odograph

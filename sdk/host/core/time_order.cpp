@@ -9,13 +9,13 @@ namespace odograph {
 namespace {
 
 /// Sensors for which a time that goes back means that the clock was set back.
-bool shows_the_clock(uint32_t type) {
+bool is_clock_reference(uint32_t type) {
   return type == ODO_TYPE_IMU || type == ODO_TYPE_MAGNETOMETER || type == ODO_TYPE_FRAME;
 }
 
 /// Other sensors wait for those that deliver at a steady rate, not for sporadic ones.
-bool holds_back(uint32_t type) {
-  return shows_the_clock(type) || type == ODO_TYPE_BAROMETER || type == ODO_TYPE_PLATFORM_POSE;
+bool is_waited_for(uint32_t type) {
+  return is_clock_reference(type) || type == ODO_TYPE_BAROMETER || type == ODO_TYPE_PLATFORM_POSE;
 }
 
 /// Slow sensors are passed on late rather than dropped; their users look up the pose at their time.
@@ -59,7 +59,7 @@ bool TimeOrder::silent(const Stream& stream) const {
   return saturating_difference(newest_ns_, stream.latest_ns) > std::max(parameters_.silent_ns, max_wait_ns_);
 }
 
-bool TimeOrder::camera_to_come() const {
+bool TimeOrder::awaits_camera() const {
   if (!camera_expected_ ||
       saturating_difference(newest_ns_, oldest_ns_) > std::max(parameters_.silent_ns, max_wait_ns_))
     return false;
@@ -69,32 +69,32 @@ bool TimeOrder::camera_to_come() const {
 }
 
 /// Judges a sample older than what was released. Its stream is noted first, so that the others wait for it.
-TimeOrder::Verdict TimeOrder::judge_late(Stream& stream, const odo_header& message) {
+TimeOrder::Verdict TimeOrder::classify_late(Stream& stream, const odo_header& message) {
   if (message.t_ns <
       stream.latest_ns) {  // the sensor's own time went back; while others go on, this is not a clock reset
-    const bool set_back = ++stream.behind >= parameters_.believe_behind && shows_the_clock(message.type);
+    const bool set_back = ++stream.behind >= parameters_.consecutive_behind && is_clock_reference(message.type);
     return set_back ? Verdict::restarted : Verdict::late;
   }
   if (stream.latest_ns == INT64_MIN || silent(stream)) stream.joined = false;
   stream.latest_ns = message.t_ns;
   stream.behind = 0;
   const bool joins =
-      !stream.joined && holds_back(message.type) && saturating_difference(released_ns_, message.t_ns) <= max_wait_ns_;
+      !stream.joined && is_waited_for(message.type) && saturating_difference(released_ns_, message.t_ns) <= max_wait_ns_;
   return joins ? Verdict::accepted : Verdict::late;
 }
 
-TimeOrder::Verdict TimeOrder::judge(const odo_header& message) {
+TimeOrder::Verdict TimeOrder::classify(const odo_header& message) {
   const int64_t t_ns = message.t_ns;
   if (message.type == ODO_TYPE_CALIBRATION) expect_camera();
   if (!may_be_late(message.type)) {
     Stream& stream = stream_of(message);
     if (t_ns == stream.latest_ns) return Verdict::duplicate;
     if (newest_ns_ != INT64_MIN && saturating_difference(t_ns, newest_ns_) > parameters_.far_ahead_ns &&
-        ++stream.ahead < parameters_.believe_ahead)
+        ++stream.ahead < parameters_.consecutive_ahead)
       return Verdict::implausible;
     stream.ahead = 0;
     if (released_ns_ != INT64_MIN && t_ns < released_ns_) {
-      if (const Verdict verdict = judge_late(stream, message); verdict != Verdict::accepted) return verdict;
+      if (const Verdict verdict = classify_late(stream, message); verdict != Verdict::accepted) return verdict;
     } else {
       stream.joined = true;
       for (Stream& any : streams_) any.behind = 0;
@@ -123,7 +123,7 @@ void TimeOrder::add(OwnedMessage message) {
 }
 
 TimeOrder::Verdict TimeOrder::push(OwnedMessage message) {
-  const Verdict verdict = judge(message.header());
+  const Verdict verdict = classify(message.header());
   if (verdict == Verdict::accepted) add(std::move(message));
   return verdict;
 }
@@ -132,10 +132,10 @@ int64_t TimeOrder::watermark() const {
   if (newest_ns_ == INT64_MIN) return INT64_MAX;  // only calibrations so far: nothing to wait for
   // At first the set of sensors is unknown: all get the longest wait to appear.
   const int64_t bound_ns = saturating_difference(newest_ns_, max_wait_ns_);
-  if (saturating_difference(newest_ns_, oldest_ns_) < max_wait_ns_ || camera_to_come()) return bound_ns;
+  if (saturating_difference(newest_ns_, oldest_ns_) < max_wait_ns_ || awaits_camera()) return bound_ns;
   int64_t slowest = INT64_MAX;
   for (const Stream& stream : streams_)
-    if (stream.used && stream.latest_ns != INT64_MIN && !silent(stream) && holds_back(stream.type))
+    if (stream.used && stream.latest_ns != INT64_MIN && !silent(stream) && is_waited_for(stream.type))
       slowest = std::min(slowest, stream.latest_ns);
   return std::max(bound_ns, std::min(slowest, newest_ns_));
 }

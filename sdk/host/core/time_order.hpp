@@ -19,10 +19,10 @@ class TimeOrder {
     /// app's pause.
     int64_t far_ahead_ns = 10'000'000'000;
     /// Consecutive samples this far ahead are accepted: the sensor has paused.
-    int believe_ahead = 3;
+    int consecutive_ahead = 3;
     /// Consecutive samples behind the sensor's own latest time, after which the clock counts as set back. Judgement:
     /// half a second of an IMU.
-    int believe_behind = 50;
+    int consecutive_behind = 50;
     /// A sensor that is silent for longer is not waited for. Judgement: a camera that was switched off.
     int64_t silent_ns = 1'000'000'000;
   };
@@ -44,7 +44,7 @@ class TimeOrder {
   void expect_camera() { camera_expected_ = true; }
 
   /// Whether a message may be added; an accepted message must be added.
-  Verdict judge(const odo_header& message);
+  Verdict classify(const odo_header& message);
   void add(OwnedMessage message);
   /// Judges and adds a message; releases it unless accepted.
   Verdict push(OwnedMessage message);
@@ -81,9 +81,9 @@ class TimeOrder {
 
   static bool later(const Entry& a, const Entry& b);
   Stream& stream_of(const odo_header& message);
-  Verdict judge_late(Stream& stream, const odo_header& message);
+  Verdict classify_late(Stream& stream, const odo_header& message);
   bool silent(const Stream& stream) const;
-  bool camera_to_come() const;
+  bool awaits_camera() const;
   int64_t watermark() const;
   void take_first(OwnedMessage& out);
 

@@ -69,7 +69,7 @@ int32_t WorldView::create_anchor(const odo_anchor_place& place, uint64_t& id) {
   odo_pose body{}, view{}, smooth{};
   if (const int32_t status = pose_of(ODO_OF_BODY, false, place.t_ns, body); status != ODO_OK) return status;
   if ((body.header.flags & ODO_POSE_POSITION) == 0) return ODO_NOT_READY;
-  Anchors::Seen seen{body.header.t_ns, rigid(body), {}};
+  Anchors::Placement seen{body.header.t_ns, rigid(body), {}};
   if (const int32_t status = pose_of(ODO_OF_PIPELINE, false, seen.t_ns, view); status != ODO_OK) return status;
   seen.T_n_a = placed(place);
   if (place.kind == ODO_ANCHOR_VIEW) {
@@ -124,7 +124,7 @@ int32_t WorldView::anchor(uint64_t id, uint32_t world, int64_t t_ns, odo_anchor&
 }
 
 int32_t WorldView::to_geodetic(const double* p_n, double* geodetic) const {
-  if (!std::all_of(p_n, p_n + 3, [](double x) { return bounds::kPlace_m.holds(x); })) return ODO_E_ARGUMENT;
+  if (!std::all_of(p_n, p_n + 3, [](double x) { return bounds::kPosition_m.holds(x); })) return ODO_E_ARGUMENT;
   if (!geodesy_.has_origin()) return ODO_NOT_READY;
   const auto g = geodesy_.to_geodetic({p_n[0], p_n[1], p_n[2]});
   std::copy(g.begin(), g.end(), geodetic);
@@ -133,7 +133,7 @@ int32_t WorldView::to_geodetic(const double* p_n, double* geodetic) const {
 
 int32_t WorldView::from_geodetic(const double* geodetic, double* p_n) const {
   if (!bounds::kLatitude_rad.holds(geodetic[0]) || !bounds::kLongitude_rad.holds(geodetic[1]) ||
-      !bounds::kPlace_m.holds(geodetic[2]))
+      !bounds::kPosition_m.holds(geodetic[2]))
     return ODO_E_ARGUMENT;
   if (!geodesy_.has_origin()) return ODO_NOT_READY;
   const auto p = geodesy_.from_geodetic({geodetic[0], geodetic[1], geodetic[2]});

@@ -39,7 +39,7 @@ void Composer::reset() {
   fixes_.reset(tracker_.start_pose().given, tracker_.start_pose().heading_given);
   output_.reset();
   heights_ = {}, lift_.reset(), floors_ = {};
-  stepped_ns_ = INT64_MIN / 2, said_floor_ = 0;
+  stepped_ns_ = INT64_MIN / 2, reported_floor_ = 0;
   source_ = NoSource{};
   shown_ = !inputs_.vo;
   notice_ = {};
@@ -89,7 +89,7 @@ void Composer::begin_camera(int64_t t_ns) {
 UpdateResult Composer::apply(const FrameTime& frame) {
   if (!inputs_.vo) return {};
   if (front_end_.begun()) {
-    if (!tracker_.paper()) note_steps(walker_.settle(frame.t_ns), frame.t_ns);
+    if (!tracker_.paper()) record_steps(walker_.settle(frame.t_ns), frame.t_ns);
     return {};
   }
   begin_camera(frame.t_ns);
@@ -106,7 +106,7 @@ UpdateResult Composer::apply(const odo_attitude* attitude) {
     if (!inputs_.vo) publish(t_ns, ODO_TRACKING, ODO_REASON_NONE);  // otherwise the first frame publishes
     return {true, 0.0, 0};
   }
-  tracker_.go_on(t_ns);
+  tracker_.propagate(t_ns);
   if (first &&
       std::holds_alternative<NoSource>(source_)) {  // the camera started first, and nothing has moved the track yet
     tracker_.heading.start(tracker_.localizer);
@@ -125,7 +125,7 @@ UpdateResult Composer::apply(const odo_attitude* attitude) {
 UpdateResult Composer::apply(const RelativeMotion& relative) {
   const int64_t t_ns = relative.motion->header.t_ns;
   begin_camera(relative.motion->t_from_ns);
-  tracker_.go_on(t_ns);
+  tracker_.propagate(t_ns);
   const auto moved = front_end_.apply(relative, {shown_, is_placed(), fixes_.fixed_ns() != INT64_MIN, walker_.any()});
   if (moved.moved) {
     if (shown_ && !tracker_.paper()) output_.catch_up(moved.caught_up_m);
@@ -133,11 +133,11 @@ UpdateResult Composer::apply(const RelativeMotion& relative) {
     set_source(moved.metric ? MotionSource(MetricSource{moved.inertial}) : MotionSource(ScaledSource{}));
     if (tracker_.paper()) output_.count(moved.moved_m);
   }
-  if (!tracker_.paper()) note_steps(walker_.settle(t_ns), t_ns);
+  if (!tracker_.paper()) record_steps(walker_.settle(t_ns), t_ns);
   uint32_t state = moved.state;
-  const bool carried = walker_.carried_ns() != INT64_MIN || front_end_.moved_ns() != INT64_MIN;
-  const int64_t moved_ns = std::max(walker_.carried_ns(), front_end_.moved_ns());
-  if (state == ODO_LOST && carried && seconds(t_ns - moved_ns) < tracker_.config().bridge_s) state = ODO_DEGRADED;
+  const bool has_moved = walker_.moved_ns() != INT64_MIN || front_end_.moved_ns() != INT64_MIN;
+  const int64_t moved_ns = std::max(walker_.moved_ns(), front_end_.moved_ns());
+  if (state == ODO_LOST && has_moved && seconds(t_ns - moved_ns) < tracker_.config().bridge_s) state = ODO_DEGRADED;
   publish(t_ns, state, moved.reason);
   return {moved.moved, 0.0, 0};
 }
@@ -148,47 +148,47 @@ UpdateResult Composer::apply(const odo_step* step) {
     notice_ = {"fast_step", "a step is longer than coupling.fastest allows: not used"};
     return {};
   }
-  tracker_.go_on(step->header.t_ns);
+  tracker_.propagate(step->header.t_ns);
   lift_.step(step->t_start_ns), stepped_ns_ = std::max(stepped_ns_, step->t_end_ns);
   tracker_.height.ride(lift_.riding(), lift_.since_ns());
   if (tracker_.paper()) {
-    const Vector3d moved_n = walker_.carry_as_in_papers(*step);
+    const Vector3d moved_n = walker_.apply_paper_step(*step);
     output_.count(moved_n.norm());
-    note_steps(moved_n, step->header.t_ns);
+    record_steps(moved_n, step->header.t_ns);
   } else {
     walker_.add(*step);
-    note_steps(walker_.settle(step->header.t_ns), step->header.t_ns);
+    record_steps(walker_.settle(step->header.t_ns), step->header.t_ns);
   }
   return {true, 0.0, 0};
 }
 
-void Composer::note_steps(const Vector3d& moved_n, int64_t now_ns) {
+void Composer::record_steps(const Vector3d& moved_n, int64_t now_ns) {
   stepped_ = stepped_ || !moved_n.isZero();
-  if (!walker_.take_carried()) return;
+  if (!walker_.take_moved()) return;
   shown_ = true;
   set_source(StepSource{});
-  if (!front_end_.begun()) return publish(walker_.carried_ns(), ODO_TRACKING, ODO_REASON_NONE);
-  const bool frames_end = walker_.carried_ns() > output_.last_ns() && now_ns > walker_.carried_ns();
-  if (frames_end && !tracker_.paper()) publish(walker_.carried_ns(), ODO_DEGRADED, ODO_REASON_SENSOR_SILENT);
+  if (!front_end_.begun()) return publish(walker_.moved_ns(), ODO_TRACKING, ODO_REASON_NONE);
+  const bool frames_end = walker_.moved_ns() > output_.last_ns() && now_ns > walker_.moved_ns();
+  if (frames_end && !tracker_.paper()) publish(walker_.moved_ns(), ODO_DEGRADED, ODO_REASON_SENSOR_SILENT);
 }
 
 UpdateResult Composer::apply(const odo_barometer* barometer) {
   if (!tracker_.started() || tracker_.paper()) return {};
-  tracker_.go_on(barometer->header.t_ns);
+  tracker_.propagate(barometer->header.t_ns);
   const auto then = tracker_.at(barometer->header.t_ns);
   if (!then) return {};
-  see_lift(*barometer);
+  update_lift(*barometer);
   const double since_m = tracker_.newest().p_o_b.z() - then->p_o_b.z();  // o and n share the vertical
   const double down_m = tracker_.localizer.x[kDown] - since_m;
   const UpdateResult result = tracker_.height.riding() ? ride(*barometer)
                                                        : tracker_.height.use(tracker_.localizer, *barometer, down_m,
                                                                              tracker_.rotates_with_attitude());
-  see_floor(barometer->header.t_ns);
+  update_floor(barometer->header.t_ns);
   return result;
 }
 
 /// A walker who has made steps, makes none now, and whose air pressure keeps changing is in a lift or on an escalator.
-void Composer::see_lift(const odo_barometer& barometer) {
+void Composer::update_lift(const odo_barometer& barometer) {
   if (!walker_.any() || !heights_.add(barometer.header.t_ns, barometer.pressure_pa)) return;
   lift_.update(heights_, stepped_ns_);
   if (lift_.riding() == tracker_.height.riding()) return;
@@ -201,7 +201,7 @@ void Composer::see_lift(const odo_barometer& barometer) {
 UpdateResult Composer::ride(const odo_barometer& barometer) {
   const int64_t t_ns = barometer.header.t_ns;
   const double down_m = tracker_.localizer.x[kDown];
-  tracker_.height.carry(tracker_.localizer, t_ns);
+  tracker_.height.add_ride_noise(tracker_.localizer, t_ns);
   const UpdateResult result = tracker_.height.use(tracker_.localizer, barometer, down_m, true);
   TrackPoint to = tracker_.newest();
   if (!front_end_.begun() && t_ns > to.t_ns) to = tracker_.at(t_ns).value_or(to);
@@ -212,12 +212,12 @@ UpdateResult Composer::ride(const odo_barometer& barometer) {
 }
 
 /// Reports a new floor once it is probable enough.
-void Composer::see_floor(int64_t t_ns) {
+void Composer::update_floor(int64_t t_ns) {
   constexpr double kReported = 0.8;  // probability; judgement
   floors_.add(t_ns, -tracker_.localizer.x[kDown]);
   const auto [floor, probability] = floors_.floor();
-  if (floor == said_floor_ || probability < kReported || notice_.key) return;
-  said_floor_ = floor;
+  if (floor == reported_floor_ || probability < kReported || notice_.key) return;
+  reported_floor_ = floor;
   std::snprintf(floor_text_.data(), floor_text_.size(), "floor %+d from where the track began, probability %.2f", floor,
                 probability);
   notice_ = {"floor", floor_text_.data(), ODO_SEVERITY_INFO};
@@ -234,7 +234,7 @@ UpdateResult Composer::apply(const odo_fix* fix) {
   tracker_.add_gap(fix->header.t_ns);
   const UpdateResult result = fixes_.use(tracker_.localizer, *fix,
                                          {*then, tracker_.newest(), start_n, tracker_.heading.north(), tracker_.paper(),
-                                          front_end_.leads(), front_end_.leads_since_ns()});
+                                          front_end_.has_priority(), front_end_.priority_since_ns()});
   if (!result.accepted) return result;
   output_.fixed(fix->header.t_ns);
   shown_ = shown_ || is_placed();
@@ -242,7 +242,7 @@ UpdateResult Composer::apply(const odo_fix* fix) {
     const Quaterniond q_o_n = tracker_.localizer.q_n_o().conjugate();
     const Matrix3d R_o_n = q_o_n.toRotationMatrix();
     const auto R = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(fix->orientation_cov_n);
-    front_end_.gyroscope().see_inclination(q_o_n * quaternion(fix->q_n_b), *then, R_o_n * R * R_o_n.transpose());
+    front_end_.gyroscope().update_inclination(q_o_n * quaternion(fix->q_n_b), *then, R_o_n * R * R_o_n.transpose());
   }
   return result;
 }
@@ -272,7 +272,7 @@ odo_pose Composer::make_pose(const TrackPoint& point) const {
   if (placed) pose.header.flags |= ODO_POSE_POSITION;
   if (is_metric()) pose.header.flags |= ODO_POSE_METRIC | (moves ? ODO_POSE_VELOCITY : 0);
   if (tracker_.height.riding()) pose.header.flags |= ODO_POSE_CARRIED;
-  if (floors_.known()) {
+  if (floors_.has_height()) {
     pose.header.flags |= ODO_POSE_FLOOR;
     pose.floor = floors_.floor().floor, pose.floor_probability = floors_.floor().probability;
   }
@@ -280,7 +280,7 @@ odo_pose Composer::make_pose(const TrackPoint& point) const {
   Vector3d p_n = localizer.p_n() - q_n_o * (tracker_.newest().p_o_b - point.p_o_b);
   Eigen::Matrix<double, 6, 6> covariance = localizer.pose_covariance(squared(kTiltSigma_rad));
   if (front_end_.begun()) {
-    covariance.diagonal().segment<2>(3).array() += squared(tracker_.unseen_m(point.t_ns));
+    covariance.diagonal().segment<2>(3).array() += squared(tracker_.unobserved_m(point.t_ns));
     pose.header.flags |= ODO_POSE_CAMERA;
     const Vector3d lever_n = q_n_b * front_end_.p_b_c();
     p_n += lever_n;
@@ -339,17 +339,17 @@ int32_t Composer::at(int64_t t_ns, Estimate& out) const {
   return ODO_OK;
 }
 
-uint64_t Composer::hold_pose(int64_t t_ns) {
+uint64_t Composer::retain_pose(int64_t t_ns) {
   if (!tracker_.started() || t_ns > tracker_.newest().t_ns) return 0;
   const auto then = tracker_.track().at(t_ns);
-  return then ? tracker_.localizer.hold(*then, tracker_.newest()) : 0;
+  return then ? tracker_.localizer.retain_pose(*then, tracker_.newest()) : 0;
 }
 
-bool Composer::held_pose(uint64_t id, HeldPose& out) const {
-  return tracker_.localizer.held(id, squared(kTiltSigma_rad), out);
+bool Composer::retained_pose(uint64_t id, RetainedPose& out) const {
+  return tracker_.localizer.retained_pose(id, squared(kTiltSigma_rad), out);
 }
 
-bool Composer::pose_now(HeldPose& out) const {
+bool Composer::pose_now(RetainedPose& out) const {
   Estimate now;
   if (at(INT64_MIN, now) != ODO_OK) return false;
   out.q_n_b = now.q_n_b, out.p_n_b = now.p_n_b;

@@ -8,7 +8,7 @@
 #include "sdk/host/localizer/fix_update.hpp"
 #include "sdk/host/localizer/floor_estimator.hpp"
 #include "sdk/host/localizer/front_end.hpp"
-#include "sdk/host/localizer/held_poses.hpp"
+#include "sdk/host/localizer/retained_poses.hpp"
 #include "sdk/host/localizer/lift_detector.hpp"
 #include "sdk/host/localizer/motion_source.hpp"
 #include "sdk/host/localizer/pose_output.hpp"
@@ -22,7 +22,7 @@ namespace odograph {
 /// scale (Antigny et al. 2019, eq. (5) to (8)), and fixes move the position, not the path. Inputs arrive in the
 /// pipeline's processing order, IMU samples in time order. Not thread-safe. The output depends only on the inputs and
 /// the config.
-class Composer : public HeldPoses {
+class Composer : public RetainedPoses {
  public:
   Composer(const CouplingConfig& config, const StartPose& start, LocalizerInputs inputs);
   Composer(const Composer&) = delete;
@@ -50,10 +50,10 @@ class Composer : public HeldPoses {
   bool take_step_reference(odo_fix& reference) { return output_.take_step_reference(reference); }
   /// Returns each message for the user once.
   Notice take_notice();
-  uint64_t hold_pose(int64_t t_ns) override;
-  void let_go(uint64_t id) override { tracker_.localizer.let_go(id); }
-  bool held_pose(uint64_t id, HeldPose& out) const override;
-  bool pose_now(HeldPose& out) const override;
+  uint64_t retain_pose(int64_t t_ns) override;
+  void release_pose(uint64_t id) override { tracker_.localizer.release_pose(id); }
+  bool retained_pose(uint64_t id, RetainedPose& out) const override;
+  bool pose_now(RetainedPose& out) const override;
   bool is_placed() const override { return (fixes_.placed() & FixUpdate::kHorizontal) == FixUpdate::kHorizontal; }
   ScaleKnowledge scale_knowledge() const { return front_end_.scale().knowledge(tracker_.localizer); }
   double distance_m() const { return output_.distance_m(); }
@@ -72,11 +72,11 @@ class Composer : public HeldPoses {
   UpdateResult apply(const odo_fix* fix);
   UpdateResult apply(const odo_barometer* barometer);
   UpdateResult ride(const odo_barometer& barometer);
-  void see_lift(const odo_barometer& barometer);
-  void see_floor(int64_t t_ns);
+  void update_lift(const odo_barometer& barometer);
+  void update_floor(int64_t t_ns);
   void begin_camera(int64_t t_ns);
   /// Records a displacement by steps, in n.
-  void note_steps(const Eigen::Vector3d& moved_n, int64_t now_ns);
+  void record_steps(const Eigen::Vector3d& moved_n, int64_t now_ns);
   void publish(int64_t t_ns, uint32_t state, uint32_t reason);
   odo_pose make_pose(const TrackPoint& point) const;
   bool is_metric() const;
@@ -92,7 +92,7 @@ class Composer : public HeldPoses {
   LiftDetector lift_;
   FloorEstimator floors_;
   int64_t stepped_ns_ = INT64_MIN / 2;  ///< end of the newest step
-  int32_t said_floor_ = 0;              ///< last reported floor
+  int32_t reported_floor_ = 0;              ///< last reported floor
   std::array<char, 80> floor_text_{};   ///< text of that report
   MotionSource source_;
   bool shown_ = false;    ///< positions are published

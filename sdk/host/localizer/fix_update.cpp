@@ -16,7 +16,7 @@ using Eigen::Vector3d;
 
 namespace {
 
-constexpr double kNothing = 1e12;  // variance of a component that the fix lacks
+constexpr double kUninformedVariance = 1e12;  // variance of a component that the fix lacks
 constexpr int kYaw = 0;            // row of a fix's innovation; position follows
 
 bool has_yaw(const odo_fix& fix) { return (fix.header.flags & (ODO_FIX_YAW | ODO_FIX_ORIENTATION)) != 0; }
@@ -35,10 +35,10 @@ double yaw_variance(const odo_fix& fix) {
   return (fix.header.flags & ODO_FIX_ORIENTATION) ? fix.orientation_cov_n[8] : squared(fix.yaw_sigma_rad);
 }
 
-void forget(Innovation<4>& seen, int row) {
+void ignore_row(Innovation<4>& seen, int row) {
   seen.residual[row] = 0;
   seen.noise.row(row).setZero(), seen.noise.col(row).setZero();
-  seen.noise(row, row) = kNothing;
+  seen.noise(row, row) = kUninformedVariance;
 }
 
 /// Eq. (10): heading and position of the body at the fix's time, from the current state and the track in between.
@@ -57,11 +57,11 @@ Innovation<4> innovation_of(const Localizer& localizer, const odo_fix& fix, cons
   seen.H.block<3, 3>(1, kNorth).setIdentity();
   seen.H.block<3, 1>(1, kHeading) = across(lever_n - since_n);
   seen.H.block<3, 1>(1, kLogScale) = -since_n;
-  seen.noise(kYaw, kYaw) = has_yaw(fix) ? yaw_variance(fix) : kNothing;
+  seen.noise(kYaw, kYaw) = has_yaw(fix) ? yaw_variance(fix) : kUninformedVariance;
   seen.noise.bottomRightCorner<3, 3>() =
       Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(fix.covariance_n);
   for (int i = 0; i < 3; ++i)
-    if ((fix.header.flags & (ODO_FIX_NORTH << i)) == 0) forget(seen, 1 + i);
+    if ((fix.header.flags & (ODO_FIX_NORTH << i)) == 0) ignore_row(seen, 1 + i);
   seen.noise.diagonal().array() += 1e-12;
   seen.since.head<3>() = (at.now.drift_m2 - at.then.drift_m2).cwiseMax(0);
   seen.since[kHeading] = std::max(0.0, at.now.heading_drift_rad2 - at.then.heading_drift_rad2);
@@ -84,7 +84,7 @@ void FixUpdate::reset(bool given, bool heading_given) {
 }
 
 /// The fix initialises the heading: it has one, and the track has none yet.
-bool FixUpdate::tells_first_heading(const odo_fix& fix, const Context& at) const {
+bool FixUpdate::is_first_heading(const odo_fix& fix, const Context& at) const {
   const bool unheaded = !heading_known_ && !at.north && fixed_ns_ == INT64_MIN;
   return unheaded && (fix.header.flags & kHorizontal) == kHorizontal && has_yaw(fix);
 }
@@ -92,8 +92,8 @@ bool FixUpdate::tells_first_heading(const odo_fix& fix, const Context& at) const
 /// Fixes agreed with the track, and the front-end has been metric and inertial without a break since. Then the fix, not
 /// the track, is the likely outlier.
 bool FixUpdate::outweighs_fixes(int64_t t_ns, const Context& at) const {
-  return agreed_ >= p_.agreed && at.leads && at.leads_since_ns <= fixed_ns_ &&
-         seconds(t_ns - fixed_ns_) < p_.agreed_for_s;
+  return accepted_ >= p_.min_accepted && at.has_priority && at.priority_since_ns <= fixed_ns_ &&
+         seconds(t_ns - fixed_ns_) < p_.accepted_for_s;
 }
 
 /// The first position of an axis shifts the whole track to it and sets its covariance.
@@ -109,22 +109,22 @@ void FixUpdate::place(Localizer& localizer, Innovation<4>& seen, uint32_t axes, 
   }
   localizer.shift(moved_n, covariance, fixed_m_, now_m);
   for (int i = 0; i < 3; ++i)
-    if (first(i)) forget(seen, 1 + i);
+    if (first(i)) ignore_row(seen, 1 + i);
 }
 
 /// A heading that is off by more than a small angle is corrected first, so that the position innovation is computed
 /// with the corrected heading. If the fix is rejected, the caller restores the state.
 UpdateResult FixUpdate::rotate(Localizer& localizer, const odo_fix& fix, const Context& at) {
   Innovation<4> heading = innovation_of(localizer, fix, at);
-  for (int row = 1; row < 4; ++row) forget(heading, row);
-  const StateSet considered = at.path_is_given ? these({kLogScale, kLogFactor, kStepHeading}) : StateSet{};
+  for (int row = 1; row < 4; ++row) ignore_row(heading, row);
+  const StateSet considered = at.path_is_given ? only({kLogScale, kLogFactor, kStepHeading}) : StateSet{};
   const UpdateResult turned = localizer.update(heading, squared(gate_sigma_), considered);
   return turned;
 }
 
-void FixUpdate::agree(const odo_fix& fix, double now_m) {
+void FixUpdate::accept(const odo_fix& fix, double now_m) {
   rejected_ = 0;
-  ++agreed_;
+  ++accepted_;
   placed_ |= fix.header.flags & kAllAxes;
   if (fix.header.flags & kHorizontal) fixed_ns_ = fix.header.t_ns, fixed_m_ = now_m;
 }
@@ -136,22 +136,22 @@ UpdateResult FixUpdate::use(Localizer& localizer, const odo_fix& fix, const Cont
   const double now_m = at.now.path_m;
   if (rejected_ >= p_.max_rejected && !outweighs_fixes(fix.header.t_ns, at)) {
     placed_ &= ~axes;
-    agreed_ = 0;
+    accepted_ = 0;
   }
   const FixUpdate policy = *this;
   std::optional<Localizer> before;  // restored if a later part of the update is rejected
   bool heading_used = false;
-  if (tells_first_heading(fix, at)) {
+  if (is_first_heading(fix, at)) {
     before = localizer;
     localizer.rotate(innovation_of(localizer, fix, at).residual[kYaw], at.start_n);
-    localizer.loosen_heading(std::sqrt(yaw_variance(fix)));
+    localizer.inflate_heading(std::sqrt(yaw_variance(fix)));
     heading_used = heading_known_ = true;
   }
   // Without a compass, fixes may correct the starting heading: the path determines it.
   if (((axes & kHorizontal) || has_yaw(fix)) && !heading_known_ && !at.north) {
     heading_known_ = true;
     before = localizer;
-    localizer.loosen_heading(p_.start_heading_rad);
+    localizer.inflate_heading(p_.start_heading_rad);
   }
   Innovation<4> seen = innovation_of(localizer, fix, at);
   const bool on_arc =
@@ -170,12 +170,12 @@ UpdateResult FixUpdate::use(Localizer& localizer, const odo_fix& fix, const Cont
     heading_used = true;
     seen = innovation_of(localizer, fix, at);
   }
-  if (heading_used) forget(seen, kYaw);
+  if (heading_used) ignore_row(seen, kYaw);
   if (axes & ~placed_) place(localizer, seen, axes & ~placed_, now_m);
   const StateSet considered = at.path_is_given ? all_but({kNorth, kEast, kDown}) : StateSet{};
   UpdateResult result = localizer.update(seen, squared(gate_sigma_), considered);
   if (!result.accepted) return reject(result.nis);
-  agree(fix, now_m);
+  accept(fix, now_m);
   result.dof = dof;
   return result;
 }

@@ -17,8 +17,8 @@ class FixUpdate {
     double max_integrity_risk = 0.5;  ///< a fix that is more likely wrong than right is ignored
     double arc_rad = 0.05;            ///< rad: a larger heading error is corrected before the position
     int max_rejected = 5;             ///< consecutive rejections, after which the track is assumed wrong; judgement
-    int agreed = 10;           ///< consecutive acceptances, after which a metric inertial front-end outweighs fixes ...
-    double agreed_for_s = 90;  ///< s: ... for that long; reflections last a minute (bench canyon)
+    int min_accepted = 10;           ///< consecutive acceptances, after which a metric inertial front-end outweighs fixes ...
+    double accepted_for_s = 90;  ///< s: ... for that long; reflections last a minute (bench canyon)
   };
 
   /// `gate_sigma`: `coupling.fix_gate`.
@@ -32,8 +32,8 @@ class FixUpdate {
     Eigen::Vector3d start_n;     ///< centre of the rotation of n when the first fix gives the heading
     bool north = false;          ///< a compass has given the heading
     bool path_is_given = false;  ///< paper mode: a fix moves the position, not the scale and heading of the path
-    bool leads = false;          ///< the front-end may outweigh a few fixes
-    int64_t leads_since_ns = INT64_MIN;
+    bool has_priority = false;          ///< the front-end may outweigh a few fixes
+    int64_t priority_since_ns = INT64_MIN;
   };
   UpdateResult use(Localizer& localizer, const odo_fix& fix, const Context& at);
 
@@ -44,17 +44,17 @@ class FixUpdate {
   int64_t fixed_ns() const { return fixed_ns_; }
 
  private:
-  bool tells_first_heading(const odo_fix& fix, const Context& at) const;
+  bool is_first_heading(const odo_fix& fix, const Context& at) const;
   bool outweighs_fixes(int64_t t_ns, const Context& at) const;
   void place(Localizer& localizer, Innovation<4>& seen, uint32_t axes, double now_m);
   UpdateResult rotate(Localizer& localizer, const odo_fix& fix, const Context& at);
-  void agree(const odo_fix& fix, double now_m);
+  void accept(const odo_fix& fix, double now_m);
 
   Parameters p_;
   double gate_sigma_;
   bool given_ = false, heading_known_ = false;
   uint32_t placed_ = 0;
-  int rejected_ = 0, agreed_ = 0;  // consecutive
+  int rejected_ = 0, accepted_ = 0;  // consecutive
   double fixed_m_ = -1;
   int64_t fixed_ns_ = INT64_MIN;
 };

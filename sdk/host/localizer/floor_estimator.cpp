@@ -11,14 +11,14 @@ namespace odograph {
 
 namespace {
 
-constexpr int64_t kApart_ns = 250'000'000;  // minimum spacing of the stored heights: 64 span 16 s
+constexpr int64_t kMinSpacing_ns = 250'000'000;  // minimum spacing of the stored heights: 64 span 16 s
 
 double squared(double x) { return x * x; }
 
 /// Cumulative normal distribution.
-double normal_below(double sigmas) { return 0.5 * std::erfc(-std::sqrt(0.5) * sigmas); }
+double normal_cdf(double sigmas) { return 0.5 * std::erfc(-std::sqrt(0.5) * sigmas); }
 
-double gauss(double off, double variance) { return std::exp(-0.5 * off * off / variance) / std::sqrt(variance); }
+double normal_pdf(double off, double variance) { return std::exp(-0.5 * off * off / variance) / std::sqrt(variance); }
 
 }  // namespace
 
@@ -27,7 +27,7 @@ FloorEstimator::FloorEstimator(const Parameters& parameters) : p_(parameters) {
   for (size_t i = 0; i < buildings_.size(); ++i) {
     Building& building = buildings_[i];
     building.storey_m = p_.lowest_m + (p_.highest_m - p_.lowest_m) * double(i) / (buildings_.size() - 1);
-    sum += building.weight = gauss(building.storey_m - p_.storey_m, squared(p_.storey_sigma_m));
+    sum += building.weight = normal_pdf(building.storey_m - p_.storey_m, squared(p_.storey_sigma_m));
   }
   for (Building& building : buildings_) building.weight /= sum;
 }
@@ -41,10 +41,10 @@ FloorEstimator::Likelihood FloorEstimator::likelihood(double up_m, const Buildin
   const double measured =
       level.variance_m2 + squared(p_.drift_m) * std::max(0.0, seconds(t_ns - level.t_ns)) + squared(p_.floor_sigma_m);
   const double variance = measured + storeys * squared(p_.storey_scatter * building.storey_m);
-  double on_it = (1 - p_.between) * gauss(off_m, variance);
+  double on_it = (1 - p_.between) * normal_pdf(off_m, variance);
   if (storeys > 0)  // no storey is lower than lowest_m
-    on_it *= normal_below(((index > nearest ? apart_m : -apart_m) - storeys * p_.lowest_m) / std::sqrt(measured));
-  return {on_it, on_it + p_.between * gauss(off_m, variance + squared(p_.between_storeys * building.storey_m))};
+    on_it *= normal_cdf(((index > nearest ? apart_m : -apart_m) - storeys * p_.lowest_m) / std::sqrt(measured));
+  return {on_it, on_it + p_.between * normal_pdf(off_m, variance + squared(p_.between_storeys * building.storey_m))};
 }
 
 FloorEstimator::Floor FloorEstimator::nearest(int64_t t_ns, double up_m) const {
@@ -65,7 +65,7 @@ FloorEstimator::Floor FloorEstimator::nearest(int64_t t_ns, double up_m) const {
 
 /// Assigns the level to a floor of this building and updates that floor's height, unless the level is a landing.
 /// Returns its relative likelihood.
-double FloorEstimator::see_level(Building& building, int64_t t_ns, double up_m) const {
+double FloorEstimator::update_level(Building& building, int64_t t_ns, double up_m) const {
   double all = 0, best = 0;
   int index = 0;
   for (int i = 0; i < kFloors; ++i) {
@@ -91,13 +91,13 @@ double FloorEstimator::see_level(Building& building, int64_t t_ns, double up_m) 
 }
 
 /// The walker has stayed on one level for a while. Staying longer adds no information about the building.
-void FloorEstimator::see_level(int64_t t_ns, double up_m) {
+void FloorEstimator::update_level(int64_t t_ns, double up_m) {
   const bool other = std::abs(up_m - level_m_) > p_.other_m;
   level_m_ = up_m;
   std::array<double, kBuildings> weights;
   double sum = 0;
   for (size_t i = 0; i < kBuildings; ++i) {
-    const double here = see_level(buildings_[i], t_ns, up_m);
+    const double here = update_level(buildings_[i], t_ns, up_m);
     sum += weights[i] = buildings_[i].weight * (other ? here : 1.0);
   }
   if (!(sum > 0)) return;  // above the modelled range: no information about the buildings
@@ -112,7 +112,7 @@ void FloorEstimator::add(int64_t t_ns, double up_m) {
       building.levels[-kLowest] = {true, up_m, squared(p_.floor_sigma_m), t_ns};
       building.nearest.fill(-kLowest);
     }
-  } else if (t_ns - heights_.back(0).t_ns < kApart_ns) {
+  } else if (t_ns - heights_.back(0).t_ns < kMinSpacing_ns) {
     return;
   }
   heights_.push({t_ns, up_m});
@@ -124,7 +124,7 @@ void FloorEstimator::add(int64_t t_ns, double up_m) {
     sum += height.up_m, highest = std::max(highest, height.up_m), lowest = std::min(lowest, height.up_m);
   }
   if (span_s >= p_.level_s && highest - lowest < p_.level_m) {
-    see_level(t_ns, sum / static_cast<double>(n));
+    update_level(t_ns, sum / static_cast<double>(n));
     heights_.clear();  // the next level starts a new set of heights
     heights_.push({t_ns, up_m});
   }

@@ -39,7 +39,7 @@ class FloorEstimator {
   /// Adds the height of the body, m upwards, from an arbitrary origin. Ignores times before the newest.
   void add(int64_t t_ns, double up_m);
   /// Whether a height was added.
-  bool known() const { return begun_; }
+  bool has_height() const { return begun_; }
   Floor floor() const { return now_; }
 
  private:
@@ -65,8 +65,8 @@ class FloorEstimator {
   };
   Likelihood likelihood(double up_m, const Building& building, int index, int64_t t_ns) const;
   Floor nearest(int64_t t_ns, double up_m) const;
-  void see_level(int64_t t_ns, double up_m);
-  double see_level(Building& building, int64_t t_ns, double up_m) const;
+  void update_level(int64_t t_ns, double up_m);
+  double update_level(Building& building, int64_t t_ns, double up_m) const;
 
   Parameters p_;
   bool begun_ = false;

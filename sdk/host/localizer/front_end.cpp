@@ -36,37 +36,37 @@ bool FrontEnd::rotates_with_gyroscope(const odo_vo_motion& m) const {
 }
 
 /// Orientation of the body in o at the motion's end, from the source that the config prefers among those available.
-std::optional<Quaterniond> FrontEnd::rotated(const Moving& moving) {
-  const odo_vo_motion& m = moving.m;
+std::optional<Quaterniond> FrontEnd::rotated(const MotionUpdate& motion) {
+  const odo_vo_motion& m = motion.m;
   const Orientation orientation = tracker_.config().orientation;
   if (const auto q_a_b = tracker_.attitudes.at(m.header.t_ns); q_a_b && orientation == Orientation::attitude)
     return q_a_b;
   if (const auto q_o_b = gyroscope_.rotate(m, rotation_sigma(m))) return q_o_b;
-  if (moving.rotates) return moving.q_o_c0 * quaternion(m.q_c0_c1) * q_b_c_.conjugate();
+  if (motion.rotates) return motion.q_o_c0 * quaternion(m.q_c0_c1) * q_b_c_.conjugate();
   if (const auto q_o_b = tracker_.by_attitude(m.header.t_ns)) return q_o_b;
   const auto q_b0_b1 = tracker_.gyro_rotation(m.t_from_ns, m.header.t_ns);
-  return q_b0_b1 ? std::optional<Quaterniond>(moving.from.q_o_b * *q_b0_b1) : std::nullopt;
+  return q_b0_b1 ? std::optional<Quaterniond>(motion.from.q_o_b * *q_b0_b1) : std::nullopt;
 }
 
 /// Variance of the heading, rad^2. Before a front-end with inertia has walked, its gyroscope bias is poorly known,
 /// which is one constant error over that time: (sigma T)^2 grows by 2 sigma^2 T dt.
-double FrontEnd::heading_variance(const Moving& moving) const {
+double FrontEnd::heading_variance(const MotionUpdate& motion) const {
   const double unknown_rotation = squared(tracker_.heading.parameters().gap_rotation);
-  if (!moving.rotation_known) return unknown_rotation * moving.dt_s;
-  const odo_vo_motion& m = moving.m;
-  double rate = squared(moving.inertial ? p_.inertial_rotation_walk : p_.rotation_walk);
+  if (!motion.rotation_known) return unknown_rotation * motion.dt_s;
+  const odo_vo_motion& m = motion.m;
+  double rate = squared(motion.inertial ? p_.inertial_rotation_walk : p_.rotation_walk);
   // If the gyroscope has stopped, nothing checks the front-end's rotation, and the prediction of its corners is
   // missing.
   const bool has_gyroscope = tracker_.inertia.newest_ns() != INT64_MIN;
   if (has_gyroscope && !tracker_.gyro_rotation(m.t_from_ns, m.header.t_ns)) rate += unknown_rotation;
-  if (moving.inertial && !group_.walked) {
+  if (motion.inertial && !group_.scale_converged) {
     const bool stated = (m.header.flags & ODO_VO_COVARIANCE) != 0;
-    const double sigma_radps = stated ? rotation_sigma(m) / moving.dt_s : p_.start_rate_radps;
+    const double sigma_radps = stated ? rotation_sigma(m) / motion.dt_s : p_.start_rate_radps;
     rate += 2 * squared(std::min(sigma_radps, p_.start_rate_radps)) * seconds(m.header.t_ns - group_.began_ns);
   }
-  double variance = rate * moving.dt_s;
+  double variance = rate * motion.dt_s;
   if (tracker_.paper() && (m.header.flags & ODO_VO_COVARIANCE)) {
-    const Vector3d down_c = moving.q_o_c0.conjugate() * Vector3d::UnitZ();
+    const Vector3d down_c = motion.q_o_c0.conjugate() * Vector3d::UnitZ();
     const Eigen::Map<const Eigen::Matrix<double, 6, 6, Eigen::RowMajor>> stated(m.covariance);
     variance += down_c.dot(stated.topLeftCorner<3, 3>() * down_c);
   }
@@ -74,52 +74,52 @@ double FrontEnd::heading_variance(const Moving& moving) const {
 }
 
 /// Whether the camera walks. If so, the uncertainty of its displacement is one of scale.
-bool FrontEnd::walks(int64_t t_ns) const {
+bool FrontEnd::is_walking(int64_t t_ns) const {
   const auto moved = group_.moved_in_a_second(t_ns);
   return moved && std::exp(tracker_.localizer.x[kLogScale]) * *moved > p_.walking_m;
 }
 
 /// Paper mode: each motion has its own scale, whose errors are correlated over the path.
-bool FrontEnd::to_metres_as_in_papers(Moving& moving, const odo_scale* scale) {
+bool FrontEnd::apply_paper_scale(MotionUpdate& motion, const odo_scale* scale) {
   if (!inputs_.scale) return true;
   if (!scale) return false;
-  moving.d_o *= scale->scale;
+  motion.d_o *= scale->scale;
   const bool horizontal =
       (scale->header.flags & ODO_SCALE_HORIZONTAL) != 0 && tracker_.config().vertical == Vertical::ignore;
-  if (horizontal) moving.d_o.z() = 0.0;
+  if (horizontal) motion.d_o.z() = 0.0;
   const double relative = scale->scale > 0 ? std::min(1.0, scale->sigma / scale->scale) : 0.0;
   tracker_.localizer.x[kLogScale] = scale->scale > 0 ? std::log(scale->scale) : 0.0;
-  tracker_.localizer.restate(kLogScale, squared(relative));
-  if (moving.translates) moving.caught_up_m = catch_up(scale, horizontal, moving.doubtful);
+  tracker_.localizer.set_variance(kLogScale, squared(relative));
+  if (motion.translates) motion.caught_up_m = catch_up(scale, horizontal, motion.doubtful);
   return true;
 }
 
 /// Scales the displacement to metres; false if the scale is unknown.
-bool FrontEnd::to_metres(Moving& moving, const odo_scale* scale) {
-  const odo_vo_motion& m = moving.m;
-  if (moving.metric) {
-    if (moving.translates) {
-      const bool stated = moving.inertial || m.scale_sigma > 0;
-      tracker_.localizer.add_variance(kLogScale, squared(p_.metric_scale_walk) * moving.dt_s);
-      scale_.use_own(tracker_.localizer, stated ? m.scale_sigma : p_.unstated_scale_sigma, walks(m.header.t_ns));
+bool FrontEnd::apply_metric_scale(MotionUpdate& motion, const odo_scale* scale) {
+  const odo_vo_motion& m = motion.m;
+  if (motion.metric) {
+    if (motion.translates) {
+      const bool stated = motion.inertial || m.scale_sigma > 0;
+      tracker_.localizer.add_variance(kLogScale, squared(p_.metric_scale_walk) * motion.dt_s);
+      scale_.use_front_end(tracker_.localizer, stated ? m.scale_sigma : p_.unstated_scale_sigma, is_walking(m.header.t_ns));
     }
-    if (!tracker_.paper()) moving.d_o *= std::exp(tracker_.localizer.x[kLogScale]);
+    if (!tracker_.paper()) motion.d_o *= std::exp(tracker_.localizer.x[kLogScale]);
     return true;
   }
-  if (tracker_.paper()) return to_metres_as_in_papers(moving, scale);
+  if (tracker_.paper()) return apply_paper_scale(motion, scale);
   if (scale) scale_.use(tracker_.localizer, *scale);
   if (!scale_.known()) return false;
-  moving.d_o *= std::exp(tracker_.localizer.x[kLogScale]);
-  const double walk = metre_check_.doubted() ? p_.doubted_scale_walk : p_.scale_walk;
-  tracker_.localizer.add_variance(kLogScale, squared(walk) * moving.d_o.norm());
-  moving.caught_up_m = catch_up(scale, false, moving.doubtful);
+  motion.d_o *= std::exp(tracker_.localizer.x[kLogScale]);
+  const double walk = scale_check_.rejected() ? p_.rejected_scale_walk : p_.scale_walk;
+  tracker_.localizer.add_variance(kLogScale, squared(walk) * motion.d_o.norm());
+  motion.caught_up_m = catch_up(scale, false, motion.doubtful);
   return true;
 }
 
 /// Adds what the scale group moved before its scale was known, if the scale also applies to that part and nothing else
 /// has moved the track. Returns its length, m.
 double FrontEnd::catch_up(const odo_scale* scale, bool horizontal, bool doubtful) {
-  const Vector3d waiting_o = group_.take_waiting();
+  const Vector3d waiting_o = group_.take_unscaled();
   if (waiting_o.isZero() || (tracker_.paper() && !(scale && (scale->header.flags & ODO_SCALE_STEADY)))) return 0;
   if (tracker_.coverage.missing(group_.unscaled_ns, tracker_.newest().t_ns) < 0.5) return 0;
   if (doubtful) tracker_.add_gap(group_.unscaled_ns);
@@ -134,29 +134,29 @@ double FrontEnd::catch_up(const odo_scale* scale, bool horizontal, bool doubtful
 
 /// A front-end with inertia estimates the vertical, so its inclination is used. Otherwise the attitude source corrects
 /// the inclination slowly.
-void FrontEnd::level(Moving& moving) const {
-  Vector3d down_b = q_b_c_ * Vector3d(moving.m.gravity_c1);
+void FrontEnd::correct_inclination(MotionUpdate& motion) const {
+  Vector3d down_b = q_b_c_ * Vector3d(motion.m.gravity_c1);
   double share = 1;
-  if (!moving.inertial) {
+  if (!motion.inertial) {
     if (tracker_.paper()) return;
-    const auto q_a_b = tracker_.attitudes.at(moving.m.header.t_ns);
+    const auto q_a_b = tracker_.attitudes.at(motion.m.header.t_ns);
     if (!q_a_b) return;
     down_b = q_a_b->conjugate() * Vector3d::UnitZ();
-    share = std::min(1.0, moving.dt_s / p_.tilt_time_s);
+    share = std::min(1.0, motion.dt_s / p_.tilt_time_s);
   }
-  const Quaterniond up = Quaterniond::FromTwoVectors(moving.q_o_b1 * down_b, Vector3d::UnitZ());
-  moving.q_o_b1 = (Quaterniond::Identity().slerp(share, up) * moving.q_o_b1).normalized();
+  const Quaterniond up = Quaterniond::FromTwoVectors(motion.q_o_b1 * down_b, Vector3d::UnitZ());
+  motion.q_o_b1 = (Quaterniond::Identity().slerp(share, up) * motion.q_o_b1).normalized();
 }
 
 /// The first metric motion. The starting point follows from the velocity and the inertial samples since the first
 /// frame; the camera is assumed to have been at rest before them.
-void FrontEnd::begin_here(const Moving& moving) {
-  const int64_t to_ns = moving.m.header.t_ns;
+void FrontEnd::back_propagate_start(const MotionUpdate& motion) {
+  const int64_t to_ns = motion.m.header.t_ns;
   const int64_t from_ns =
       std::max({tracker_.coverage.until_ns(), to_ns - nanoseconds(p_.rewind_s), tracker_.inertia.oldest_ns()});
   tracker_.coverage.begin(to_ns);
-  const Vector3d v_o = moving.q_o_b1 * q_b_c_ * Vector3d(moving.m.velocity_c1);
-  const auto d_o = tracker_.moved_until(from_ns, to_ns, moving.q_o_b1, v_o, Vector3d(moving.m.accel_bias_b));
+  const Vector3d v_o = motion.q_o_b1 * q_b_c_ * Vector3d(motion.m.velocity_c1);
+  const auto d_o = tracker_.inertial_displacement(from_ns, to_ns, motion.q_o_b1, v_o, Vector3d(motion.m.accel_bias_b));
   if (!d_o) return;
   const Vector3d d_n = tracker_.localizer.q_n_o() * *d_o;
   const double sigma_m = p_.rewind_sigma_mps * seconds(to_ns - from_ns);
@@ -165,39 +165,39 @@ void FrontEnd::begin_here(const Moving& moving) {
 }
 
 /// Advances the track by the rotation and, if `moves`, by the metric displacement.
-void FrontEnd::move(const Moving& moving, bool moves) {
-  const odo_vo_motion& m = moving.m;
-  const Vector3d d_o = moves ? moving.d_o : Vector3d(Vector3d::Zero());
-  const Vector3d body_o = d_o - (moving.q_o_b1 * p_b_c_ - moving.from.q_o_b * p_b_c_);
+void FrontEnd::move(const MotionUpdate& motion, bool moves) {
+  const odo_vo_motion& m = motion.m;
+  const Vector3d d_o = moves ? motion.d_o : Vector3d(Vector3d::Zero());
+  const Vector3d body_o = d_o - (motion.q_o_b1 * p_b_c_ - motion.from.q_o_b * p_b_c_);
   const double walk = squared(p_.drift_per_root_m) * d_o.norm();
   Vector3d variance(walk, walk, squared(p_.height_drift_per_root_m) * d_o.norm());
-  if (!moving.inertial) {  // an inclination error is constant over the path: (sigma r)^2 at distance r
+  if (!motion.inertial) {  // an inclination error is constant over the path: (sigma r)^2 at distance r
     const Vector3d from_o = tracker_.newest().p_o_b;
     const double further_m2 = (from_o + d_o).head<2>().squaredNorm() - from_o.head<2>().squaredNorm();
     variance.z() += tracker_.tilt_variance() * std::max(0.0, further_m2);
   }
-  double blind_m = 0;  // a covered camera continues on inertia, whose errors accumulate coherently
-  if (moves && moving.state != ODO_TRACKING && (m.header.flags & ODO_VO_COVARIANCE)) {
-    blind_m = blind_sigma_m_ + std::sqrt(std::max({m.covariance[21], m.covariance[28], m.covariance[35]}));
-    variance.array() += squared(blind_m) - squared(blind_sigma_m_);
+  double outage_sigma_m = 0;  // a covered camera continues on inertia, whose errors accumulate coherently
+  if (moves && motion.state != ODO_TRACKING && (m.header.flags & ODO_VO_COVARIANCE)) {
+    outage_sigma_m = outage_sigma_m_ + std::sqrt(std::max({m.covariance[21], m.covariance[28], m.covariance[35]}));
+    variance.array() += squared(outage_sigma_m) - squared(outage_sigma_m_);
   }
-  blind_sigma_m_ = blind_m;
+  outage_sigma_m_ = outage_sigma_m;
   const Quaterniond q_n_o = tracker_.localizer.q_n_o();
   const Vector3d body_n = q_n_o * body_o, d_n = q_n_o * d_o;
   tracker_.localizer.move(body_n, {{kHeading, across(body_n)}, {kLogScale, d_n}}, Matrix3d(variance.asDiagonal()));
-  const double turned = heading_variance(moving);
+  const double turned = heading_variance(motion);
   tracker_.localizer.add_variance(kHeading, turned);
-  tracker_.push(m.header.t_ns, moving.q_o_b1, body_o, variance, turned);
+  tracker_.push(m.header.t_ns, motion.q_o_b1, body_o, variance, turned);
   if (!moves) return tracker_.set_velocity(Vector3d::Zero(), Tracker::Velocity::none);
-  if (!moving.inertial) return tracker_.set_velocity(d_o / moving.dt_s, Tracker::Velocity::mean);
-  tracker_.set_velocity(moving.q_o_b1 * q_b_c_ * Vector3d(m.velocity_c1), Tracker::Velocity::now);
+  if (!motion.inertial) return tracker_.set_velocity(d_o / motion.dt_s, Tracker::Velocity::mean);
+  tracker_.set_velocity(motion.q_o_b1 * q_b_c_ * Vector3d(m.velocity_c1), Tracker::Velocity::now);
   gyro_bias_b = Vector3d(m.gyro_bias_b), accel_bias_b = Vector3d(m.accel_bias_b);
 }
 
 void FrontEnd::reset() {
-  scale_ = {}, metre_check_ = {}, group_ = {};
-  lost_ = moves_ = false, blind_sigma_m_ = 0;
-  first_frame_ns_ = translated_ns_ = leads_since_ns_ = INT64_MIN;
+  scale_ = {}, scale_check_ = {}, group_ = {};
+  lost_ = moves_ = false, outage_sigma_m_ = 0;
+  first_frame_ns_ = translated_ns_ = priority_since_ns_ = INT64_MIN;
   gyro_bias_b.setZero(), accel_bias_b.setZero();
 }
 
@@ -209,7 +209,7 @@ void FrontEnd::on_calibration(const odo_calibration& calibration) {
 
 void FrontEnd::begin(int64_t t_ns, bool has_stepped) {
   first_frame_ns_ = t_ns;
-  tracker_.go_on(t_ns);
+  tracker_.propagate(t_ns);
   const Quaterniond q_o_b = tracker_.at(t_ns).value_or(tracker_.newest()).q_o_b;
   if (!has_stepped) tracker_.start_camera_at(t_ns, q_o_b, p_b_c_);
   tracker_.push(t_ns, q_o_b, Vector3d::Zero());
@@ -217,19 +217,19 @@ void FrontEnd::begin(int64_t t_ns, bool has_stepped) {
   gyroscope_.start(q_b_c_);
 }
 
-FrontEnd::Moving FrontEnd::begin_motion(const odo_vo_motion& m) {
+FrontEnd::MotionUpdate FrontEnd::begin_motion(const odo_vo_motion& m) {
   const int64_t t_ns = m.header.t_ns;
   const uint32_t flags = m.header.flags;
-  if (group_.any && m.scale_group != group_.id) metre_check_.restart();
-  metre_check_.add_motion(seconds(t_ns - m.t_from_ns), m.state == ODO_TRACKING, (flags & ODO_VO_METRIC) != 0);
-  const bool metric = (flags & ODO_VO_METRIC) != 0 && !metre_check_.doubted();
+  if (group_.any && m.scale_group != group_.id) scale_check_.restart();
+  scale_check_.add_motion(seconds(t_ns - m.t_from_ns), m.state == ODO_TRACKING, (flags & ODO_VO_METRIC) != 0);
+  const bool metric = (flags & ODO_VO_METRIC) != 0 && !scale_check_.rejected();
   if (!group_.any || m.scale_group != group_.id || metric != group_.metric) {
     group_.begin(m, metric);
     if (!tracker_.paper()) scale_.begin_group(tracker_.localizer);
   }
   lost_ = m.state == ODO_LOST;
   const TrackPoint from = tracker_.track().at(m.t_from_ns).value_or(tracker_.newest());
-  Moving moving{m,
+  MotionUpdate motion{m,
                 from,
                 from.q_o_b * q_b_c_,
                 from.q_o_b,
@@ -242,63 +242,63 @@ FrontEnd::Moving FrontEnd::begin_motion(const odo_vo_motion& m) {
                 m.state,
                 m.reason,
                 Vector3d::Zero()};
-  group_.inertial = moving.inertial;
-  moving.rotates = (flags & ODO_VO_ROTATION) != 0 && (!lost_ || tracker_.paper());
-  moving.translates = (flags & ODO_VO_TRANSLATION) != 0 && !lost_ && moving.dt_s > 0;
-  if (!tracker_.paper() && moving.rotates && !rotates_with_gyroscope(m)) moving.rotates = moving.translates = false;
-  const auto q_o_b1 = rotated(moving);
-  moving.rotation_known = q_o_b1.has_value();
-  moving.q_o_b1 = q_o_b1.value_or(from.q_o_b);
-  level(moving);
-  if (moving.translates) {
-    moving.d_o = moving.q_o_c0 * Vector3d(m.p_c0_c1);
-    group_.add(t_ns, moving.d_o);
+  group_.inertial = motion.inertial;
+  motion.rotates = (flags & ODO_VO_ROTATION) != 0 && (!lost_ || tracker_.paper());
+  motion.translates = (flags & ODO_VO_TRANSLATION) != 0 && !lost_ && motion.dt_s > 0;
+  if (!tracker_.paper() && motion.rotates && !rotates_with_gyroscope(m)) motion.rotates = motion.translates = false;
+  const auto q_o_b1 = rotated(motion);
+  motion.rotation_known = q_o_b1.has_value();
+  motion.q_o_b1 = q_o_b1.value_or(from.q_o_b);
+  correct_inclination(motion);
+  if (motion.translates) {
+    motion.d_o = motion.q_o_c0 * Vector3d(m.p_c0_c1);
+    group_.add(t_ns, motion.d_o);
   }
-  return moving;
+  return motion;
 }
 
 /// A displacement that only a failure of tracking or scale explains. With unknown scale, the bound is relaxed by three
 /// sigma of the scale prior.
-bool FrontEnd::is_impossible(const Moving& moving) const {
-  const bool in_metres = moving.metric || inputs_.scale || scale_.known();
+bool FrontEnd::is_impossible(const MotionUpdate& motion) const {
+  const bool in_metres = motion.metric || inputs_.scale || scale_.known();
   const double units = in_metres ? 1 : std::exp(3 * ScaleUpdate::Parameters().unknown_sigma);
-  return tracker_.is_impossible(moving.d_o.norm() / units, moving.dt_s);
+  return tracker_.is_impossible(motion.d_o.norm() / units, motion.dt_s);
 }
 
-FrontEnd::Outcome FrontEnd::apply(const RelativeMotion& relative, const Situation& track) {
+FrontEnd::Outcome FrontEnd::apply(const RelativeMotion& relative, const TrackState& track) {
   const odo_vo_motion& m = *relative.motion;
   const int64_t t_ns = m.header.t_ns;
-  Moving moving = begin_motion(m);
-  moving.doubtful = track.shown || track.placed;
-  const Vector3d units_o = moving.d_o;
-  bool moves = to_metres(moving, relative.scale) && moving.translates;
-  if (moving.translates && !moves) {
-    group_.wait(m.t_from_ns, units_o);
-    if (moving.state == ODO_TRACKING) moving.state = ODO_DEGRADED, moving.reason = ODO_REASON_NO_SCALE;
+  MotionUpdate motion = begin_motion(m);
+  motion.doubtful = track.shown || track.placed;
+  const Vector3d units_o = motion.d_o;
+  bool moves = apply_metric_scale(motion, relative.scale) && motion.translates;
+  if (motion.translates && !moves) {
+    group_.add_unscaled(m.t_from_ns, units_o);
+    if (motion.state == ODO_TRACKING) motion.state = ODO_DEGRADED, motion.reason = ODO_REASON_NO_SCALE;
   }
-  moves_ = moving.translates;
-  if (moves && is_impossible(moving)) {
+  moves_ = motion.translates;
+  if (moves && is_impossible(motion)) {
     moves = moves_ = false;
-    moving.state = ODO_DEGRADED, moving.reason = ODO_REASON_TOO_FAST;
+    motion.state = ODO_DEGRADED, motion.reason = ODO_REASON_TOO_FAST;
   }
-  const bool begins = moves && moving.inertial && !track.shown && !track.fixed && !track.has_stepped;
-  if (moves && moving.doubtful && !begins) tracker_.add_gap(m.t_from_ns);
+  const bool begins = moves && motion.inertial && !track.shown && !track.fixed && !track.has_stepped;
+  if (moves && motion.doubtful && !begins) tracker_.add_gap(m.t_from_ns);
   if (begins) {
-    begin_here(moving);
-    moving.d_o.setZero();
+    back_propagate_start(motion);
+    motion.d_o.setZero();
   } else if (moves && tracker_.coverage.until_ns() > m.t_from_ns) {  // steps have moved the track meanwhile
-    moving.d_o *= tracker_.coverage.missing(m.t_from_ns, t_ns);
+    motion.d_o *= tracker_.coverage.missing(m.t_from_ns, t_ns);
   }
-  move(moving, moves);
-  group_.walked = group_.walked || scale_.own_information() > 1 / squared(p_.walked_scale_sigma);
-  if (!moves || !leads()) leads_since_ns_ = t_ns;
+  move(motion, moves);
+  group_.scale_converged = group_.scale_converged || scale_.own_information() > 1 / squared(p_.converged_scale_sigma);
+  if (!moves || !has_priority()) priority_since_ns_ = t_ns;
   if (moves) {
     tracker_.coverage.add(m.t_from_ns, t_ns);
     tracker_.rotate_with_camera();
     translated_ns_ = t_ns;
   }
-  return {moving.state,       moving.reason, moves,          moving.caught_up_m + (moves ? moving.d_o.norm() : 0.0),
-          moving.caught_up_m, moving.metric, moving.inertial};
+  return {motion.state,       motion.reason, moves,          motion.caught_up_m + (moves ? motion.d_o.norm() : 0.0),
+          motion.caught_up_m, motion.metric, motion.inertial};
 }
 
 UpdateResult FrontEnd::apply(const odo_scale& scale) {
@@ -306,23 +306,23 @@ UpdateResult FrontEnd::apply(const odo_scale& scale) {
   return scale_.use(tracker_.localizer, scale);
 }
 
-bool FrontEnd::leads() const { return group_.inertial && scale_.own_information() > 1 / squared(p_.lead_scale_sigma); }
+bool FrontEnd::has_priority() const { return group_.inertial && scale_.own_information() > 1 / squared(p_.priority_scale_sigma); }
 
-bool FrontEnd::knows_metres() const {
-  return group_.metric && scale_.own_information() > 1 / squared(p_.walked_scale_sigma);
+bool FrontEnd::is_metric_scale_known() const {
+  return group_.metric && scale_.own_information() > 1 / squared(p_.converged_scale_sigma);
 }
 
 bool FrontEnd::is_silent(int64_t now_ns) const {
   if (!begun()) return true;
   if (translated_ns_ == INT64_MIN) return seconds(now_ns - first_frame_ns_) > p_.silent_start_s;
-  return lost_ || seconds(now_ns - translated_ns_) > tracker_.parameters().unseen_s;
+  return lost_ || seconds(now_ns - translated_ns_) > tracker_.parameters().unobserved_s;
 }
 
-bool FrontEnd::check_metres(const odo_step& step, const Vector3d& moved_o) {
-  if ((!group_.metric && !metre_check_.doubted()) || step.mode == ODO_MODE_STAIRS) return false;
-  if (!metre_check_.add(step.length_m, moved_o.head<2>().norm())) return false;
-  if (metre_check_.doubted())  // discards the step factor learned since the scale went wrong
-    tracker_.localizer.set(kLogFactor, metre_check_.log_factor(), metre_check_.variance());
+bool FrontEnd::check_metric_scale(const odo_step& step, const Vector3d& moved_o) {
+  if ((!group_.metric && !scale_check_.rejected()) || step.mode == ODO_MODE_STAIRS) return false;
+  if (!scale_check_.add(step.length_m, moved_o.head<2>().norm())) return false;
+  if (scale_check_.rejected())  // discards the step factor learned since the scale went wrong
+    tracker_.localizer.set(kLogFactor, scale_check_.log_factor(), scale_check_.variance());
   return true;
 }
 

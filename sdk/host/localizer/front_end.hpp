@@ -9,7 +9,7 @@
 #include <Eigen/Geometry>
 
 #include "sdk/host/localizer/measurement.hpp"
-#include "sdk/host/localizer/metre_check.hpp"
+#include "sdk/host/localizer/scale_consistency_check.hpp"
 #include "sdk/host/localizer/gyro_orientation.hpp"
 #include "sdk/host/localizer/scale_group.hpp"
 #include "sdk/host/localizer/scale_update.hpp"
@@ -31,8 +31,8 @@ class FrontEnd {
                                      ///< 17 mrad/s on four stabilised phones, below 1 without a stabiliser
     /// Of log-scale. Below it, a front-end with inertia has walked and its scale is better known than step lengths vary
     /// between walkers, so steps do not update it.
-    double walked_scale_sigma = 0.10;
-    double lead_scale_sigma = 0.2;     ///< of log-scale: above it, a front-end with inertia does not outweigh fixes
+    double converged_scale_sigma = 0.10;
+    double priority_scale_sigma = 0.2;     ///< of log-scale: above it, a front-end with inertia does not outweigh fixes
     double rotation_off_rad = 0.015;   ///< rad between the rotations of front-end and gyroscope, above which the former
                                        ///< is rejected; stabilised lenses differ by 2 to 3 mrad; empirical
     double rotation_off_share = 0.05;  ///< of the rotation, for gyroscope scale factor and rolling shutter; empirical
@@ -46,7 +46,7 @@ class FrontEnd {
     /// 1/sqrt(s), random walk of log-scale of a metric front-end: 0.5 % in ten minutes; judgement.
     double metric_scale_walk = 2e-4;
     double scale_walk = 2e-3;           ///< 1/sqrt(m), of any other: 0.9 % between halves of 10 m (odograph bench vo)
-    double doubted_scale_walk = 0.015;  ///< 1/sqrt(m), of one whose metric scale contradicts the steps
+    double rejected_scale_walk = 0.015;  ///< 1/sqrt(m), of one whose metric scale contradicts the steps
     double walking_m = 0.5;             ///< m in one second, above which the camera walks: half the slowest walk
   };
 
@@ -54,7 +54,7 @@ class FrontEnd {
   void reset();
   /// No sensor delivered data for a while. Discards the displacement that waits for its scale, because it is unknown
   /// how much of that time it covers.
-  void pause() { group_.take_waiting(); }
+  void pause() { group_.take_unscaled(); }
   void on_calibration(const odo_calibration& calibration);
 
   /// The camera starts: its first frame or its first motion.
@@ -69,18 +69,18 @@ class FrontEnd {
     bool metric, inertial;  ///< of the motion
   };
   /// State of the track when a motion arrives.
-  struct Situation {
+  struct TrackState {
     bool shown;        ///< positions have been published
     bool placed;       ///< its position in n is known
     bool fixed;        ///< ... from a fix
     bool has_stepped;  ///< steps have been received
   };
-  Outcome apply(const RelativeMotion& relative, const Situation& track);
+  Outcome apply(const RelativeMotion& relative, const TrackState& track);
   GyroOrientation& gyroscope() { return gyroscope_; }
   /// A scale that arrives without a motion.
   UpdateResult apply(const odo_scale& scale);
   /// Compares a step with the metric scale; true if this changes the verdict of the scale check.
-  bool check_metres(const odo_step& step, const Eigen::Vector3d& moved_o);
+  bool check_metric_scale(const odo_step& step, const Eigen::Vector3d& moved_o);
 
   /// No displacement will arrive any more for the time until now.
   bool is_silent(int64_t now_ns) const;
@@ -89,10 +89,10 @@ class FrontEnd {
   /// Time at which it last moved the track; INT64_MIN before that.
   int64_t moved_ns() const { return translated_ns_; }
   const ScaleGroup& group() const { return group_; }
-  bool doubted() const { return metre_check_.doubted(); }
-  bool knows_metres() const;  ///< metric scale is known well enough that steps do not update it
-  bool leads() const;
-  int64_t leads_since_ns() const { return leads_since_ns_; }
+  bool scale_rejected() const { return scale_check_.rejected(); }
+  bool is_metric_scale_known() const;  ///< metric scale is known well enough that steps do not update it
+  bool has_priority() const;
+  int64_t priority_since_ns() const { return priority_since_ns_; }
   bool metric() const { return group_.metric; }
   ScaleUpdate& scale() { return scale_; }
   const ScaleUpdate& scale() const { return scale_; }
@@ -102,7 +102,7 @@ class FrontEnd {
 
  private:
   /// A motion while it is processed.
-  struct Moving {
+  struct MotionUpdate {
     const odo_vo_motion& m;
     TrackPoint from;
     Eigen::Quaterniond q_o_c0, q_o_b1;
@@ -113,18 +113,18 @@ class FrontEnd {
     double caught_up_m = 0;  ///< by earlier motions that waited for the scale
     bool doubtful = false;   ///< unobserved motion makes the track's position uncertain
   };
-  Moving begin_motion(const odo_vo_motion& motion);
-  std::optional<Eigen::Quaterniond> rotated(const Moving& moving);
+  MotionUpdate begin_motion(const odo_vo_motion& motion);
+  std::optional<Eigen::Quaterniond> rotated(const MotionUpdate& motion);
   bool rotates_with_gyroscope(const odo_vo_motion& motion) const;
-  double heading_variance(const Moving& moving) const;
-  void level(Moving& moving) const;
-  bool to_metres(Moving& moving, const odo_scale* scale);
-  bool to_metres_as_in_papers(Moving& moving, const odo_scale* scale);
+  double heading_variance(const MotionUpdate& motion) const;
+  void correct_inclination(MotionUpdate& motion) const;
+  bool apply_metric_scale(MotionUpdate& motion, const odo_scale* scale);
+  bool apply_paper_scale(MotionUpdate& motion, const odo_scale* scale);
   double catch_up(const odo_scale* scale, bool horizontal, bool doubtful);
-  bool is_impossible(const Moving& moving) const;
-  void begin_here(const Moving& moving);
-  void move(const Moving& moving, bool moves);
-  bool walks(int64_t t_ns) const;
+  bool is_impossible(const MotionUpdate& motion) const;
+  void back_propagate_start(const MotionUpdate& motion);
+  void move(const MotionUpdate& motion, bool moves);
+  bool is_walking(int64_t t_ns) const;
 
   Parameters p_;
   Tracker& tracker_;
@@ -132,13 +132,13 @@ class FrontEnd {
   Eigen::Quaterniond q_b_c_ = rear_camera_mount();
   Eigen::Vector3d p_b_c_ = Eigen::Vector3d::Zero();
   ScaleUpdate scale_;
-  MetreCheck metre_check_;
+  ScaleConsistencyCheck scale_check_;
   GyroOrientation gyroscope_;
 
   ScaleGroup group_;
   bool lost_ = false, moves_ = false;
-  int64_t first_frame_ns_ = INT64_MIN, translated_ns_ = INT64_MIN, leads_since_ns_ = INT64_MIN;
-  double blind_sigma_m_ = 0;  // of its motion since it last saw landmarks
+  int64_t first_frame_ns_ = INT64_MIN, translated_ns_ = INT64_MIN, priority_since_ns_ = INT64_MIN;
+  double outage_sigma_m_ = 0;  // of its motion since it last saw landmarks
 };
 
 }  // namespace odograph

@@ -60,7 +60,7 @@ void GyroAttitudeFilter::update_relative_rotation(const Quaterniond& gyro, const
                                                   double dt_s) {
   if (dt_s <= 0) return;
   const Vector3d bias_error = log_rotation(seen.conjugate() * gyro) / dt_s - bias_c_;
-  const double sigma = std::max(sigma_rad, p_.min_seen_sigma_rad) / dt_s;
+  const double sigma = std::max(sigma_rad, p_.min_camera_sigma_rad) / dt_s;
   const Matrix3d S = P_.bottomRightCorner<3, 3>() + Matrix3d::Identity() * (sigma * sigma);
   const Eigen::Matrix<double, 6, 3> K = P_.rightCols<3>() * S.inverse();
   P_ -= K * P_.bottomRows<3>().eval();

@@ -30,7 +30,7 @@ class GyroAttitudeFilter {
     double moving_sigma_rad = 0.5;  ///< rad, the same in motion: a car brakes with 0.5 g; judgement
     /// s, longest sample interval that is not a gap: ten samples at 200 Hz, two or three at 50 Hz.
     double longest_gap_s = 0.05;
-    double min_seen_sigma_rad = 5e-4;  ///< rad, lower clamp for the sigma of a camera's rotation; judgement
+    double min_camera_sigma_rad = 5e-4;  ///< rad, lower clamp for the sigma of a camera's rotation; judgement
   };
 
   GyroAttitudeFilter() { reset(Eigen::Quaterniond::Identity(), Eigen::Matrix3d::Identity()); }
@@ -53,7 +53,7 @@ class GyroAttitudeFilter {
   /// Updates with the specific force at the new time, after propagate().
   void update_gravity(const Eigen::Vector3d& force_c, bool standing);
   /// Updates with the same rotation as measured by a camera (sigma of each axis, rad).
-  void update_relative_rotation(const Eigen::Quaterniond& gyro_q_c0_c1, const Eigen::Quaterniond& seen_q_c0_c1,
+  void update_relative_rotation(const Eigen::Quaterniond& gyro_q_c0_c1, const Eigen::Quaterniond& camera_q_c0_c1,
                                 double sigma_rad, double dt_s);
   /// Updates with a measured orientation error, rad in n. Returns the applied correction, or nothing, with the state
   /// unchanged, if the innovation is outside a gate in standard deviations (0: no gate).

@@ -11,18 +11,18 @@ using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
 void GyroOrientation::start(const Quaterniond& q_b_c) {
-  if (!wanted()) return;
+  if (!is_enabled()) return;
   q_b_c_ = q_b_c;
   const double tilt_variance = tracker_.tilt_variance();
   filter_.reset(tracker_.newest().q_o_b * q_b_c_, Vector3d(tilt_variance, tilt_variance, 0).asDiagonal());
   if (!tracker_.heading.north() && !tracker_.start_pose().heading_given)
-    tracker_.localizer.loosen_heading(kAnyHeading_rad);
+    tracker_.localizer.inflate_heading(kUnknownHeading_rad);
 }
 
 std::optional<Quaterniond> GyroOrientation::rotate(const odo_vo_motion& m, double rotation_sigma_rad) {
   const double dt_s = seconds(m.header.t_ns - m.t_from_ns);
   const auto from = tracker_.inertial_point(m.t_from_ns), to = tracker_.inertial_point(m.header.t_ns);
-  if (!wanted() || !from || !to || dt_s <= 0) return std::nullopt;
+  if (!is_enabled() || !from || !to || dt_s <= 0) return std::nullopt;
   const Quaterniond q_c0_c1 = q_b_c_.conjugate() * from->q_e_b.conjugate() * to->q_e_b * q_b_c_;
   filter_.propagate(q_c0_c1, dt_s);
   // With parallax, rotation and translation are too correlated in a frame for the bias to be observable.
@@ -32,13 +32,13 @@ std::optional<Quaterniond> GyroOrientation::rotate(const odo_vo_motion& m, doubl
   return Quaterniond(filter_.q_n_c() * q_b_c_.conjugate());
 }
 
-void GyroOrientation::see_inclination(const Quaterniond& q_o_b, const TrackPoint& then, const Matrix3d& covariance_o) {
-  if (!wanted()) return;
-  constexpr double kNothing = 1e6;  // rad^2: heading belongs to T_n_o
+void GyroOrientation::update_inclination(const Quaterniond& q_o_b, const TrackPoint& then, const Matrix3d& covariance_o) {
+  if (!is_enabled()) return;
+  constexpr double kUninformedVariance = 1e6;  // rad^2: heading belongs to T_n_o
   Vector3d off_o = log_rotation(q_o_b * then.q_o_b.conjugate());
   off_o.z() = 0;
   Matrix3d R = covariance_o;
-  R.row(2).setZero(), R.col(2).setZero(), R(2, 2) = kNothing;
+  R.row(2).setZero(), R.col(2).setZero(), R(2, 2) = kUninformedVariance;
   filter_.correct(off_o, R, tracker_.config().fix_gate_sigma);
 }
 

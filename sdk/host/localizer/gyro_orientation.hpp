@@ -21,10 +21,10 @@ class GyroOrientation {
   /// Orientation of the body at the end of a motion; nothing if inactive or samples are missing.
   std::optional<Eigen::Quaterniond> rotate(const odo_vo_motion& motion, double rotation_sigma_rad);
   /// Updates with the orientation of the body in o at an earlier time, from a fix; covariance in rad^2.
-  void see_inclination(const Eigen::Quaterniond& q_o_b, const TrackPoint& then, const Eigen::Matrix3d& covariance_o);
+  void update_inclination(const Eigen::Quaterniond& q_o_b, const TrackPoint& then, const Eigen::Matrix3d& covariance_o);
 
  private:
-  bool wanted() const { return tracker_.config().orientation == Orientation::gyroscope; }
+  bool is_enabled() const { return tracker_.config().orientation == Orientation::gyroscope; }
 
   Tracker& tracker_;
   Eigen::Quaterniond q_b_c_ = Eigen::Quaterniond::Identity();

@@ -10,12 +10,12 @@ namespace odograph {
 
 using Eigen::Quaterniond;
 
-void HeadingUpdate::note(Localizer& localizer, const odo_attitude& attitude) {
+void HeadingUpdate::on_attitude(Localizer& localizer, const odo_attitude& attitude) {
   const int64_t t_ns = attitude.header.t_ns;
-  const double gap_s = noted_ns_ == INT64_MIN ? 0 : seconds(t_ns - noted_ns_);
+  const double gap_s = attitude_ns_ == INT64_MIN ? 0 : seconds(t_ns - attitude_ns_);
   if (gap_s > p_.gap_s)
-    localizer.add_variance(kAttitudeHeading, std::min(squared(p_.gap_rotation) * gap_s, squared(kAnyHeading_rad)));
-  noted_ns_ = t_ns;
+    localizer.add_variance(kAttitudeHeading, std::min(squared(p_.gap_rotation) * gap_s, squared(kUnknownHeading_rad)));
+  attitude_ns_ = t_ns;
   north_ = refers_to_north(attitude);
   if (north_) north_sigma_rad_ = std::sqrt(attitude.covariance_n[8]);
 }
@@ -26,18 +26,18 @@ void HeadingUpdate::start(Localizer& localizer) const {
   localizer.copy_error(kHeading, kAttitudeHeading);
 }
 
-double HeadingUpdate::go_on(Localizer& localizer, double dt_s, bool carried) const {
+double HeadingUpdate::propagate(Localizer& localizer, double dt_s, bool with_attitude) const {
   double keep = 1, variance = squared(p_.walk) * dt_s;
   if (north_) {
     keep = std::exp(-dt_s / p_.north_correlation_s);
     variance = (1 - keep * keep) * squared(north_sigma_rad_);
-    if (carried) {
+    if (with_attitude) {
       localizer.add_multiple(kHeading, kAttitudeHeading, keep - 1);
       localizer.x[kHeading] -= (keep - 1) * mean_rad_;
     }
   }
   localizer.decay(kAttitudeHeading, mean_rad_, keep, variance);
-  if (!carried) return 0;
+  if (!with_attitude) return 0;
   localizer.add_variance(kHeading, variance);
   localizer.P(kHeading, kAttitudeHeading) += variance;
   localizer.P(kAttitudeHeading, kHeading) += variance;
@@ -61,7 +61,7 @@ UpdateResult HeadingUpdate::use(Localizer& localizer, int64_t t_ns, const Quater
   used_ns_ = t_ns;
   const auto seen = difference(localizer, q_o_a, p_.yaw_rad);
   return localizer.update(seen, kGate[1],
-                          north_ ? these({kLogScale, kLogFactor, kStepHeading}) : all_but({kAttitudeHeading}));
+                          north_ ? only({kLogScale, kLogFactor, kStepHeading}) : all_but({kAttitudeHeading}));
 }
 
 void HeadingUpdate::join(Localizer& localizer, const Quaterniond& q_o_a) const {

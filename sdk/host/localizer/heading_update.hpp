@@ -28,12 +28,12 @@ class HeadingUpdate {
   void start(Localizer& localizer) const;
   const Parameters& parameters() const { return p_; }
   /// Notes the arrival of an attitude. After a gap, the source's frame may have rotated.
-  void note(Localizer& localizer, const odo_attitude& attitude);
-  bool noted() const { return noted_ns_ != INT64_MIN; }
+  void on_attitude(Localizer& localizer, const odo_attitude& attitude);
+  bool has_attitude() const { return attitude_ns_ != INT64_MIN; }
   bool north() const { return north_; }
 
-  /// Propagates by dt. `carried`: o rotates with the attitude source. Returns the heading drift, rad^2.
-  double go_on(Localizer& localizer, double dt_s, bool carried) const;
+  /// Propagates by dt. `with_attitude`: o rotates with the attitude source. Returns the heading drift, rad^2.
+  double propagate(Localizer& localizer, double dt_s, bool with_attitude) const;
   /// Whether an attitude of this time is independent enough to be used.
   bool due(int64_t t_ns) const;
   /// `q_o_a`: the attitude source's frame in o, from the two orientations of the body.
@@ -47,7 +47,7 @@ class HeadingUpdate {
   Parameters p_;
   double mean_rad_ = 0, north_sigma_rad_ = 0;
   bool north_ = false;
-  int64_t noted_ns_ = INT64_MIN, used_ns_ = INT64_MIN;
+  int64_t attitude_ns_ = INT64_MIN, used_ns_ = INT64_MIN;
 };
 
 }  // namespace odograph

@@ -18,7 +18,7 @@ class HeightTrend {
  public:
   struct Parameters {
     double gust_s = 2;                     ///< s, correlation time of the pressure noise; judgement
-    double forgotten_s = 10;               ///< s without a reading, after which the history is discarded
+    double max_silence_s = 10;               ///< s without a reading, after which the history is discarded
     int64_t min_interval_ns = 40'000'000;  ///< faster samples are skipped, so that 256 span ten seconds
   };
   struct Slope {
@@ -40,7 +40,7 @@ class HeightTrend {
   }
   /// No reading for so long that the stored ones are outdated.
   bool is_silent(int64_t t_ns) const {
-    return !heights_.empty() && t_ns - heights_.back(0).t_ns > nanoseconds(p_.forgotten_s);
+    return !heights_.empty() && t_ns - heights_.back(0).t_ns > nanoseconds(p_.max_silence_s);
   }
   int64_t newest_ns() const { return heights_.back(0).t_ns; }
 

@@ -19,11 +19,11 @@ class HeightUpdate {
     double correlation_s = 10;  ///< s, correlation time of its error; judgement
     double walk = 0.02;         ///< m/sqrt(s), offset random walk: 20 Pa in an hour, doors
     double lift_mps = 3;        ///< m/s, one sigma, of a lift: in high buildings 2 to 6
-    double told_s = 6;          ///< s, maximum detection delay of a ride, during which the body has moved
+    double max_delay_s = 6;          ///< s, maximum detection delay of a ride, during which the body has moved
   };
 
   void reset() { *this = {}; }
-  void go_on(Localizer& localizer, double dt_s) const { localizer.add_variance(kBarometer, squared(p_.walk) * dt_s); }
+  void propagate(Localizer& localizer, double dt_s) const { localizer.add_variance(kBarometer, squared(p_.walk) * dt_s); }
 
   /// `down_m`: of the body at the barometer's time. `steps`: steps move the track, so no reading waits for another.
   UpdateResult use(Localizer& localizer, const odo_barometer& barometer, double down_m, bool steps) {
@@ -44,25 +44,25 @@ class HeightUpdate {
     height.residual[0] = z_m - down_m - localizer.x[kBarometer];
     height.H(0, kDown) = height.H(0, kBarometer) = 1;
     height.noise(0, 0) = squared(p_.sigma_m) * (steps ? 1.0 : p_.correlation_s / since_s);
-    return localizer.update(height, riding_ ? 0.0 : kGate[1], these({kLogScale, kLogFactor, kStepHeading, kHeading}));
+    return localizer.update(height, riding_ ? 0.0 : kGate[1], only({kLogScale, kLogFactor, kStepHeading, kHeading}));
   }
 
   /// A lift or an escalator moves the body vertically from that time on, or no longer does.
   void ride(bool rides, int64_t since_ns) {
-    if (rides && !riding_) ridden_ns_ = since_ns;
+    if (rides && !riding_) ride_until_ns_ = since_ns;
     riding_ = rides;
   }
   bool riding() const { return riding_; }
   /// Adds the vertical motion of a ride until a reading as process noise: only the barometer observes it.
-  void carry(Localizer& localizer, int64_t t_ns) {
-    const double dt_s = std::clamp(seconds(t_ns - ridden_ns_), 0.0, p_.told_s);
-    ridden_ns_ = std::max(t_ns, ridden_ns_);
+  void add_ride_noise(Localizer& localizer, int64_t t_ns) {
+    const double dt_s = std::clamp(seconds(t_ns - ride_until_ns_), 0.0, p_.max_delay_s);
+    ride_until_ns_ = std::max(t_ns, ride_until_ns_);
     localizer.add_variance(kDown, squared(p_.lift_mps * dt_s));
   }
 
  private:
   Parameters p_;
-  int64_t used_ns_ = INT64_MIN, ridden_ns_ = 0;
+  int64_t used_ns_ = INT64_MIN, ride_until_ns_ = 0;
   bool riding_ = false;
 };
 

@@ -36,9 +36,9 @@ Eigen::Matrix<double, 6, 6> spread(const Eigen::Matrix4d& of_pose, double tilt_v
 /// Share of a position shift that a retained pose takes: 0 up to the last fixed position, 1 now, linear in path length
 /// between, for an error that grew along the path. Without a fixed position n itself was wrong, and every pose takes
 /// the whole shift.
-double share_of_shift(double held_m, double fixed_m, double now_m) {
-  if (fixed_m < 0 || held_m >= now_m) return 1.0;
-  return held_m <= fixed_m ? 0.0 : (held_m - fixed_m) / (now_m - fixed_m);
+double share_of_shift(double path_m, double fixed_m, double now_m) {
+  if (fixed_m < 0 || path_m >= now_m) return 1.0;
+  return path_m <= fixed_m ? 0.0 : (path_m - fixed_m) / (now_m - fixed_m);
 }
 
 }  // namespace
@@ -55,14 +55,14 @@ void Localizer::move(const Vector3d& d_n, std::initializer_list<std::pair<StateI
   P.leftCols<3>() = FP.transpose();
   P.topLeftCorner<3, 3>() = 0.5 * (FPF + FPF.transpose());
   P.topLeftCorner<3, 3>() += noise;
-  for (Held& held : held_) held.cross.leftCols<3>() = (held.cross * F.transpose()).eval();
+  for (DelayedPose& pose : delayed_poses_) pose.cross.leftCols<3>() = (pose.cross * F.transpose()).eval();
 }
 
 void Localizer::add_multiple(StateIndex to, StateIndex from, double factor) {
   x[to] += factor * x[from];
   P.row(to) += factor * P.row(from);
   P.col(to) += factor * P.col(from);
-  for (Held& held : held_) held.cross.col(to) += factor * held.cross.col(from);
+  for (DelayedPose& pose : delayed_poses_) pose.cross.col(to) += factor * pose.cross.col(from);
 }
 
 void Localizer::decay(StateIndex i, double mean, double keep, double variance) {
@@ -70,7 +70,7 @@ void Localizer::decay(StateIndex i, double mean, double keep, double variance) {
   P.row(i) *= keep;
   P.col(i) *= keep;
   P(i, i) += variance;
-  for (Held& held : held_) held.cross.col(i) *= keep;
+  for (DelayedPose& pose : delayed_poses_) pose.cross.col(i) *= keep;
 }
 
 void Localizer::set(StateIndex i, double value, double variance) {
@@ -78,7 +78,7 @@ void Localizer::set(StateIndex i, double value, double variance) {
   decay(i, value, 0, variance);
 }
 
-void Localizer::restate(StateIndex i, double variance) {
+void Localizer::set_variance(StateIndex i, double variance) {
   if (P(i, i) <= 0) return set(i, x[i], variance);
   decay(i, x[i], std::sqrt(variance / P(i, i)), 0);
 }
@@ -87,7 +87,7 @@ void Localizer::copy_error(StateIndex to, StateIndex from) {
   P.row(to) = P.row(from);
   P.col(to) = P.col(from);
   P(to, to) = P(from, from);
-  for (Held& held : held_) held.cross.col(to) = held.cross.col(from);
+  for (DelayedPose& pose : delayed_poses_) pose.cross.col(to) = pose.cross.col(from);
 }
 
 template <int D>
@@ -107,17 +107,17 @@ UpdateResult Localizer::update(const Innovation<D>& innovation, double max_nis, 
   Eigen::Matrix<double, kStates, D> K = PHt * inverse;
   for (int i = 0; i < kStates; ++i)
     if (considered[static_cast<size_t>(i)]) K.row(i).setZero();
-  for (Held& held : held_) {
-    const Eigen::Matrix<double, 4, D> CHt = held.cross * H.transpose();
-    Eigen::Matrix<double, 4, D> K_held = CHt * inverse;
+  for (DelayedPose& pose : delayed_poses_) {
+    const Eigen::Matrix<double, 4, D> CHt = pose.cross * H.transpose();
+    Eigen::Matrix<double, 4, D> K_pose = CHt * inverse;
     for (int i = 0; i < 4; ++i)  // what is considered of the current pose is considered of the retained one
-      if (considered[static_cast<size_t>(kPose[i])]) K_held.row(i).setZero();
-    const Eigen::Matrix<double, 4, 1> moved = K_held * innovation.residual;
-    held.q_n_b = (about_down(moved[0]) * held.q_n_b).normalized();
-    held.p_n += along_arc(moved.tail<3>(), moved[0]);
-    held.cross += K_held * (S * K.transpose() - PHt.transpose()) - CHt * K.transpose();
-    const Eigen::Matrix<double, 4, D> half = CHt - 0.5 * K_held * S;
-    held.own -= K_held * half.transpose() + half * K_held.transpose();
+      if (considered[static_cast<size_t>(kPose[i])]) K_pose.row(i).setZero();
+    const Eigen::Matrix<double, 4, 1> moved = K_pose * innovation.residual;
+    pose.q_n_b = (about_down(moved[0]) * pose.q_n_b).normalized();
+    pose.p_n += along_arc(moved.tail<3>(), moved[0]);
+    pose.cross += K_pose * (S * K.transpose() - PHt.transpose()) - CHt * K.transpose();
+    const Eigen::Matrix<double, 4, D> half = CHt - 0.5 * K_pose * S;
+    pose.own -= K_pose * half.transpose() + half * K_pose.transpose();
   }
   StateVector moved = K * innovation.residual;
   moved.head<3>() = along_arc(moved.head<3>(), moved[kHeading]);
@@ -130,11 +130,11 @@ UpdateResult Localizer::update(const Innovation<D>& innovation, double max_nis, 
 void Localizer::shift(const Vector3d& by_n, const Matrix3d& covariance, double fixed_m, double now_m) {
   x.head<3>() += by_n;
   P.topLeftCorner<3, 3>() += covariance;
-  for (Held& held : held_) {
-    const double share = share_of_shift(held.path_m, fixed_m, now_m);
-    held.p_n += share * by_n;
-    held.own.bottomRightCorner<3, 3>() += share * share * covariance;
-    held.cross.bottomLeftCorner<3, 3>() += share * covariance;
+  for (DelayedPose& pose : delayed_poses_) {
+    const double share = share_of_shift(pose.path_m, fixed_m, now_m);
+    pose.p_n += share * by_n;
+    pose.own.bottomRightCorner<3, 3>() += share * share * covariance;
+    pose.cross.bottomLeftCorner<3, 3>() += share * covariance;
   }
 }
 
@@ -145,29 +145,29 @@ void Localizer::rotate(double by_rad, const Vector3d& about_n) {
   x[kHeading] += by_rad, x[kAttitudeHeading] += by_rad;
   P.topRows<3>() = (R * P.topRows<3>()).eval();
   P.leftCols<3>() = (P.leftCols<3>() * R.transpose()).eval();
-  for (Held& held : held_) {
-    held.q_n_b = (q * held.q_n_b).normalized();
-    held.p_n = about_n + R * (held.p_n - about_n);
-    held.cross.bottomRows<3>() = (R * held.cross.bottomRows<3>()).eval();
-    held.cross.leftCols<3>() = (held.cross.leftCols<3>() * R.transpose()).eval();
-    held.own.bottomRows<3>() = (R * held.own.bottomRows<3>()).eval();
-    held.own.rightCols<3>() = (held.own.rightCols<3>() * R.transpose()).eval();
+  for (DelayedPose& pose : delayed_poses_) {
+    pose.q_n_b = (q * pose.q_n_b).normalized();
+    pose.p_n = about_n + R * (pose.p_n - about_n);
+    pose.cross.bottomRows<3>() = (R * pose.cross.bottomRows<3>()).eval();
+    pose.cross.leftCols<3>() = (pose.cross.leftCols<3>() * R.transpose()).eval();
+    pose.own.bottomRows<3>() = (R * pose.own.bottomRows<3>()).eval();
+    pose.own.rightCols<3>() = (pose.own.rightCols<3>() * R.transpose()).eval();
   }
 }
 
-void Localizer::loosen_heading(double sigma_rad) {
+void Localizer::inflate_heading(double sigma_rad) {
   const double variance = sigma_rad * sigma_rad;
   for (const int i : {kHeading, kAttitudeHeading})
     for (const int j : {kHeading, kAttitudeHeading}) P(i, j) += variance;
-  for (Held& held : held_) {  // rotated with the rest, about the body's position
+  for (DelayedPose& pose : delayed_poses_) {  // rotated with the rest, about the body's position
     Eigen::Vector4d by;
-    by << 1, across(held.p_n - p_n());
-    held.own += variance * by * by.transpose();
-    for (const int i : {kHeading, kAttitudeHeading}) held.cross.col(i) += variance * by;
+    by << 1, across(pose.p_n - p_n());
+    pose.own += variance * by * by.transpose();
+    for (const int i : {kHeading, kAttitudeHeading}) pose.cross.col(i) += variance * by;
   }
 }
 
-uint64_t Localizer::hold(const TrackPoint& then, const TrackPoint& now) {
+uint64_t Localizer::retain_pose(const TrackPoint& then, const TrackPoint& now) {
   const Vector3d since_n = q_n_o() * (now.p_o_b - then.p_o_b);
   Eigen::Matrix<double, 4, kStates> H = Eigen::Matrix<double, 4, kStates>::Zero();
   for (int i = 0; i < 4; ++i) H(i, kPose[i]) = 1;
@@ -177,16 +177,16 @@ uint64_t Localizer::hold(const TrackPoint& then, const TrackPoint& now) {
   since.head<3>() = now.drift_m2 - then.drift_m2;
   since[kHeading] = now.heading_drift_rad2 - then.heading_drift_rad2;
   since = since.cwiseMin(0.5 * P.diagonal());
-  Held held{++last_held_, then.path_m, q_n_o() * then.q_o_b, p_n() - since_n, H * P, Eigen::Matrix4d::Zero()};
-  held.cross -= H * since.asDiagonal();
-  held.own = held.cross * H.transpose();
-  held.own = (0.5 * (held.own + held.own.transpose())).eval();
-  held_.push_back(held);
-  return last_held_;
+  DelayedPose pose{++last_pose_id_, then.path_m, q_n_o() * then.q_o_b, p_n() - since_n, H * P, Eigen::Matrix4d::Zero()};
+  pose.cross -= H * since.asDiagonal();
+  pose.own = pose.cross * H.transpose();
+  pose.own = (0.5 * (pose.own + pose.own.transpose())).eval();
+  delayed_poses_.push_back(pose);
+  return last_pose_id_;
 }
 
-void Localizer::let_go(uint64_t id) {
-  std::erase_if(held_, [id](const Held& held) { return held.id == id; });
+void Localizer::release_pose(uint64_t id) {
+  std::erase_if(delayed_poses_, [id](const DelayedPose& pose) { return pose.id == id; });
 }
 
 Eigen::Matrix<double, 6, 6> Localizer::pose_covariance(double tilt_variance) const {
@@ -196,9 +196,9 @@ Eigen::Matrix<double, 6, 6> Localizer::pose_covariance(double tilt_variance) con
   return spread(of_pose, tilt_variance);
 }
 
-bool Localizer::held(uint64_t id, double tilt_variance, HeldPose& out) const {
-  const auto found = std::find_if(held_.begin(), held_.end(), [id](const Held& held) { return held.id == id; });
-  if (found == held_.end()) return false;
+bool Localizer::retained_pose(uint64_t id, double tilt_variance, RetainedPose& out) const {
+  const auto found = std::find_if(delayed_poses_.begin(), delayed_poses_.end(), [id](const DelayedPose& pose) { return pose.id == id; });
+  if (found == delayed_poses_.end()) return false;
   Eigen::Matrix4d cross;
   for (int j = 0; j < 4; ++j) cross.col(j) = found->cross.col(kPose[j]);
   out = {found->q_n_b, found->p_n, spread(found->own, tilt_variance), pose_covariance(tilt_variance), spread(cross, 0)};

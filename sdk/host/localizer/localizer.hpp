@@ -12,7 +12,7 @@
 #include <Eigen/Geometry>
 
 #include "sdk/host/localizer/measurement.hpp"
-#include "sdk/host/localizer/held_poses.hpp"
+#include "sdk/host/localizer/retained_poses.hpp"
 #include "sdk/host/localizer/track.hpp"
 
 namespace odograph {
@@ -72,7 +72,7 @@ class Localizer {
   /// Re-initialises a state, uncorrelated with all others.
   void set(StateIndex i, double value, double variance);
   /// Sets the variance of a state and scales its correlations accordingly.
-  void restate(StateIndex i, double variance);
+  void set_variance(StateIndex i, double variance);
   /// Makes the error of one state identical to that of another.
   void copy_error(StateIndex to, StateIndex from);
 
@@ -85,19 +85,19 @@ class Localizer {
   /// Rotates everything in n about a point: body, retained poses and headings.
   void rotate(double by_rad, const Eigen::Vector3d& about_n);
   /// Adds a common variance to the headings in n, about the body's position.
-  void loosen_heading(double sigma_rad);
+  void inflate_heading(double sigma_rad);
 
   /// Retains a pose of the track until it is released. Returns its id, from 1.
-  uint64_t hold(const TrackPoint& then, const TrackPoint& now);
-  void let_go(uint64_t id);
+  uint64_t retain_pose(const TrackPoint& then, const TrackPoint& now);
+  void release_pose(uint64_t id);
   /// False if it is not retained. `tilt_variance` fills the horizontal part of the rotation.
-  bool held(uint64_t id, double tilt_variance, HeldPose& out) const;
+  bool retained_pose(uint64_t id, double tilt_variance, RetainedPose& out) const;
   Eigen::Matrix<double, 6, 6> pose_covariance(double tilt_variance) const;
 
  private:
   /// Errors of (heading, position), corrected through their correlation with the current state (delayed-state pose),
   /// eq. (11), (12).
-  struct Held {
+  struct DelayedPose {
     uint64_t id = 0;
     double path_m = 0;
     Eigen::Quaterniond q_n_b;
@@ -105,8 +105,8 @@ class Localizer {
     Eigen::Matrix<double, 4, kStates> cross;
     Eigen::Matrix4d own;
   };
-  std::vector<Held> held_;
-  uint64_t last_held_ = 0;
+  std::vector<DelayedPose> delayed_poses_;
+  uint64_t last_pose_id_ = 0;
 };
 
 /// Derivative of a rotated vector by the heading: z x r.
@@ -119,7 +119,7 @@ inline StateSet all_but(std::initializer_list<StateIndex> states) {
   for (const StateIndex i : states) out.reset(static_cast<size_t>(i));
   return out;
 }
-inline StateSet these(std::initializer_list<StateIndex> states) { return ~all_but(states); }
+inline StateSet only(std::initializer_list<StateIndex> states) { return ~all_but(states); }
 
 /// Gate on the normalised innovation squared, by degrees of freedom: 99.9 % of good measurements pass (chi-square).
 inline constexpr double kGate[] = {0, 10.83, 13.82, 16.27, 18.47};
@@ -127,6 +127,6 @@ inline constexpr double kGate[] = {0, 10.83, 13.82, 16.27, 18.47};
 inline double squared(double x) { return x * x; }
 
 /// Sigma of an unknown heading, rad: uniform over the circle, pi / sqrt(3).
-inline constexpr double kAnyHeading_rad = 1.8;
+inline constexpr double kUnknownHeading_rad = 1.8;
 
 }  // namespace odograph

@@ -14,9 +14,9 @@ void PoseOutput::publish(odo_pose pose, bool shown, double scale_sigma) {
   last_state_ = pose.state, last_reason_ = pose.reason;
   pose_ = pose;
   if ((pose.header.flags & ODO_POSE_CAMERA) == 0) return;
-  const bool teaches =
-      scale_sigma > 0 && scale_sigma < p_.teaching_scale_sigma && (pose.header.flags & ODO_POSE_VELOCITY) != 0;
-  if (const auto reference = reference_maker_.see(pose, teaches ? scale_sigma : 0)) reference_ = *reference;
+  const bool is_reference =
+      scale_sigma > 0 && scale_sigma < p_.reference_scale_sigma && (pose.header.flags & ODO_POSE_VELOCITY) != 0;
+  if (const auto reference = displacement_reference_.add_pose(pose, is_reference ? scale_sigma : 0)) reference_ = *reference;
 }
 
 void PoseOutput::settle() {
@@ -29,7 +29,7 @@ void PoseOutput::settle() {
   pose_->distance_m = distance_m_;
 }
 
-void PoseOutput::correct(const odo_pose& before, odo_pose after, uint32_t reason, bool small_too) {
+void PoseOutput::correct(const odo_pose& before, odo_pose after, uint32_t reason, bool report_small) {
   if ((before.header.flags & ODO_POSE_POSITION) == 0) {
     if (reason == ODO_CORRECTION_FIX)
       counted_from_ += Vector3d(after.p_n) - Vector3d(before.p_n);  // its first position
@@ -39,7 +39,7 @@ void PoseOutput::correct(const odo_pose& before, odo_pose after, uint32_t reason
   const Vector3d p_before(before.p_n), p_after(after.p_n);
   const double jump_m = (p_after - p_before).norm(), rotation_rad = log_rotation(q).norm();
   if (jump_m == 0 && rotation_rad < 1e-12) return;
-  if (!small_too && jump_m <= p_.announced_jump_m && rotation_rad <= p_.announced_rotation_rad) return;
+  if (!report_small && jump_m <= p_.announced_jump_m && rotation_rad <= p_.announced_rotation_rad) return;
   Correction now{before.header.t_ns, q, p_after - q * p_before, reason};
   if (correction_) now.p += q * correction_->p, now.q = (q * correction_->q).normalized();
   correction_ = now;

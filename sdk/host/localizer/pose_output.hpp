@@ -21,7 +21,7 @@ class PoseOutput {
     double announced_jump_m = 0.05;        ///< m: smaller corrections are not reported
     double announced_rotation_rad = 0.01;  ///< rad
     double counted_m = 0.1;                ///< m of path: less may be jitter; empirical
-    double teaching_scale_sigma = 0.03;    ///< relative: a scale with a larger sigma is no reference for steps
+    double reference_scale_sigma = 0.03;    ///< relative: a scale with a larger sigma is no reference for steps
   };
 
   void reset() { *this = {}; }
@@ -30,15 +30,15 @@ class PoseOutput {
   /// Takes a pose to publish. `shown`: its position is valid. `scale_sigma`: relative, without the help of steps; 0:
   /// unknown.
   void publish(odo_pose pose, bool shown, double scale_sigma);
-  /// A measurement has changed the published pose at its own time. Small changes are reported only with `small_too`.
-  void correct(const odo_pose& before, odo_pose after, uint32_t reason, bool small_too);
+  /// A measurement has changed the published pose at its own time. Small changes are reported only with `report_small`.
+  void correct(const odo_pose& before, odo_pose after, uint32_t reason, bool report_small);
   /// Call after both: adds the path since the previous pose to the distance, excluding its correction.
   void settle();
   /// Adds a displacement to the distance as it is, m.
   void count(double moved_m) { distance_m_ += moved_m, counts_all_ = true; }
   /// Adds a late displacement that also corrects the newest pose, m.
   void catch_up(double moved_m) { distance_m_ += moved_m; }
-  void fixed(int64_t t_ns) { reference_maker_.fixed(t_ns); }
+  void fixed(int64_t t_ns) { displacement_reference_.fixed(t_ns); }
 
   bool take_pose(odo_pose& pose) { return take(pose_, pose); }
   bool take_correction(Correction& correction, odo_pose& pose) {
@@ -63,7 +63,7 @@ class PoseOutput {
   std::optional<odo_pose> pose_, corrected_;
   std::optional<Correction> correction_;
   std::optional<odo_fix> reference_;
-  DisplacementReference reference_maker_;
+  DisplacementReference displacement_reference_;
   int64_t last_ns_ = INT64_MIN;
   uint32_t last_state_ = 0, last_reason_ = 0;
   double distance_m_ = 0;

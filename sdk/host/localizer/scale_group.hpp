@@ -16,7 +16,7 @@ namespace odograph {
 struct ScaleGroup {
   uint32_t id = 0;
   bool any = false, metric = false, inertial = false;
-  bool walked = false;  ///< its scale has been better known than step lengths vary between walkers
+  bool scale_converged = false;  ///< its scale has been better known than step lengths vary between walkers
   int64_t began_ns = INT64_MIN;
   int64_t unscaled_ns = INT64_MIN;  ///< since when motions wait for their scale
 
@@ -27,12 +27,12 @@ struct ScaleGroup {
   }
   void add(int64_t t_ns, const Eigen::Vector3d& d_o) { path_.add(t_ns, y_o_ += d_o); }
   /// The motion from that time on has no scale yet.
-  void wait(int64_t from_ns, const Eigen::Vector3d& d_o) {
+  void add_unscaled(int64_t from_ns, const Eigen::Vector3d& d_o) {
     if (unscaled_o_.isZero()) unscaled_ns = from_ns;
     unscaled_o_ += d_o;
   }
   /// Returns the waiting displacement once.
-  Eigen::Vector3d take_waiting() { return std::exchange(unscaled_o_, Eigen::Vector3d::Zero()); }
+  Eigen::Vector3d take_unscaled() { return std::exchange(unscaled_o_, Eigen::Vector3d::Zero()); }
   /// Nothing for a time that is no longer stored or precedes the group.
   std::optional<Eigen::Vector3d> displacement(int64_t from_ns, int64_t to_ns) const {
     const auto from = path_.at(from_ns), to = path_.at(to_ns);

@@ -10,7 +10,7 @@
 namespace odograph {
 namespace {
 
-constexpr double kNews = 1.02;  // minimum ratio to the information so far; less adds nothing
+constexpr double kMinInformationRatio = 1.02;  // minimum ratio to the information so far; less adds nothing
 
 Innovation<1> of_log_scale(double value, const Localizer& localizer, double variance) {
   Innovation<1> seen;
@@ -27,7 +27,7 @@ void ScaleUpdate::begin_group(Localizer& localizer) {
   localizer.set(kLogScale, 0, squared(p_.unknown_sigma));
 }
 
-void ScaleUpdate::use_own(Localizer& localizer, double sigma, bool walks) {
+void ScaleUpdate::use_front_end(Localizer& localizer, double sigma, bool is_walking) {
   const double information = 1 / squared(std::clamp(sigma, p_.min_sigma, p_.unknown_sigma));
   own_ = information;
   if (!known_) {
@@ -37,13 +37,13 @@ void ScaleUpdate::use_own(Localizer& localizer, double sigma, bool walks) {
     return;
   }
   const double held = 1 / localizer.P(kLogScale, kLogScale);
-  if (information < p_.lost_confidence * stated_ && walks) {
+  if (information < p_.lost_confidence * stated_ && is_walking) {
     if (information < held) localizer.add_variance(kLogScale, 1 / information - 1 / held);
     stated_ = information;
     return;
   }
   stated_ = std::max(stated_, information);
-  if (information > kNews * held) localizer.update(of_log_scale(0, localizer, 1 / (information - held)), 0);
+  if (information > kMinInformationRatio * held) localizer.update(of_log_scale(0, localizer, 1 / (information - held)), 0);
 }
 
 UpdateResult ScaleUpdate::use(Localizer& localizer, const odo_scale& scale) {
@@ -59,7 +59,7 @@ UpdateResult ScaleUpdate::use(Localizer& localizer, const odo_scale& scale) {
     stated_ = information;
   } else {
     stated_ *= std::exp(-std::max(0.0, since_s) / p_.memory_s);
-    if (information <= kNews * stated_) return {};
+    if (information <= kMinInformationRatio * stated_) return {};
     const UpdateResult result = localizer.update(of_log_scale(value, localizer, 1 / (information - stated_)), kGate[1]);
     if (!result.accepted) return result;
     stated_ = information;
@@ -68,7 +68,7 @@ UpdateResult ScaleUpdate::use(Localizer& localizer, const odo_scale& scale) {
   return {true, 0.0, 1};
 }
 
-void ScaleUpdate::know_by_steps(const Localizer& localizer) {
+void ScaleUpdate::confirm_by_steps(const Localizer& localizer) {
   known_ = known_ || (steps_ >= p_.min_steps && localizer.sigma(kLogScale) < p_.known_sigma);
 }
 

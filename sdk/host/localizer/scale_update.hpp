@@ -22,9 +22,9 @@ class ScaleUpdate {
 
   /// Starts a scale group with unknown scale.
   void begin_group(Localizer& localizer);
-  /// Takes the front-end's own statement, relative sigma. `walks`: the camera moves. A camera at rest is uncertain of
+  /// Takes the front-end's own statement, relative sigma. `is_walking`: the camera moves. A camera at rest is uncertain of
   /// its displacement, not its scale.
-  void use_own(Localizer& localizer, double sigma, bool walks);
+  void use_front_end(Localizer& localizer, double sigma, bool is_walking);
   /// Takes a scale source's statement at a time.
   UpdateResult use(Localizer& localizer, const odo_scale& scale);
   /// Adds the information gained from comparing steps with the front-end, 1/variance.
@@ -32,7 +32,7 @@ class ScaleUpdate {
 
   bool known() const { return known_; }
   /// Accepts the scale from steps alone: at least min_steps, and a small enough sigma.
-  void know_by_steps(const Localizer& localizer);
+  void confirm_by_steps(const Localizer& localizer);
   /// Information on log-scale without the help of steps, 1/variance; 0: none.
   double own_information() const { return own_; }
   ScaleKnowledge knowledge(const Localizer& localizer) const;

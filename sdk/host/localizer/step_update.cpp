@@ -28,7 +28,7 @@ double StepUpdate::own_sigma(const odo_step& step) const {
 }
 
 double StepUpdate::direction_sigma(const odo_step& step) const {
-  return is_loose(step) ? p_.loose_across_rad : p_.across_rad;
+  return is_loose(step) ? p_.loose_direction_rad : p_.direction_rad;
 }
 
 void StepUpdate::reset(Localizer& localizer) {
@@ -37,7 +37,7 @@ void StepUpdate::reset(Localizer& localizer) {
   localizer.set(kStepHeading, 0, squared(p_.heading_sigma_rad));
 }
 
-void StepUpdate::go_on(Localizer& localizer, const odo_step& step, bool learns) {
+void StepUpdate::propagate(Localizer& localizer, const odo_step& step, bool learns) {
   if (!std::exchange(any_, true)) {
     const double common = squared(step.sigma_m / step.length_m) - squared(own_sigma(step));
     localizer.set(kLogFactor, localizer.x[kLogFactor], std::max(squared(p_.factor_sigma), common));
@@ -46,20 +46,20 @@ void StepUpdate::go_on(Localizer& localizer, const odo_step& step, bool learns) 
   if (learns) localizer.decay(kLogFactor, 0, keep, (1 - keep * keep) * squared(p_.factor_sigma));
   localizer.add_variance(kStepHeading, squared(p_.heading_walk));
   if (settling_ > 0 && --settling_ == 0)
-    localizer.set(kStepHeading, 0, squared(loose_ ? p_.loose_across_rad : p_.heading_sigma_rad));
+    localizer.set(kStepHeading, 0, squared(loose_ ? p_.loose_direction_rad : p_.heading_sigma_rad));
   if (std::exchange(loose_, is_loose(step)) == is_loose(step)) return;
-  localizer.add_variance(kStepHeading, squared(p_.loose_across_rad));
+  localizer.add_variance(kStepHeading, squared(p_.loose_direction_rad));
   settling_ = p_.settle_steps;
 }
 
-StepUpdate::Stride StepUpdate::carry(Localizer& localizer, const odo_step& step, double share,
+StepUpdate::Stride StepUpdate::apply_step(Localizer& localizer, const odo_step& step, double share,
                                      double phone_heading_rad) const {
   const auto& x = localizer.x;
   const bool heading = (step.header.flags & ODO_STEP_HEADING) != 0;
   const double direction = x[kAttitudeHeading] + (heading ? step.heading_rad + x[kStepHeading] : phone_heading_rad);
   const Vector3d along(std::cos(direction), std::sin(direction), 0), side_n = across(along);
   const double length_m = share * std::exp(x[kLogFactor]) * step.length_m;
-  const double sway = heading ? p_.across_rad : p_.loose_across_rad;
+  const double sway = heading ? p_.direction_rad : p_.loose_direction_rad;
   const Matrix3d noise = squared(own_sigma(step) * length_m) * along * along.transpose() +
                          squared(sway * length_m) * side_n * side_n.transpose();
   const Vector3d walked_n = length_m * along, by_heading = across(walked_n);

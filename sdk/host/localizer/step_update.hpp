@@ -20,8 +20,8 @@ class StepUpdate {
     double correlation = 10;         ///< steps over which this error is correlated, beside odometry
     double odometry_sigma = 0.02;    ///< units, of a front-end's displacement over a step; empirical
     double min_moved = 0.1;          ///< units a step, below which the logarithm is meaningless; empirical
-    double across_rad = 0.10;        ///< rad, of one step's direction: a hand sways
-    double loose_across_rad = 0.5;   ///< rad, the same with the phone swinging or in a pocket
+    double direction_rad = 0.10;        ///< rad, of one step's direction: a hand sways
+    double loose_direction_rad = 0.5;   ///< rad, the same with the phone swinging or in a pocket
     double heading_sigma_rad = 0.3;  ///< rad between the phone's axis and the walk at the start; judgement
     double heading_walk = 0.02;      ///< rad per square root of a step; judgement
     int settle_steps = 6;  ///< steps after a change of carrying position, during which the estimated step heading is
@@ -36,14 +36,14 @@ class StepUpdate {
   void reset(Localizer& localizer);
 
   /// Propagates walker and carrying position by one step. `learns`: the estimated factor decays slowly.
-  void go_on(Localizer& localizer, const odo_step& step, bool learns);
+  void propagate(Localizer& localizer, const odo_step& step, bool learns);
   /// Displacement of the body by a step in n, m, and its own noise, m^2.
   struct Stride {
     Eigen::Vector3d d_n;
     Eigen::Matrix3d noise;
   };
   /// Moves the body by a fraction of the step, along the phone's own direction if the step has no heading. Eq. (5).
-  Stride carry(Localizer& localizer, const odo_step& step, double share, double phone_heading_rad) const;
+  Stride apply_step(Localizer& localizer, const odo_step& step, double share, double phone_heading_rad) const;
   /// Compares a step with the front-end's displacement over it, up to scale, in o. `variance` of that displacement
   /// covers parts without tracking. `metric`: the step does not update the scale.
   UpdateResult compare(Localizer& localizer, const odo_step& step, const Eigen::Vector3d& moved_o, double variance,

@@ -40,9 +40,9 @@ void Tracker::start_without_attitude(int64_t t_ns, const Quaterniond& q_b_c) {
 }
 
 bool Tracker::add_attitude(const odo_attitude& attitude) {
-  const bool first = !heading.noted();
+  const bool first = !heading.has_attitude();
   attitudes.push(attitude);
-  heading.note(localizer, attitude);
+  heading.on_attitude(localizer, attitude);
   tilt_variance_ = std::max(attitude.covariance_n[0], attitude.covariance_n[4]);
   return first;
 }
@@ -52,14 +52,14 @@ void Tracker::start_camera_at(int64_t t_ns, const Quaterniond& q_o_b, const Vect
   localizer.x.head<3>() = Vector3d(start_.position_m.data()) - localizer.q_n_o() * (q_o_b * lever_b);
 }
 
-void Tracker::go_on(int64_t t_ns) {
+void Tracker::propagate(int64_t t_ns) {
   if (t_ns <= t_ns_) return;
   const double dt_s = seconds(saturating_difference(t_ns, t_ns_));
   t_ns_ = t_ns;
   TrackPoint drifted = track_.newest();
-  drifted.heading_drift_rad2 += heading.go_on(localizer, dt_s, rotates_with_attitude_);
+  drifted.heading_drift_rad2 += heading.propagate(localizer, dt_s, rotates_with_attitude_);
   track_.push(drifted);
-  height.go_on(localizer, dt_s);
+  height.propagate(localizer, dt_s);
   if (config_.orientation != Orientation::gyroscope) return;
   localizer.add_multiple(kHeading, kHeadingRate, dt_s);
   localizer.add_variance(kHeadingRate, squared(gyroscope_.bias_walk) * dt_s);
@@ -78,17 +78,17 @@ void Tracker::push(int64_t t_ns, const Quaterniond& q_o_b, const Vector3d& d_o, 
   if (const auto q_a_b = attitudes.at(point.t_ns)) q_o_a_ = point.q_o_b * q_a_b->conjugate();
 }
 
-double Tracker::unseen_m(int64_t t_ns) const {
-  const double unseen_s = seconds(saturating_difference(t_ns, std::max(coverage.until_ns(), gap_ns_)));
-  return rotates_with_attitude_ || unseen_s < p_.unseen_s ? 0.0 : unseen_m_in(unseen_s);
+double Tracker::unobserved_m(int64_t t_ns) const {
+  const double unobserved_s = seconds(saturating_difference(t_ns, std::max(coverage.until_ns(), gap_ns_)));
+  return rotates_with_attitude_ || unobserved_s < p_.unobserved_s ? 0.0 : unobserved_m_in(unobserved_s);
 }
 
-double Tracker::unseen_m_in(double unseen_s) const { return std::min(unseen_s * config_.fastest_mps, p_.farthest_m); }
+double Tracker::unobserved_m_in(double unobserved_s) const { return std::min(unobserved_s * config_.fastest_mps, p_.farthest_m); }
 
 void Tracker::add_gap(int64_t until_ns) {
-  const double unseen_m = this->unseen_m(until_ns);
-  if (unseen_m == 0) return;
-  localizer.P.diagonal().head<2>().array() += squared(unseen_m);
+  const double unobserved_m = this->unobserved_m(until_ns);
+  if (unobserved_m == 0) return;
+  localizer.P.diagonal().head<2>().array() += squared(unobserved_m);
   gap_ns_ = until_ns;
 }
 
@@ -97,11 +97,11 @@ void Tracker::pause(int64_t until_ns, bool placed) {
   const int64_t seen_ns = rotates_with_attitude_ ? now_ns() : std::max(coverage.until_ns(), gap_ns_);
   gap_ns_ = until_ns;  // immediately, so that any later motion source can ignore the pause
   if (placed)
-    localizer.P.diagonal().head<2>().array() += squared(unseen_m_in(seconds(saturating_difference(until_ns, seen_ns))));
+    localizer.P.diagonal().head<2>().array() += squared(unobserved_m_in(seconds(saturating_difference(until_ns, seen_ns))));
 }
 
 void Tracker::rotate_with_attitude() {
-  if (!std::exchange(rotates_with_attitude_, true) && heading.noted()) heading.join(localizer, q_o_a_);
+  if (!std::exchange(rotates_with_attitude_, true) && heading.has_attitude()) heading.join(localizer, q_o_a_);
 }
 
 std::optional<InertialTrack::Point> Tracker::inertial_point(int64_t t_ns) const {
@@ -109,7 +109,7 @@ std::optional<InertialTrack::Point> Tracker::inertial_point(int64_t t_ns) const 
   return point && point->t_ns == t_ns ? point : std::nullopt;
 }
 
-std::optional<Vector3d> Tracker::moved_until(int64_t from_ns, int64_t to_ns, const Quaterniond& q_o_b,
+std::optional<Vector3d> Tracker::inertial_displacement(int64_t from_ns, int64_t to_ns, const Quaterniond& q_o_b,
                                              const Vector3d& v_o, const Vector3d& accel_bias_b) const {
   const auto from = inertial_point(from_ns), to = inertial_point(to_ns);
   if (!from || !to || to_ns <= from_ns) return std::nullopt;

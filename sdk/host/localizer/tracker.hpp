@@ -24,7 +24,7 @@ namespace odograph {
 class Tracker {
  public:
   struct Parameters {
-    double unseen_s = 1.0;      ///< s without a displacement until steps move the track; steps are reported 0.4 s late
+    double unobserved_s = 1.0;      ///< s without a displacement until steps move the track; steps are reported 0.4 s late
     double impossible = 5;      ///< times coupling.fastest: a failure of a sensor or of the scale; empirical
     double farthest_m = 100e3;  ///< m, upper clamp of the unobserved motion sigma; the extent of n
   };
@@ -46,7 +46,7 @@ class Tracker {
 
   // Time and motion.
   /// Propagates the drifting states to that time.
-  void go_on(int64_t t_ns);
+  void propagate(int64_t t_ns);
   /// Moves the track in o by d_o, m, after the filter; variances of the drift, m^2 and rad^2.
   void push(int64_t t_ns, const Eigen::Quaterniond& q_o_b, const Eigen::Vector3d& d_o,
             const Eigen::Vector3d& drift_m2 = Eigen::Vector3d::Zero(), double heading_drift_rad2 = 0);
@@ -59,7 +59,7 @@ class Tracker {
   /// Nothing was measured until then. `placed`: a position estimate exists whose covariance must grow.
   void pause(int64_t until_ns, bool placed);
   /// Sigma of the body's motion, m, until a time while the camera is the motion source but reported no displacement.
-  double unseen_m(int64_t t_ns) const;
+  double unobserved_m(int64_t t_ns) const;
   bool is_impossible(double moved_m, double dt_s) const { return moved_m > p_.impossible * config_.fastest_mps * dt_s; }
   void set_velocity(const Eigen::Vector3d& v_o, Velocity kind) { v_o_ = v_o, velocity_ = kind; }
 
@@ -74,7 +74,7 @@ class Tracker {
   std::optional<InertialTrack::Point> inertial_point(int64_t t_ns) const;
   /// The body's displacement in o from the samples of an interval, given orientation and velocity at its end: p(T) -
   /// p(0) = v T - int t a dt. Nothing if samples are missing.
-  std::optional<Eigen::Vector3d> moved_until(int64_t from_ns, int64_t to_ns, const Eigen::Quaterniond& q_o_b,
+  std::optional<Eigen::Vector3d> inertial_displacement(int64_t from_ns, int64_t to_ns, const Eigen::Quaterniond& q_o_b,
                                              const Eigen::Vector3d& v_o, const Eigen::Vector3d& accel_bias_b) const;
   /// The body's rotation from the gyroscope, if there are samples.
   std::optional<Eigen::Quaterniond> gyro_rotation(int64_t from_ns, int64_t to_ns) const;
@@ -98,7 +98,7 @@ class Tracker {
   InertialTrack inertia;
 
  private:
-  double unseen_m_in(double unseen_s) const;
+  double unobserved_m_in(double unobserved_s) const;
 
   Parameters p_;
   GyroAttitudeFilter::Parameters gyroscope_;

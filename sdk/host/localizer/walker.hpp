@@ -25,19 +25,19 @@ class Walker {
   /// Processes the steps whose time is settled by now. Returns their displacement of the body in n, m.
   Eigen::Vector3d settle(int64_t now_ns);
   /// Paper mode: a whole step moves the track while the front-end does not. Returns its displacement in n, m.
-  Eigen::Vector3d carry_as_in_papers(const odo_step& step);
+  Eigen::Vector3d apply_paper_step(const odo_step& step);
 
   bool any() const { return update_.any(); }
   /// Whether steps have moved the track since the last call.
-  bool take_carried() { return std::exchange(carried_, false); }
-  int64_t carried_ns() const { return carried_ns_; }
+  bool take_moved() { return std::exchange(moved_, false); }
+  int64_t moved_ns() const { return moved_ns_; }
   /// A change of the verdict on the front-end's metric scale.
   Notice take_notice() { return std::exchange(notice_, {}); }
 
  private:
-  Eigen::Vector3d carry(const odo_step& step, double share);
+  Eigen::Vector3d apply_step(const odo_step& step, double share);
   void pop();
-  void learn_scale();
+  void estimate_scale();
   void compare(const odo_step& step);
 
   Tracker& tracker_;
@@ -46,8 +46,8 @@ class Walker {
   Ring<odo_step, 16> waiting_;
   size_t count_ = 0;     // of waiting steps
   size_t compared_ = 0;  // of these, the oldest, already compared with an unscaled front-end
-  int64_t carried_ns_ = INT64_MIN;
-  bool carried_ = false;
+  int64_t moved_ns_ = INT64_MIN;
+  bool moved_ = false;
   Notice notice_;
 };
 

@@ -25,7 +25,7 @@ inline constexpr Bounds kLongitude_rad = {-6.283185307179587, 6.283185307179587,
 /// Ellipsoidal: the deepest trench is 11 km deep; space begins at 100 km.
 inline constexpr Bounds kHeight_m = {-12e3, 100e3, "-12 to 100 km"};
 /// In n: half the Earth's circumference.
-inline constexpr Bounds kPlace_m = {-2e7, 2e7, "within half the Earth's circumference, +-2e7 m"};
+inline constexpr Bounds kPosition_m = {-2e7, 2e7, "within half the Earth's circumference, +-2e7 m"};
 /// Pixels of a frame: a phone's whole sensor in binned readout has 12 million, a picture of 4K video 8. A picture of 48
 /// million costs a front-end 2 GB and seconds.
 inline constexpr uint64_t kMaxPixels = uint64_t(1) << 24;

@@ -18,105 +18,105 @@ constexpr MessageInfo kMessages[] = {
 };
 
 /// Records the first fault found.
-class Judge {
+class FieldCheck {
  public:
-  explicit Judge(const odo_header& header) : flags_(header.flags) {
-    when(ODO_FLAG_QUALITY).share("quality", header.quality).always();
+  explicit FieldCheck(const odo_header& header) : flags_(header.flags) {
+    when(ODO_FLAG_QUALITY).fraction("quality", header.quality).always();
   }
 
   /// The following checks apply only if this validity bit is set.
-  Judge& when(uint32_t bit) {
-    asked_ = (flags_ & bit) != 0;
+  FieldCheck& when(uint32_t bit) {
+    active_ = (flags_ & bit) != 0;
     return *this;
   }
-  Judge& always() {
-    asked_ = true;
+  FieldCheck& always() {
+    active_ = true;
     return *this;
   }
-  Judge& that(bool holds, const char* field, double value, const char* expected) {
-    if (asked_ && !holds && fault.empty())
+  FieldCheck& require(bool holds, const char* field, double value, const char* expected) {
+    if (active_ && !holds && fault.empty())
       fault = std::string(field) + " = " + number_text(value) + "; expected " + expected;
     return *this;
   }
-  Judge& within(const char* field, double value, const bounds::Bounds& bounds) {
-    that(std::isfinite(value), field, value, "a finite number");
-    return that(bounds.holds(value), field, value, bounds.text);
+  FieldCheck& within(const char* field, double value, const bounds::Bounds& bounds) {
+    require(std::isfinite(value), field, value, "a finite number");
+    return require(bounds.holds(value), field, value, bounds.text);
   }
-  Judge& within(const char* field, const double* values, size_t count, const bounds::Bounds& bounds) {
-    for (size_t i = 0; asked_ && i < count && fault.empty(); ++i)
+  FieldCheck& within(const char* field, const double* values, size_t count, const bounds::Bounds& bounds) {
+    for (size_t i = 0; active_ && i < count && fault.empty(); ++i)
       if (!bounds.holds(values[i]))
         within(count == 1 ? field : (std::string(field) + "[" + std::to_string(i) + "]").c_str(), values[i], bounds);
     return *this;
   }
   /// A sensor's values; SampleGate checks their range.
-  Judge& sensed(const char* field, const double* values, size_t count) {
+  FieldCheck& sensed(const char* field, const double* values, size_t count) {
     constexpr bounds::Bounds kFinite = {-1.7e308, 1.7e308, "a finite number"};
     return within(field, values, count, kFinite);
   }
-  Judge& finite(const char* field, double value) { return within(field, value, bounds::kAnything); }
-  Judge& finite(const char* field, const double* values, size_t count) {
+  FieldCheck& finite(const char* field, double value) { return within(field, value, bounds::kAnything); }
+  FieldCheck& finite(const char* field, const double* values, size_t count) {
     return within(field, values, count, bounds::kAnything);
   }
   /// A row-major covariance matrix.
-  Judge& covariance(const char* field, const double* values, size_t rows) {
+  FieldCheck& covariance(const char* field, const double* values, size_t rows) {
     constexpr bounds::Bounds kFinite = {-bounds::kMaxVariance, bounds::kMaxVariance, "within +-1e15"};
     within(field, values, rows * rows, kFinite);
-    for (size_t i = 0; asked_ && i < rows && fault.empty(); ++i)
+    for (size_t i = 0; active_ && i < rows && fault.empty(); ++i)
       if (const size_t at = i * (rows + 1); values[at] < 0)
         not_negative((std::string(field) + "[" + std::to_string(at) + "]").c_str(), values[at]);
-    if (asked_ && fault.empty() && !bounds::is_covariance(values, rows))
+    if (active_ && fault.empty() && !bounds::is_covariance(values, rows))
       fault = std::string(field) + " is not a covariance; expected a symmetric positive semidefinite matrix";
     return *this;
   }
   /// Variance of a component that is stated as known.
-  Judge& known(const char* field, double variance) {
-    return that(variance >= bounds::kMinKnownVariance, field, variance,
+  FieldCheck& known(const char* field, double variance) {
+    return require(variance >= bounds::kMinKnownVariance, field, variance,
                 "a variance of at least 1e-12 for a known component");
   }
-  Judge& unit(const char* field, const double* q) {
+  FieldCheck& unit(const char* field, const double* q) {
     finite(field, q, 4);
     const double norm = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
-    if (asked_ && fault.empty() && !(std::abs(norm - 1.0) < 1e-3))
+    if (active_ && fault.empty() && !(std::abs(norm - 1.0) < 1e-3))
       fault = std::string(field) + " has the norm " + number_text(norm) + "; expected a quaternion of norm 1";
     return *this;
   }
-  Judge& unit3(const char* field, const double* v) {
+  FieldCheck& unit3(const char* field, const double* v) {
     finite(field, v, 3);
     const double norm = std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
-    return that(std::abs(norm - 1.0) < 1e-3, field, norm, "a vector of norm 1");
+    return require(std::abs(norm - 1.0) < 1e-3, field, norm, "a vector of norm 1");
   }
-  Judge& share(const char* field, double value) {
-    return finite(field, value).that(value >= 0 && value <= 1, field, value, "0 to 1");
+  FieldCheck& fraction(const char* field, double value) {
+    return finite(field, value).require(value >= 0 && value <= 1, field, value, "0 to 1");
   }
-  Judge& positive(const char* field, double value) {
-    return finite(field, value).that(value > 0, field, value, "above 0");
+  FieldCheck& positive(const char* field, double value) {
+    return finite(field, value).require(value > 0, field, value, "above 0");
   }
-  Judge& not_negative(const char* field, double value) {
-    return finite(field, value).that(value >= 0, field, value, "0 or more");
+  FieldCheck& not_negative(const char* field, double value) {
+    return finite(field, value).require(value >= 0, field, value, "0 or more");
   }
 
   std::string fault;
 
  private:
   uint32_t flags_;
-  bool asked_ = true;
+  bool active_ = true;
 };
 
-void judge_lens(Judge& judge, const odo_frame& m) {
-  judge.when(ODO_FRAME_INTRINSICS).positive("fx", m.fx).positive("fy", m.fy).finite("cx", m.cx).finite("cy", m.cy);
+void check_lens(FieldCheck& check, const odo_frame& m) {
+  check.when(ODO_FRAME_INTRINSICS).positive("fx", m.fx).positive("fy", m.fy).finite("cx", m.cx).finite("cy", m.cy);
 }
 
-void judge_frame(Judge& judge, const odo_frame& m) {
+void check_frame(FieldCheck& check, const odo_frame& m) {
   const auto plane = [&](int i) {
-    judge.that(m.planes[i].data != nullptr, ("planes[" + std::to_string(i) + "].data").c_str(), 0, "pixels");
+    check.require(m.planes[i].data != nullptr, ("planes[" + std::to_string(i) + "].data").c_str(), 0, "pixels");
   };
   const bool native_only = m.planes[0].data == nullptr && m.loan.native != nullptr;
-  judge.that(m.width > 0 && m.width <= 16384, "width", m.width, "1 to 16384")
-      .that(m.height > 0 && m.height <= 16384, "height", m.height, "1 to 16384")
-      .that(uint64_t(m.width) * m.height <= bounds::kMaxPixels, "width * height", double(m.width) * m.height,
+  check.require(m.width > 0 && m.width <= 16384, "width", m.width, "1 to 16384")
+      .require(m.height > 0 && m.height <= 16384, "height", m.height, "1 to 16384")
+      .require(uint64_t(m.width) * m.height <= bounds::kMaxPixels, "width * height", double(m.width) * m.height,
             "at most 2^24 pixels; a smaller picture is as informative")
-      .that(m.format != 0, "format", m.format, "one of ODO_FORMAT_*")
-      .that(m.plane_count <= 4, "plane_count", m.plane_count, "0 to 4");
+      .require(m.format != 0, "format", m.format, "one of ODO_FORMAT_*")
+      .require(m.plane_count <= 4, "plane_count", m.plane_count, "0 to 4");
   if (!native_only) plane(0);
   for (uint32_t i = 1; !native_only && i < std::min(m.plane_count, 4u); ++i) plane(static_cast<int>(i));
   if (native_only) {
@@ -124,178 +124,178 @@ void judge_frame(Judge& judge, const odo_frame& m) {
     plane(1);
     if (m.format == ODO_FORMAT_YUV420) plane(2);
   }
-  judge.when(ODO_FRAME_MASK).that(m.mask.data != nullptr, "mask.data", 0, "pixels");
-  judge_lens(judge, m);
+  check.when(ODO_FRAME_MASK).require(m.mask.data != nullptr, "mask.data", 0, "pixels");
+  check_lens(check, m);
 }
 
-void judge_calibration(Judge& judge, const odo_calibration& m) {
-  judge.positive("fx", m.fx)
+void check_calibration(FieldCheck& check, const odo_calibration& m) {
+  check.positive("fx", m.fx)
       .positive("fy", m.fy)
       .finite("cx", m.cx)
       .finite("cy", m.cy)
       .finite("distortion", m.distortion, 8);
-  judge.that(m.width > 0 && m.width <= 16384, "width", m.width, "1 to 16384")
-      .that(m.height > 0 && m.height <= 16384, "height", m.height, "1 to 16384");
-  judge.that(m.distortion_count == 0 || m.distortion_count == 4 || m.distortion_count == 5 || m.distortion_count == 8,
+  check.require(m.width > 0 && m.width <= 16384, "width", m.width, "1 to 16384")
+      .require(m.height > 0 && m.height <= 16384, "height", m.height, "1 to 16384");
+  check.require(m.distortion_count == 0 || m.distortion_count == 4 || m.distortion_count == 5 || m.distortion_count == 8,
              "distortion_count", m.distortion_count, "0, 4, 5 or 8");
-  judge.that(m.model == ODO_CAMERA_PINHOLE || m.model == ODO_CAMERA_KANNALA_BRANDT, "model", m.model,
+  check.require(m.model == ODO_CAMERA_PINHOLE || m.model == ODO_CAMERA_KANNALA_BRANDT, "model", m.model,
              "one of ODO_CAMERA_*");
-  judge.when(ODO_CALIBRATION_EXTRINSICS).unit("q_b_c", m.q_b_c).finite("p_b_c", m.p_b_c, 3);
+  check.when(ODO_CALIBRATION_EXTRINSICS).unit("q_b_c", m.q_b_c).finite("p_b_c", m.p_b_c, 3);
 }
 
-void judge_vo_motion(Judge& judge, const odo_vo_motion& m) {
-  judge.that(m.header.t_ns > m.t_from_ns, "t_from_ns", static_cast<double>(m.t_from_ns), "before header.t_ns");
-  judge.when(ODO_VO_ROTATION).unit("q_c0_c1", m.q_c0_c1);
-  judge.when(ODO_VO_TRANSLATION).finite("p_c0_c1", m.p_c0_c1, 3);
-  judge.when(ODO_VO_COVARIANCE).covariance("covariance", m.covariance, 6);
-  judge.when(ODO_VO_METRIC | ODO_VO_INERTIAL).not_negative("scale_sigma", m.scale_sigma);
-  judge.when(ODO_VO_INERTIAL).finite("velocity_c1", m.velocity_c1, 3);
-  judge.unit3("gravity_c1", m.gravity_c1).finite("gyro_bias_b", m.gyro_bias_b, 3);
-  judge.finite("accel_bias_b", m.accel_bias_b, 3);
+void check_vo_motion(FieldCheck& check, const odo_vo_motion& m) {
+  check.require(m.header.t_ns > m.t_from_ns, "t_from_ns", static_cast<double>(m.t_from_ns), "before header.t_ns");
+  check.when(ODO_VO_ROTATION).unit("q_c0_c1", m.q_c0_c1);
+  check.when(ODO_VO_TRANSLATION).finite("p_c0_c1", m.p_c0_c1, 3);
+  check.when(ODO_VO_COVARIANCE).covariance("covariance", m.covariance, 6);
+  check.when(ODO_VO_METRIC | ODO_VO_INERTIAL).not_negative("scale_sigma", m.scale_sigma);
+  check.when(ODO_VO_INERTIAL).finite("velocity_c1", m.velocity_c1, 3);
+  check.unit3("gravity_c1", m.gravity_c1).finite("gyro_bias_b", m.gyro_bias_b, 3);
+  check.finite("accel_bias_b", m.accel_bias_b, 3);
 }
 
-void judge_fix(Judge& judge, const odo_fix& m) {
+void check_fix(FieldCheck& check, const odo_fix& m) {
   const uint32_t flags = m.header.flags;
-  judge.when(ODO_FIX_NORTH | ODO_FIX_EAST | ODO_FIX_DOWN | ODO_FIX_GEODETIC)
-      .that(flags & ODO_FIX_COVARIANCE, "flags", flags, "ODO_FIX_COVARIANCE with a position")
-      .within("p_n", m.p_n, 3, bounds::kPlace_m);
-  judge.when(ODO_FIX_COVARIANCE).covariance("covariance_n", m.covariance_n, 3);
-  judge.when(ODO_FIX_NORTH | ODO_FIX_GEODETIC).known("covariance_n[0]", m.covariance_n[0]);
-  judge.when(ODO_FIX_EAST | ODO_FIX_GEODETIC).known("covariance_n[4]", m.covariance_n[4]);
-  judge.when(ODO_FIX_DOWN).known("covariance_n[8]", m.covariance_n[8]);
-  judge.when(ODO_FIX_INTEGRITY).share("integrity", m.integrity);
-  judge.when(ODO_FIX_LEVER).finite("lever_b", m.lever_b, 3);
-  judge.when(ODO_FIX_ORIENTATION)
-      .that(flags & ODO_FIX_ORIENTATION_COVARIANCE, "flags", flags,
+  check.when(ODO_FIX_NORTH | ODO_FIX_EAST | ODO_FIX_DOWN | ODO_FIX_GEODETIC)
+      .require(flags & ODO_FIX_COVARIANCE, "flags", flags, "ODO_FIX_COVARIANCE with a position")
+      .within("p_n", m.p_n, 3, bounds::kPosition_m);
+  check.when(ODO_FIX_COVARIANCE).covariance("covariance_n", m.covariance_n, 3);
+  check.when(ODO_FIX_NORTH | ODO_FIX_GEODETIC).known("covariance_n[0]", m.covariance_n[0]);
+  check.when(ODO_FIX_EAST | ODO_FIX_GEODETIC).known("covariance_n[4]", m.covariance_n[4]);
+  check.when(ODO_FIX_DOWN).known("covariance_n[8]", m.covariance_n[8]);
+  check.when(ODO_FIX_INTEGRITY).fraction("integrity", m.integrity);
+  check.when(ODO_FIX_LEVER).finite("lever_b", m.lever_b, 3);
+  check.when(ODO_FIX_ORIENTATION)
+      .require(flags & ODO_FIX_ORIENTATION_COVARIANCE, "flags", flags,
             "ODO_FIX_ORIENTATION_COVARIANCE with an orientation")
       .unit("q_n_b", m.q_n_b)
       .covariance("orientation_cov_n", m.orientation_cov_n, 3)
       .known("orientation_cov_n[0]", m.orientation_cov_n[0])
       .known("orientation_cov_n[4]", m.orientation_cov_n[4])
       .known("orientation_cov_n[8]", m.orientation_cov_n[8]);
-  judge.when(ODO_FIX_CROSS_COVARIANCE).finite("cross_covariance_n", m.cross_covariance_n, 9);
-  judge.when(ODO_FIX_SLANT_SIGMA).positive("slant_sigma_m", m.slant_sigma_m);
-  judge.when(ODO_FIX_SLANT)
-      .within("landmark_n", m.landmark_n, 3, bounds::kPlace_m)
+  check.when(ODO_FIX_CROSS_COVARIANCE).finite("cross_covariance_n", m.cross_covariance_n, 9);
+  check.when(ODO_FIX_SLANT_SIGMA).positive("slant_sigma_m", m.slant_sigma_m);
+  check.when(ODO_FIX_SLANT)
+      .within("landmark_n", m.landmark_n, 3, bounds::kPosition_m)
       .not_negative("slant_distance_m", m.slant_distance_m);
-  judge.when(ODO_FIX_YAW)
+  check.when(ODO_FIX_YAW)
       .finite("yaw_rad", m.yaw_rad)
       .positive("yaw_sigma_rad", m.yaw_sigma_rad)
       .unit3("yaw_axis_b", m.yaw_axis_b);
-  judge.when(ODO_FIX_GEODETIC)
+  check.when(ODO_FIX_GEODETIC)
       .within("latitude_rad", m.latitude_rad, bounds::kLatitude_rad)
       .within("longitude_rad", m.longitude_rad, bounds::kLongitude_rad)
       .within("height_m", m.height_m, bounds::kHeight_m);
 }
 
-void judge_gnss(Judge& judge, const odo_gnss& m) {
-  judge.when(ODO_GNSS_POSITION)
+void check_gnss(FieldCheck& check, const odo_gnss& m) {
+  check.when(ODO_GNSS_POSITION)
       .within("latitude_rad", m.latitude_rad, bounds::kLatitude_rad)
       .within("longitude_rad", m.longitude_rad, bounds::kLongitude_rad);
-  judge.when(ODO_GNSS_HEIGHT).within("height_m", m.height_m, bounds::kHeight_m);
-  judge.when(ODO_GNSS_COVARIANCE).covariance("covariance_n", m.covariance_n, 3);
-  judge.when(ODO_GNSS_VELOCITY).finite("velocity_n", m.velocity_n, 3);
-  judge.when(ODO_GNSS_LEVER).finite("lever_b", m.lever_b, 3);
+  check.when(ODO_GNSS_HEIGHT).within("height_m", m.height_m, bounds::kHeight_m);
+  check.when(ODO_GNSS_COVARIANCE).covariance("covariance_n", m.covariance_n, 3);
+  check.when(ODO_GNSS_VELOCITY).finite("velocity_n", m.velocity_n, 3);
+  check.when(ODO_GNSS_LEVER).finite("lever_b", m.lever_b, 3);
 }
 
-void judge_input_fields(Judge& judge, const odo_header& header) {
+void check_input_fields(FieldCheck& check, const odo_header& header) {
   switch (header.type) {
     case ODO_TYPE_IMU: {
       const auto& m = as<odo_imu>(header);
-      judge.when(ODO_IMU_GYRO).sensed("gyro_b", m.gyro_b, 3);
-      judge.when(ODO_IMU_ACCEL).sensed("accel_b", m.accel_b, 3);
+      check.when(ODO_IMU_GYRO).sensed("gyro_b", m.gyro_b, 3);
+      check.when(ODO_IMU_ACCEL).sensed("accel_b", m.accel_b, 3);
       break;
     }
     case ODO_TYPE_MAGNETOMETER:
-      judge.sensed("field_b", as<odo_magnetometer>(header).field_b, 3);
-      judge.when(ODO_MAGNETOMETER_SIGMA).not_negative("sigma_t", as<odo_magnetometer>(header).sigma_t);
+      check.sensed("field_b", as<odo_magnetometer>(header).field_b, 3);
+      check.when(ODO_MAGNETOMETER_SIGMA).not_negative("sigma_t", as<odo_magnetometer>(header).sigma_t);
       break;
     case ODO_TYPE_BAROMETER:
-      judge.sensed("pressure_pa", &as<odo_barometer>(header).pressure_pa, 1);
-      judge.when(ODO_BAROMETER_SIGMA).not_negative("sigma_pa", as<odo_barometer>(header).sigma_pa);
+      check.sensed("pressure_pa", &as<odo_barometer>(header).pressure_pa, 1);
+      check.when(ODO_BAROMETER_SIGMA).not_negative("sigma_pa", as<odo_barometer>(header).sigma_pa);
       break;
-    case ODO_TYPE_GNSS: judge_gnss(judge, as<odo_gnss>(header)); break;
-    case ODO_TYPE_FRAME: judge_frame(judge, as<odo_frame>(header)); break;
-    case ODO_TYPE_CALIBRATION: judge_calibration(judge, as<odo_calibration>(header)); break;
+    case ODO_TYPE_GNSS: check_gnss(check, as<odo_gnss>(header)); break;
+    case ODO_TYPE_FRAME: check_frame(check, as<odo_frame>(header)); break;
+    case ODO_TYPE_CALIBRATION: check_calibration(check, as<odo_calibration>(header)); break;
     case ODO_TYPE_IMU_NOISE:
       for (const double* density = &as<odo_imu_noise>(header).gyro_noise;
            density <= &as<odo_imu_noise>(header).accel_walk; ++density)
-        judge.not_negative("gyro_noise and what follows", *density);
+        check.not_negative("gyro_noise and what follows", *density);
       break;
     case ODO_TYPE_WAYPOINT:
-      judge.within("p_n", as<odo_waypoint>(header).p_n, 3, bounds::kPlace_m)
+      check.within("p_n", as<odo_waypoint>(header).p_n, 3, bounds::kPosition_m)
           .not_negative("sigma_m", as<odo_waypoint>(header).sigma_m);
-      judge.when(ODO_WAYPOINT_LEVER).finite("lever_b", as<odo_waypoint>(header).lever_b, 3);
+      check.when(ODO_WAYPOINT_LEVER).finite("lever_b", as<odo_waypoint>(header).lever_b, 3);
       break;
     case ODO_TYPE_EARTH_FIELD: {
       const auto& m = as<odo_earth_field>(header);
-      judge.when(ODO_EARTH_FIELD_DECLINATION).finite("declination_rad", m.declination_rad);
-      judge.when(ODO_EARTH_FIELD_INCLINATION).finite("inclination_rad", m.inclination_rad);
-      judge.when(ODO_EARTH_FIELD_INTENSITY).positive("intensity_t", m.intensity_t);
+      check.when(ODO_EARTH_FIELD_DECLINATION).finite("declination_rad", m.declination_rad);
+      check.when(ODO_EARTH_FIELD_INCLINATION).finite("inclination_rad", m.inclination_rad);
+      check.when(ODO_EARTH_FIELD_INTENSITY).positive("intensity_t", m.intensity_t);
       break;
     }
     case ODO_TYPE_PLATFORM_POSE: {
       const auto& m = as<odo_platform_pose>(header);
-      judge.unit("q_w", m.q_w).finite("p_w", m.p_w, 3);
-      judge.when(ODO_PLATFORM_POSE_COVARIANCE).covariance("covariance", m.covariance, 6);
+      check.unit("q_w", m.q_w).finite("p_w", m.p_w, 3);
+      check.when(ODO_PLATFORM_POSE_COVARIANCE).covariance("covariance", m.covariance, 6);
       break;
     }
     case ODO_TYPE_RANGE: {
       const auto& m = as<odo_range>(header);
-      judge.not_negative("range_m", m.range_m).positive("sigma_m", m.sigma_m);
-      judge.when(ODO_RANGE_TRANSMITTER)
-          .within("p_n", m.p_n, 3, bounds::kPlace_m)
+      check.not_negative("range_m", m.range_m).positive("sigma_m", m.sigma_m);
+      check.when(ODO_RANGE_TRANSMITTER)
+          .within("p_n", m.p_n, 3, bounds::kPosition_m)
           .not_negative("transmitter_sigma_m", m.transmitter_sigma_m);
-      judge.when(ODO_RANGE_LEVER).finite("lever_b", m.lever_b, 3);
+      check.when(ODO_RANGE_LEVER).finite("lever_b", m.lever_b, 3);
       break;
     }
     case ODO_TYPE_SYSTEM_STEP:
-      judge.when(ODO_SYSTEM_STEP_DISTANCE).not_negative("distance_m", as<odo_system_step>(header).distance_m);
+      check.when(ODO_SYSTEM_STEP_DISTANCE).not_negative("distance_m", as<odo_system_step>(header).distance_m);
       break;
     default: break;
   }
 }
 
-void judge_event_fields(Judge& judge, const odo_header& header) {
+void check_event_fields(FieldCheck& check, const odo_header& header) {
   switch (header.type) {
     case ODO_TYPE_ATTITUDE: {
       const auto& m = as<odo_attitude>(header);
-      judge.unit("q_n_b", m.q_n_b);
-      judge.when(ODO_ATTITUDE_COVARIANCE).covariance("covariance_n", m.covariance_n, 3);
-      judge.when(ODO_ATTITUDE_GYRO_BIAS).finite("gyro_bias_b", m.gyro_bias_b, 3);
+      check.unit("q_n_b", m.q_n_b);
+      check.when(ODO_ATTITUDE_COVARIANCE).covariance("covariance_n", m.covariance_n, 3);
+      check.when(ODO_ATTITUDE_GYRO_BIAS).finite("gyro_bias_b", m.gyro_bias_b, 3);
       break;
     }
     case ODO_TYPE_STEP: {
       const auto& m = as<odo_step>(header);
-      judge.not_negative("length_m", m.length_m)
+      check.not_negative("length_m", m.length_m)
           .not_negative("sigma_m", m.sigma_m)
           .finite("frequency_hz", m.frequency_hz);
-      judge.when(ODO_STEP_HEADING).finite("heading_rad", m.heading_rad);
-      judge.when(ODO_STEP_HEADING_SIGMA).positive("heading_sigma_rad", m.heading_sigma_rad).always();
-      judge.that(m.t_end_ns > m.t_start_ns, "t_end_ns", static_cast<double>(m.t_end_ns), "after t_start_ns");
+      check.when(ODO_STEP_HEADING).finite("heading_rad", m.heading_rad);
+      check.when(ODO_STEP_HEADING_SIGMA).positive("heading_sigma_rad", m.heading_sigma_rad).always();
+      check.require(m.t_end_ns > m.t_start_ns, "t_end_ns", static_cast<double>(m.t_end_ns), "after t_start_ns");
       break;
     }
-    case ODO_TYPE_VO_MOTION: judge_vo_motion(judge, as<odo_vo_motion>(header)); break;
+    case ODO_TYPE_VO_MOTION: check_vo_motion(check, as<odo_vo_motion>(header)); break;
     case ODO_TYPE_SCALE: {
       const auto& m = as<odo_scale>(header);
-      judge.not_negative("scale", m.scale).not_negative("sigma", m.sigma);
-      judge.finite("displacement_m", m.displacement_m);
+      check.not_negative("scale", m.scale).not_negative("sigma", m.sigma);
+      check.finite("displacement_m", m.displacement_m);
       break;
     }
-    case ODO_TYPE_FIX: judge_fix(judge, as<odo_fix>(header)); break;
+    case ODO_TYPE_FIX: check_fix(check, as<odo_fix>(header)); break;
     case ODO_TYPE_RELATIVE_POSE: {
       const auto& m = as<odo_relative_pose>(header);
-      judge.that(m.header.t_ns > m.t_from_ns, "t_from_ns", static_cast<double>(m.t_from_ns), "before header.t_ns");
-      judge.covariance("covariance", m.covariance, 6);
-      judge.when(ODO_RELATIVE_POSE_ROTATION).unit("q_b0_b1", m.q_b0_b1);
-      judge.when(ODO_RELATIVE_POSE_TRANSLATION).finite("p_b0_b1", m.p_b0_b1, 3);
+      check.require(m.header.t_ns > m.t_from_ns, "t_from_ns", static_cast<double>(m.t_from_ns), "before header.t_ns");
+      check.covariance("covariance", m.covariance, 6);
+      check.when(ODO_RELATIVE_POSE_ROTATION).unit("q_b0_b1", m.q_b0_b1);
+      check.when(ODO_RELATIVE_POSE_TRANSLATION).finite("p_b0_b1", m.p_b0_b1, 3);
       break;
     }
     case ODO_TYPE_REFINED: {
       const auto& m = as<odo_refined>(header);
-      judge.positive("fx", m.fx).positive("fy", m.fy).finite("cx", m.cx).finite("cy", m.cy);
-      judge.finite("distortion", m.distortion, 8);
-      judge.when(ODO_REFINED_EXTRINSICS).unit("q_b_c", m.q_b_c).finite("p_b_c", m.p_b_c, 3);
+      check.positive("fx", m.fx).positive("fy", m.fy).finite("cx", m.cx).finite("cy", m.cy);
+      check.finite("distortion", m.distortion, 8);
+      check.when(ODO_REFINED_EXTRINSICS).unit("q_b_c", m.q_b_c).finite("p_b_c", m.p_b_c, 3);
       break;
     }
     default: break;
@@ -320,16 +320,16 @@ std::string message_name(uint32_t type) {
 std::string message_fault(const odo_header& header) {
   if (!is_plausible_time(header.t_ns))
     return "t_ns = " + std::to_string(header.t_ns) + "; expected at most 2^62 from the clock's zero";
-  Judge judge(header);
-  (ODO_IS_EVENT(header.type) ? judge_event_fields : judge_input_fields)(judge, header);
-  return std::move(judge.fault);
+  FieldCheck check(header);
+  (ODO_IS_EVENT(header.type) ? check_event_fields : check_input_fields)(check, header);
+  return std::move(check.fault);
 }
 
 std::string recorded_fault(const odo_header& header) {
   if (header.type != ODO_TYPE_FRAME) return ODO_IS_EVENT(header.type) ? "" : message_fault(header);
-  Judge judge(header);
-  judge_lens(judge, as<odo_frame>(header));
-  return std::move(judge.fault);
+  FieldCheck check(header);
+  check_lens(check, as<odo_frame>(header));
+  return std::move(check.fault);
 }
 
 size_t min_size(uint32_t type) {

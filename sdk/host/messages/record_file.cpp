@@ -12,9 +12,9 @@ namespace {
 
 constexpr char kMagic[8] = {'O', 'D', 'O', 'R', 'E', 'C', '1', '\n'};
 constexpr uint32_t kRecord = 0x524F444F;                     // "ODOR"
-constexpr size_t kFirstLook = 4096, kLargestLook = 1 << 20;  // bytes read at once while scanning for the next record
-constexpr uint64_t kLook = 4096;                             // minimum cost of checking one offset, bytes
-constexpr uint64_t kMinEffort = 16u << 20;                   // minimum scan budget, for small files
+constexpr size_t kFirstChunk = 4096, kMaxChunk = 1 << 20;  // bytes read at once while scanning for the next record
+constexpr uint64_t kMinCheckCost = 4096;                             // minimum cost of checking one offset, bytes
+constexpr uint64_t kMinScanBudget = 16u << 20;                   // minimum scan budget, for small files
 constexpr uint32_t kEndMark = 0x1FFFF;
 constexpr uint32_t kVersion = 2, kMinor = 0;
 
@@ -54,7 +54,7 @@ uint32_t checksum(uint32_t type, uint32_t size, std::span<const unsigned char> h
   return crc.value();
 }
 
-void forget_pointers(odo_frame& frame) {  // pointers are meaningless in a file
+void clear_pointers(odo_frame& frame) {  // pointers are meaningless in a file
   for (auto& plane : frame.planes) plane = {};
   frame.mask = {};
   frame.loan = {};
@@ -76,7 +76,7 @@ std::string RecordLoss::text() const {
   return said + "; " + std::to_string(records_read) + " records were read, the number lost is unknown";
 }
 
-bool RecordReader::looks_like_one(const std::filesystem::path& file) {
+bool RecordReader::has_signature(const std::filesystem::path& file) {
   char head[20] = {};
   std::ifstream(file, std::ios::binary).read(head, sizeof head);
   return std::memcmp(head, kMagic, sizeof kMagic - 2) == 0 || std::memcmp(head + 16, &kRecord, sizeof kRecord) == 0;
@@ -90,7 +90,7 @@ Result<RecordReader> RecordReader::open(const std::filesystem::path& file) {
   reader.in_.open(file, std::ios::binary);
   if (!reader.in_) return Failure{ODO_E_NOT_FOUND, file.string() + ": cannot be opened"};
   reader.size_ = std::filesystem::file_size(file, error);
-  reader.effort_left_ = reader.parameters_.effort * reader.size_ + kMinEffort;
+  reader.scan_budget_left_ = reader.parameters_.scan_budget * reader.size_ + kMinScanBudget;
   char magic[8] = {};
   uint32_t version[2] = {};
   reader.in_.read(magic, sizeof magic);
@@ -169,19 +169,19 @@ void RecordReader::skip_damage() {
 /// Whether a complete record begins at the offset. A failed check is charged to the scan budget.
 bool RecordReader::is_record_at(uint64_t offset) {
   RecordHead head{};
-  effort_left_ -= std::min(effort_left_, kLook);
+  scan_budget_left_ -= std::min(scan_budget_left_, kMinCheckCost);
   in_.clear();
   in_.seekg(static_cast<std::streamoff>(offset));
   in_.read(reinterpret_cast<char*>(&head), sizeof head);
   if (in_.gcount() != sizeof head || head.magic != kRecord || head.size > parameters_.largest_payload ||
-      head.size > size_ - std::min(size_, offset + sizeof head) || head.size > effort_left_)
+      head.size > size_ - std::min(size_, offset + sizeof head) || head.size > scan_budget_left_)
     return false;
   payload_.resize(head.size);
   in_.read(reinterpret_cast<char*>(payload_.data()), head.size);
   if (in_.gcount() == static_cast<std::streamsize>(head.size) &&
       checksum(head.type, head.size, payload_, {}) == head.crc)
     return true;
-  effort_left_ -= head.size;
+  scan_budget_left_ -= head.size;
   return false;
 }
 
@@ -196,7 +196,7 @@ uint64_t RecordReader::end_of_damage() {
   if (in_.gcount() == sizeof head && head.magic == kRecord && (by_size == size_ || is_record_at(by_size)))
     return by_size;
   constexpr std::string_view kMark("ODOR");
-  std::vector<char> part(kFirstLook);
+  std::vector<char> part(kFirstChunk);
   for (uint64_t at = offset_ + 1; at + sizeof head <= size_;) {
     in_.clear();
     in_.seekg(static_cast<std::streamoff>(at));
@@ -204,11 +204,11 @@ uint64_t RecordReader::end_of_damage() {
     const std::string_view text(part.data(), static_cast<size_t>(in_.gcount()));
     if (text.size() < kMark.size()) break;
     for (size_t found = text.find(kMark); found != text.npos; found = text.find(kMark, found + 1)) {
-      if (effort_left_ == 0) return size_;
+      if (scan_budget_left_ == 0) return size_;
       if (is_record_at(at + found)) return at + found;
     }
     at += text.size() - (kMark.size() - 1);
-    part.resize(std::min(2 * part.size(), kLargestLook));  // the next record is usually near
+    part.resize(std::min(2 * part.size(), kMaxChunk));  // the next record is usually near
   }
   return size_;
 }
@@ -228,13 +228,13 @@ bool RecordReader::message(AnyMessage& out, std::span<const unsigned char>& pict
   std::memcpy(aligned.data(), payload_.data(), head.struct_size);
   auto& written = *reinterpret_cast<odo_header*>(aligned.data());
   if (!out.assign(written)) return false;
-  if (written.type == ODO_TYPE_FRAME) forget_pointers(reinterpret_cast<odo_frame&>(out.header()));
+  if (written.type == ODO_TYPE_FRAME) clear_pointers(reinterpret_cast<odo_frame&>(out.header()));
   picture = std::span(payload_).subspan(head.struct_size);
   return true;
 }
 
 Result<RecordWriter> RecordWriter::create(const std::filesystem::path& file) {
-  auto out = OutputFile::create(file, OutputFile::Beside::if_exists);
+  auto out = OutputFile::create(file, OutputFile::PartFile::if_exists);
   if (!out) return out.failure();
   RecordWriter writer(std::move(*out));
   const uint32_t version[2] = {kVersion, kMinor};
@@ -263,7 +263,7 @@ bool RecordWriter::write(uint32_t type, std::span<const unsigned char> head, std
 bool RecordWriter::write(const odo_header& message, std::span<const unsigned char> picture) {
   AnyMessage copy;
   if (message.type == 0 || !copy.assign(message)) return false;
-  if (message.type == ODO_TYPE_FRAME) forget_pointers(reinterpret_cast<odo_frame&>(copy.header()));
+  if (message.type == ODO_TYPE_FRAME) clear_pointers(reinterpret_cast<odo_frame&>(copy.header()));
   return write(message.type, copy.bytes(), picture);
 }
 

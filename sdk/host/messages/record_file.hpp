@@ -43,12 +43,12 @@ class RecordReader {
     uint32_t largest_payload = 64u << 20;
     /// Scan budget in multiples of the file size: checksums of false record starts cost at most this much, so that no
     /// file takes quadratic time. Natural damage needs less than one.
-    uint64_t effort = 8;
+    uint64_t scan_budget = 8;
   };
 
   static Result<RecordReader> open(const std::filesystem::path& file);
   /// Whether a file begins like a recording, even with a damaged header.
-  static bool looks_like_one(const std::filesystem::path& file);
+  static bool has_signature(const std::filesystem::path& file);
 
   /// Advances to the next complete record; false at the end of the file.
   bool next();
@@ -77,7 +77,7 @@ class RecordReader {
   uint64_t size_ = 0;
   uint32_t type_ = 0;
   uint64_t offset_ = 16, payload_offset_ = 0;
-  uint64_t effort_left_ = 0;
+  uint64_t scan_budget_left_ = 0;
   std::optional<uint64_t> written_;  // from the end mark
   bool finished_ = false;
   RecordLoss loss_;

@@ -8,6 +8,6 @@ namespace odograph {
 /// Whether every user of this machine may change the file, or replace files in the folder; false if the system cannot
 /// tell. With `owners_only_is_safe`, a folder to which everybody may add files but where nobody may replace another
 /// user's counts as safe (POSIX sticky bit, as on /tmp; Windows' right to delete children). [any]
-bool everybody_writes(const std::filesystem::path& path, bool owners_only_is_safe);
+bool is_world_writable(const std::filesystem::path& path, bool owners_only_is_safe);
 
 }  // namespace odograph

@@ -43,7 +43,7 @@ constexpr uint32_t kFirstOfOneTable = 424;         // from Linux 5.1 on, all arc
 
 /// Allowed with any arguments, the most frequent first.
 constexpr int kAllowed[] = {
-    // The host's socket and standard output: the descriptors are its own (keeper.hpp). Reading files.
+    // The host's socket and standard output: the descriptors are its own (supervisor.hpp). Reading files.
     SYS_read,
     SYS_write,
     SYS_clock_gettime,
@@ -164,7 +164,7 @@ class Filter {
       jump(BPF_JEQ, static_cast<uint32_t>(number), 0, 1);
       give(SECCOMP_RET_ALLOW);
     }
-    look_at_arguments();
+    check_arguments();
     jump(BPF_JGE, kFirstOfOneTable, 0, 1);
     give(refused(ENOSYS));
     give(refused(EPERM));
@@ -214,7 +214,7 @@ class Filter {
     give(refused(EPERM));
     give(SECCOMP_RET_ALLOW);
   }
-  void look_at_arguments() {
+  void check_arguments() {
     only_without(SYS_openat, 2, kOpensForMore);
 #if defined(__x86_64__)
     only_without(SYS_open, 1, kOpensForMore);

@@ -30,13 +30,13 @@ struct __attribute__((packed)) PathBeneath {
   int32_t folder;
 };
 
-Ruleset everything_known_to(long version) {
+Ruleset supported_rights(long version) {
   constexpr uint64_t kFiles[] = {0,       1 << 13, 1 << 14,
                                  1 << 15, 1 << 15, 1 << 16};  // number of access rights in each version
   const uint64_t files = kFiles[version < 5 ? version : 5] - 1;
   return {files, version >= 4 ? 3u : 0u, version >= 6 ? 3u : 0u};
 }
-size_t size_known_to(long version) {
+size_t ruleset_size(long version) {
   return version < 4 ? offsetof(Ruleset, network) : version < 6 ? offsetof(Ruleset, scopes) : sizeof(Ruleset);
 }
 
@@ -84,7 +84,7 @@ bool lies_below(const std::string& path, const std::string& folder) {
 }
 
 /// Allows the folder's contents except the closed ones. A folder that contains a closed one cannot be listed itself.
-void allow_reading_but(const std::set<std::string>& closed, int rules, const std::string& folder) {
+void allow_reading_except(const std::set<std::string>& closed, int rules, const std::string& folder) {
   if (closed.count(folder) > 0) return;
   const bool holds_closed =
       std::any_of(closed.begin(), closed.end(), [&](const auto& each) { return lies_below(each, folder); });
@@ -92,7 +92,7 @@ void allow_reading_but(const std::set<std::string>& closed, int rules, const std
   DIR* entries = opendir(folder.c_str());
   while (const dirent* entry = entries ? readdir(entries) : nullptr)
     if (const std::string name = entry->d_name; name != "." && name != "..")
-      allow_reading_but(closed, rules, (folder == "/" ? "" : folder) + "/" + name);
+      allow_reading_except(closed, rules, (folder == "/" ? "" : folder) + "/" + name);
   if (entries) closedir(entries);
 }
 
@@ -103,7 +103,7 @@ void allow_all(int rules) {
   for (const char* path : {"/proc/cpuinfo", "/proc/meminfo", "/proc/stat", "/proc/filesystems", "/sys/devices/system",
                            "/dev/null", "/dev/zero", "/dev/random", "/dev/urandom"})
     allow_reading(rules, path);
-  allow_reading_but(kernel_folders(), rules, "/");
+  allow_reading_except(kernel_folders(), rules, "/");
 }
 
 }  // namespace
@@ -111,8 +111,8 @@ void allow_all(int rules) {
 bool restrict_files() {
   const long version = syscall(kCreateRuleset, nullptr, 0, kAskForVersion);
   if (version < 1) return false;
-  const Ruleset handled = everything_known_to(version);
-  const int rules = static_cast<int>(syscall(kCreateRuleset, &handled, size_known_to(version), 0));
+  const Ruleset handled = supported_rights(version);
+  const int rules = static_cast<int>(syscall(kCreateRuleset, &handled, ruleset_size(version), 0));
   if (rules < 0) return false;
   allow_all(rules);
   const bool restricted = syscall(kRestrictSelf, rules, 0) == 0;

@@ -15,7 +15,7 @@
 
 #include "sdk/host/messages/messages.hpp"
 #include "sdk/host/plugin_host/instance.hpp"
-#include "sdk/host/plugin_host/keeper.hpp"
+#include "sdk/host/plugin_host/supervisor.hpp"
 #include "sdk/host/plugin_host/library_backend.hpp"
 #include "sdk/host/plugin_host/sandbox.hpp"
 #include "sdk/host/plugin_host/sealed_copy.hpp"
@@ -113,17 +113,17 @@ class RemoteServices : public HostServices {
 struct RemoteSink : odo_sink {
   TypeSet outputs;
   size_t taken = 0;
-  bool overflow_told = false;
+  bool overflow_reported = false;
 
   static int32_t take(const odo_sink* sink, const odo_header* event) {
     auto& self = *const_cast<RemoteSink*>(static_cast<const RemoteSink*>(sink));
     if (!event) return answer.event(nullptr, 0), ODO_E_ARGUMENT;
     AnyMessage copy;
     EventFault fault;
-    int32_t status = judge_event(*event, self.outputs, copy, fault);
+    int32_t status = validate_event(*event, self.outputs, copy, fault);
     if (status == ODO_OK && self.taken >= EventBuffer::kCapacity) status = ODO_E_EXHAUSTED;
-    if (status == ODO_E_UNSUPPORTED || (status == ODO_E_EXHAUSTED && self.overflow_told)) return status;
-    self.overflow_told = self.overflow_told || status == ODO_E_EXHAUSTED;
+    if (status == ODO_E_UNSUPPORTED || (status == ODO_E_EXHAUSTED && self.overflow_reported)) return status;
+    self.overflow_reported = self.overflow_reported || status == ODO_E_EXHAUSTED;
     self.taken += status == ODO_OK ? 1 : 0;
     const bool whole = event->struct_size >= sizeof *event && event->struct_size <= ODO_LARGEST_MESSAGE;
     answer.event(event, whole ? event->struct_size : sizeof *event);
@@ -133,11 +133,11 @@ struct RemoteSink : odo_sink {
 
 void phase(const char* name) { std::snprintf(control->phase, sizeof control->phase, "%s", name); }
 
-std::atomic<bool> may_be_kept[wire::kFrameSlots];  // the host holds the frame as long as the plugin does
+std::atomic<bool> may_be_retained[wire::kFrameSlots];  // the host holds the frame as long as the plugin does
 
 int32_t ODO_CALL retain(void* owner) {
   auto* holds = static_cast<std::atomic<uint32_t>*>(owner);
-  if (!may_be_kept[holds - control->holds]) return ODO_E_EXHAUSTED;
+  if (!may_be_retained[holds - control->holds]) return ODO_E_EXHAUSTED;
   const auto held = std::count_if(std::begin(control->holds), std::end(control->holds),
                                   [](const auto& each) { return each.load(std::memory_order_relaxed) > 0; });
   if (holds->load() == 1 && held >= static_cast<std::ptrdiff_t>(wire::kFrameSlots)) return ODO_E_EXHAUSTED;
@@ -151,7 +151,7 @@ void ODO_CALL release(void* owner) {
 
 class Server {
  public:
-  explicit Server(Kept kept) : kept_(std::move(kept)) {}
+  explicit Server(ChildContext context) : context_(std::move(context)) {}
   int run() {
     for (char word; read_one(word);) {
       wire::Reader request({control->request, std::min<size_t>(control->request_size, wire::kAreaBytes)});
@@ -221,11 +221,11 @@ class Server {
     } else {
       failure_ = manifest.failure();
     }
-    std::string lacks = kept_.lacks;
-    for (const auto& what : enter_sandbox(memory_bytes + SharedPixels::kBytes + sizeof(wire::Control), kept_.gate))
-      lacks += (lacks.empty() ? "" : "; ") + what;
+    std::string missing = context_.missing;
+    for (const auto& what : enter_sandbox(memory_bytes + SharedPixels::kBytes + sizeof(wire::Control), context_.gate))
+      missing += (missing.empty() ? "" : "; ") + what;
     wire::Writer out({control->response, wire::kAreaBytes});
-    out.put_text(lacks);
+    out.put_text(missing);
     control->response_size = out.size();
   }
 
@@ -273,7 +273,7 @@ class Server {
 
   int32_t process(wire::Reader& request) {
     sink_.taken = 0;
-    sink_.overflow_told = false;
+    sink_.overflow_reported = false;
     const auto bytes = request.get_bytes();
     if (bytes.size() < sizeof(odo_header) || !message_.assign(bytes)) return ODO_E_STRUCT_SIZE;
     odo_header& header = message_.header();
@@ -283,7 +283,7 @@ class Server {
     }
     auto& frame = reinterpret_cast<odo_frame&>(header);
     const auto slot = std::min<uint32_t>(request.get<uint32_t>(), wire::kFrameSlots - 1);
-    may_be_kept[slot] = request.get<uint32_t>() != 0;
+    may_be_retained[slot] = request.get<uint32_t>() != 0;
     for (odo_plane* plane : {&frame.planes[0], &frame.planes[1], &frame.planes[2], &frame.planes[3], &frame.mask}) {
       const auto offset = request.get<uint64_t>();
       plane->data = offset < SharedPixels::kBytes ? pixels + offset : nullptr;
@@ -309,7 +309,7 @@ class Server {
     odo_header& header() { return any.header(); }
   };
 
-  Kept kept_;
+  ChildContext context_;
   PluginChoice choice_;
   LibraryCheck check_ = LibraryCheck::none;
   Failure failure_{ODO_OK, ""};  // if it cannot be loaded
@@ -319,7 +319,7 @@ class Server {
   Message message_;
 };
 
-int started_wrongly() {
+int report_misuse() {
   std::fputs("odograph-plugin-host is started by a host whose config says 'isolation: process'\n", stderr);
   return 2;
 }
@@ -329,11 +329,11 @@ int started_wrongly() {
 
 int main() {
   using namespace odograph;
-  if (fcntl(wire::kPixels, F_GETFD) < 0) return started_wrongly();
-  Kept kept = keep(wire::kPixels + 1);
+  if (fcntl(wire::kPixels, F_GETFD) < 0) return report_misuse();
+  ChildContext context = fork_supervised(wire::kPixels + 1);
   void* control_memory = mmap(nullptr, sizeof(wire::Control), PROT_READ | PROT_WRITE, MAP_SHARED, wire::kControl, 0);
   void* pixel_memory = mmap(nullptr, SharedPixels::kBytes, PROT_READ, MAP_SHARED, wire::kPixels, 0);
-  if (control_memory == MAP_FAILED || pixel_memory == MAP_FAILED) return started_wrongly();
+  if (control_memory == MAP_FAILED || pixel_memory == MAP_FAILED) return report_misuse();
   control = static_cast<wire::Control*>(control_memory);
   pixels = static_cast<const uint8_t*>(pixel_memory);
   // Released address space would count for other memory. Needs Linux 6.10; before, memory_limit is larger by that much.
@@ -343,6 +343,6 @@ int main() {
   if (control->version != wire::kVersion) return 2;
   close(wire::kControl);
   close(wire::kPixels);
-  const int status = Server(std::move(kept)).run();
+  const int status = Server(std::move(context)).run();
   _exit(status);  // skip the plugin's threads and static destructors
 }

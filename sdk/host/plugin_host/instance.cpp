@@ -119,19 +119,19 @@ Result<std::unique_ptr<PluginInstance>> PluginInstance::make(const PluginChoice&
 /// Opens a backend and starts the plugin. A plugin process that ends is not a failure.
 Result<bool> PluginInstance::open() {
   host_.name_instance(number_, id());
-  learn_types();
+  update_types();
   auto opened = open_backend(*choice_, check_, host_, sink_);
   started_ns_ = now_ns_;
   if (!opened) {
     if (!isolated() || opened.failure().status != ODO_E_FATAL) return opened.failure();
-    note_end(opened.failure().text);
+    on_process_end(opened.failure().text);
     return true;
   }
   backend_ = std::move(*opened);
-  learn_types();
+  update_types();
   const int32_t status = backend_->start();
   if (has_ended()) {
-    note_end(backend_->ended());
+    on_process_end(backend_->ended());
     return true;
   }
   if (status >= 0) return true;
@@ -140,7 +140,7 @@ Result<bool> PluginInstance::open() {
                              "' could not be created, configured and activated: " + odo_status_text(status)};
 }
 
-void PluginInstance::learn_types() {
+void PluginInstance::update_types() {
   const KindTypes types = backend_ ? backend_->types() : kind_types(choice_->interface_id);
   inputs_ = outputs_ = {};
   flags_ = types.flags;
@@ -159,7 +159,7 @@ bool may_be_emitted(uint32_t type) {
 
 }  // namespace
 
-int32_t judge_event(const odo_header& event, const TypeSet& outputs, AnyMessage& copy, EventFault& fault) {
+int32_t validate_event(const odo_header& event, const TypeSet& outputs, AnyMessage& copy, EventFault& fault) {
   const MessageInfo* info = message_info(event.type);
   const auto name = [&] { return message_name(event.type); };
   if (ODO_IS_BORROWED(event.type)) {
@@ -194,14 +194,14 @@ int32_t PluginInstance::emit(const odo_sink* sink, const odo_header* event) {
   }
   AnyMessage* slot = self.buffer_.next();
   if (!slot && self.outputs_.has(event->type)) {
-    if (!std::exchange(self.overflow_told_, true))
+    if (!std::exchange(self.overflow_reported_, true))
       self.fault("many_events", "emitted more than " + std::to_string(EventBuffer::kCapacity) + " events in one call",
                  ODO_E_EXHAUSTED);
     return ODO_E_EXHAUSTED;
   }
   AnyMessage none;
   EventFault fault;
-  int32_t status = judge_event(*event, self.outputs_, slot ? *slot : none, fault);
+  int32_t status = validate_event(*event, self.outputs_, slot ? *slot : none, fault);
   if (status == ODO_OK && bounds::is_ahead(event->t_ns, self.now_ns_)) {
     fault = {"bad_event", "emitted a " + message_name(event->type) + " of a time more than a second ahead"};
     status = ODO_E_ARGUMENT;
@@ -214,43 +214,43 @@ int32_t PluginInstance::emit(const odo_sink* sink, const odo_header* event) {
 
 std::span<AnyMessage> PluginInstance::process(const odo_header& message) {
   buffer_.clear();
-  overflow_told_ = false;
-  if (!alive_ || !wants(message.type) || !can_take(message)) return {};
+  overflow_reported_ = false;
+  if (!alive_ || !wants(message.type) || !can_receive(message)) return {};
   now_ns_ = std::max(now_ns_, message.t_ns);
   if (!backend_) {  // its process is down; sensor descriptions are the first messages after a restart
-    if (now_ns_ >= back_at_ns_) revive();
+    if (now_ns_ >= restart_at_ns_) restart_process();
     return {};
   }
   const int64_t start_ns = coarse_now_ns();
   const int32_t status = backend_->process(message);
-  if (!isolated()) note_time(coarse_now_ns() - start_ns);
+  if (!isolated()) check_call_time(coarse_now_ns() - start_ns);
   return finish(status, &message);
 }
 
 std::span<AnyMessage> PluginInstance::wake() {
   buffer_.clear();
-  overflow_told_ = false;
+  overflow_reported_ = false;
   return alive() ? finish(backend_->wake(), nullptr) : std::span<AnyMessage>();
 }
 
 /// Completes a call to process, without a message if `message` is null.
 std::span<AnyMessage> PluginInstance::finish(int32_t status, const odo_header* message) {
   if (has_ended()) {
-    note_end(backend_->ended());
-    if (alive_ && !backend_ && now_ns_ >= back_at_ns_) revive();
+    on_process_end(backend_->ended());
+    if (alive_ && !backend_ && now_ns_ >= restart_at_ns_) restart_process();
     return {};
   }
   if (status < 0)
     failed(status, message);
   else
-    failures_in_a_row_ = 0;
-  if (isolated()) save_now_and_then();
+    consecutive_failures_ = 0;
+  if (isolated()) save_periodically();
   return buffer_.events();
 }
 
 /// Borrowed memory does not cross into another process, except a frame's pixels; frames without pixels go only to
 /// plugins that declare support for them.
-bool PluginInstance::can_take(const odo_header& message) {
+bool PluginInstance::can_receive(const odo_header& message) {
   if (!ODO_IS_BORROWED(message.type)) return true;
   const bool is_frame = message.type == ODO_TYPE_FRAME;
   if (is_frame && as<odo_frame>(message).planes[0].data) return true;
@@ -264,7 +264,7 @@ bool PluginInstance::can_take(const odo_header& message) {
 }
 
 /// A late call in the app's own thread cannot be skipped; it is reported.
-void PluginInstance::note_time(int64_t took_ns) {
+void PluginInstance::check_call_time(int64_t took_ns) {
   if (took_ns <= kCoarseClock_ns) return;
   const double took_s = seconds(took_ns);
   if (took_s <= choice_->isolation.time_s + seconds(kCoarseClock_ns)) return;
@@ -275,20 +275,20 @@ void PluginInstance::note_time(int64_t took_ns) {
 }
 
 /// Reports the end of its process, and schedules its restart or fallback.
-void PluginInstance::note_end(const std::string& what) {
+void PluginInstance::on_process_end(const std::string& what) {
   backend_.reset();
   ++faults_;
-  if (saturating_difference(now_ns_, started_ns_) > parameters_.good_ns) ends_in_a_row_ = 0;
-  ++ends_in_a_row_;
-  if (ends_in_a_row_ >= parameters_.ends_before_fallback && choice_->fallback) {
+  if (saturating_difference(now_ns_, started_ns_) > parameters_.stable_ns) consecutive_ends_ = 0;
+  ++consecutive_ends_;
+  if (consecutive_ends_ >= parameters_.ends_before_fallback && choice_->fallback) {
     host_.report(number_, ODO_SEVERITY_ERROR, "isolated", what + ", for the last time", ODO_E_ERROR);
     use_fallback();
     return;
   }
   int64_t wait_ns = 0;
-  if (ends_in_a_row_ > 1)
-    wait_ns = std::min(parameters_.longest_wait_ns, parameters_.first_wait_ns << std::min(ends_in_a_row_ - 2, 16));
-  back_at_ns_ = now_ns_ == INT64_MIN ? INT64_MIN : saturating_sum(now_ns_, wait_ns);
+  if (consecutive_ends_ > 1)
+    wait_ns = std::min(parameters_.longest_wait_ns, parameters_.first_wait_ns << std::min(consecutive_ends_ - 2, 16));
+  restart_at_ns_ = now_ns_ == INT64_MIN ? INT64_MIN : saturating_sum(now_ns_, wait_ns);
   recovering_until_ns_ = INT64_MIN;
   host_.report(number_, ODO_SEVERITY_ERROR, "isolated",
                what + "; restarting" +
@@ -297,7 +297,7 @@ void PluginInstance::note_end(const std::string& what) {
 }
 
 /// Restarts its process and restores its saved state.
-void PluginInstance::revive() {
+void PluginInstance::restart_process() {
   const auto opened = open();
   if (!opened) {
     host_.report(number_, ODO_SEVERITY_ERROR, "isolated", opened.failure().text, opened.failure().status);
@@ -305,7 +305,7 @@ void PluginInstance::revive() {
   }
   if (!backend_) return;
   if (!saved_.empty()) backend_->load(saved_);
-  if (has_ended()) return note_end(backend_->ended());
+  if (has_ended()) return on_process_end(backend_->ended());
   was_reset_ = true;
   recovering_until_ns_ = saturating_sum(now_ns_, parameters_.recovering_ns);
 }
@@ -321,7 +321,7 @@ bool PluginInstance::use_fallback() {
   backend_.reset();
   const std::string before = id();
   choice_ = choice_->fallback;
-  failures_in_a_row_ = ends_in_a_row_ = 0;
+  consecutive_failures_ = consecutive_ends_ = 0;
   saved_.clear();
   const auto opened = open();
   if (!opened) {
@@ -335,13 +335,13 @@ bool PluginInstance::use_fallback() {
   return true;
 }
 
-void PluginInstance::save_now_and_then() {
+void PluginInstance::save_periodically() {
   if (saved_ns_ == INT64_MIN) saved_ns_ = now_ns_;
   if (!backend_ || now_ns_ - saved_ns_ < parameters_.between_saves_ns) return;
   saved_ns_ = now_ns_;
-  auto learnt = backend_->save();
-  if (has_ended()) return note_end(backend_->ended());
-  saved_ = std::move(learnt);
+  auto state = backend_->save();
+  if (has_ended()) return on_process_end(backend_->ended());
+  saved_ = std::move(state);
 }
 
 void PluginInstance::failed(int32_t status, const odo_header* message) {
@@ -354,7 +354,7 @@ void PluginInstance::failed(int32_t status, const odo_header* message) {
   }
   fault("failed", "failed at " + given + ": " + odo_status_text(status), status);
   if (status == ODO_E_FATAL) backend_->quarantine();
-  if (backend_->quarantined() || ++failures_in_a_row_ >= parameters_.failures_before_giving_up) return give_up();
+  if (backend_->quarantined() || ++consecutive_failures_ >= parameters_.failures_before_giving_up) return give_up();
   reset();
 }
 
@@ -362,14 +362,14 @@ void PluginInstance::reset() {
   was_reset_ = true;
   if (!backend_) return;
   const int32_t status = backend_->reset();
-  if (has_ended()) return note_end(backend_->ended());
+  if (has_ended()) return on_process_end(backend_->ended());
   if (status < 0) give_up();
 }
 
 std::vector<uint8_t> PluginInstance::save() const {
   if (!alive()) return saved_;
-  auto learnt = backend_->save();
-  return has_ended() ? saved_ : learnt;  // the next call reports its end
+  auto state = backend_->save();
+  return has_ended() ? saved_ : state;  // the next call reports its end
 }
 
 bool PluginInstance::load(std::span<const uint8_t> data) {

@@ -44,7 +44,7 @@ class PluginInstance {
     int failures_before_giving_up = 5;          ///< consecutive
     int64_t first_wait_ns = 100'000'000;        ///< after the second consecutive end; none after the first
     int64_t longest_wait_ns = 10'000'000'000;   ///< judgement: a user looks again after ten seconds
-    int64_t good_ns = 1'000'000'000;            ///< a longer run resets the count of ends
+    int64_t stable_ns = 1'000'000'000;            ///< a longer run resets the count of ends
     int ends_before_fallback = 3;               ///< consecutive
     int64_t between_saves_ns = 10'000'000'000;  ///< of an isolated plugin's state; the maximum loss
     int64_t recovering_ns = 1'000'000'000;      ///< after a restart, during which the pose is degraded
@@ -62,7 +62,7 @@ class PluginInstance {
   bool wants(uint32_t type) const { return inputs_.has(type); }
   bool takes_several_cameras() const { return (flags_ & ODO_PLUGIN_SEVERAL_CAMERAS) != 0; }
   /// Whether it may emit events of this type.
-  bool gives(uint32_t type) const { return outputs_.has(type); }
+  bool emits(uint32_t type) const { return outputs_.has(type); }
   /// Passes one message and returns the resulting events, valid until the next call. [process]
   std::span<AnyMessage> process(const odo_header& message);
   /// As process(), without a message, for a plugin that requested it (odo.wake/1). [process]
@@ -102,14 +102,14 @@ class PluginInstance {
   Result<bool> open();
   bool isolated() const { return choice_->isolation.kind != Isolation::Kind::none; }
   bool has_ended() const { return backend_ && !backend_->ended().empty(); }
-  void note_time(int64_t took_ns);
-  void note_end(const std::string& what);
-  void revive();
+  void check_call_time(int64_t took_ns);
+  void on_process_end(const std::string& what);
+  void restart_process();
   void give_up();
   bool use_fallback();
-  void learn_types();
-  bool can_take(const odo_header& message);
-  void save_now_and_then();
+  void update_types();
+  bool can_receive(const odo_header& message);
+  void save_periodically();
   std::span<AnyMessage> finish(int32_t status, const odo_header* message);
   void failed(int32_t status, const odo_header* message);
   void fault(const char* key, const std::string& text, int32_t status);
@@ -125,14 +125,14 @@ class PluginInstance {
   EventBuffer buffer_;
   std::unique_ptr<PluginBackend> backend_;  // null while its process is down
   uint64_t faults_ = 0;
-  int failures_in_a_row_ = 0;
+  int consecutive_failures_ = 0;
   bool alive_ = true;
   bool was_reset_ = false;
-  bool overflow_told_ = false;  // the overflow of this call has been reported
+  bool overflow_reported_ = false;  // the overflow of this call has been reported
   // For a plugin process, in sensor time:
-  int64_t now_ns_ = INT64_MIN, started_ns_ = INT64_MIN, back_at_ns_ = INT64_MIN, recovering_until_ns_ = INT64_MIN;
+  int64_t now_ns_ = INT64_MIN, started_ns_ = INT64_MIN, restart_at_ns_ = INT64_MIN, recovering_until_ns_ = INT64_MIN;
   int64_t saved_ns_ = INT64_MIN;
-  int ends_in_a_row_ = 0;
+  int consecutive_ends_ = 0;
   std::vector<uint8_t> saved_;
 };
 
@@ -144,7 +144,7 @@ struct EventFault {
 
 /// Checks whether a plugin with these outputs may emit an event, and copies it: ODO_OK, ODO_E_UNSUPPORTED (to be
 /// ignored without a fault), or a status with its fault.
-int32_t judge_event(const odo_header& event, const TypeSet& outputs, AnyMessage& copy, EventFault& fault);
+int32_t validate_event(const odo_header& event, const TypeSet& outputs, AnyMessage& copy, EventFault& fault);
 
 /// The message types that a kind receives and emits; empty for an unknown interface.
 KindTypes kind_types(const std::string& interface_id);

@@ -9,7 +9,7 @@
 
 #include "sdk/host/base/floating_point.hpp"
 #include "sdk/host/base/forced_unwind.hpp"
-#include "sdk/host/plugin_host/breadcrumb.hpp"
+#include "sdk/host/plugin_host/plugin_call.hpp"
 #include "sdk/host/plugin_host/instance.hpp"
 
 namespace odograph {
@@ -55,13 +55,13 @@ int32_t LibraryBackend::emit(const odo_sink* sink, const odo_header* event) {
 
 Result<std::unique_ptr<LibraryBackend>> LibraryBackend::load(const PluginChoice& choice, LibraryCheck check,
                                                              HostServices& host, const odo_sink& sink) {
-  const Breadcrumb crumb(choice.manifest.id, "load");
+  const PluginCallScope scope(choice.manifest.id, "load");
   try {
     auto library = PluginLibrary::load(choice.manifest, check, &host);
     if (!library) return library.failure();
     return std::unique_ptr<LibraryBackend>(new LibraryBackend(std::move(*library), choice, host, sink));
   } catch (const ForcedUnwind&) {
-    abort_for_ended_thread();  // here, because the breadcrumb still names the plugin
+    abort_for_ended_thread();  // here, because PluginCallScope still names the plugin
   }
 }
 
@@ -71,7 +71,7 @@ LibraryBackend::~LibraryBackend() { close(); }
 /// (pthread_exit) ends the process here, where the call is still known.
 template <class Work>
 int32_t LibraryBackend::call(const char* name, Work&& work) {
-  const Breadcrumb crumb(choice_.manifest.id, name);
+  const PluginCallScope scope(choice_.manifest.id, name);
   std::string what;
   try {
     const int32_t status = work();

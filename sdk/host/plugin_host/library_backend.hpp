@@ -13,7 +13,7 @@
 namespace odograph {
 
 /// An instance in this process. Exceptions that leave the plugin are caught and reported if host and plugin share a C++
-/// runtime ABI; the breadcrumb names the plugin in a crash (breadcrumb.hpp). An event from one of the plugin's own
+/// runtime ABI; PluginCallScope names the plugin in a crash (plugin_call.hpp). An event from one of the plugin's own
 /// threads is refused and reported, because the host cannot receive it then.
 class LibraryBackend : public PluginBackend {
  public:

@@ -32,7 +32,7 @@ namespace {
 
 constexpr double kEndLimit_s = 1;
 constexpr int kEndPolls = 100;        // of 1 ms: a process that closed its socket should have ended by then
-constexpr int kKeeperPolls = 1000;    // of 1 ms: for the keeper to end the plugin and its namespace's first process
+constexpr int kSupervisorPolls = 1000;    // of 1 ms: for the supervisor to end the plugin and its namespace's first process
 constexpr size_t kMaxRecords = 4096;  // of one call: 256 events, reports and refused events
 
 std::string number(double value) {
@@ -109,22 +109,22 @@ Result<std::unique_ptr<PluginBackend>> open_process(const PluginChoice& choice, 
 
 Result<std::unique_ptr<ProcessBackend>> ProcessBackend::load(const PluginChoice& choice, LibraryCheck check,
                                                              HostServices& host, const odo_sink& sink) {
-  const std::string who = choice.manifest.library.string() + ": ";
+  const std::string origin = choice.manifest.library.string() + ": ";
   const fs::path program = choice.isolation.program.empty() ? plugin_host_program() : choice.isolation.program;
   if (program.empty())
-    return Failure{ODO_E_NOT_FOUND, who +
+    return Failure{ODO_E_NOT_FOUND, origin +
                                         "isolation: process needs the program odograph-plugin-host beside the "
                                         "library; expected it there, or its path as plugins.host"};
   if (host.shared_pixels().descriptor() < 0)
     return Failure{ODO_E_EXHAUSTED,
-                   who + (errno == EINVAL || errno == ENOSYS
+                   origin + (errno == EINVAL || errno == ENOSYS
                               ? "isolation: process needs memory that can be sealed (memfd_create with "
                                 "F_SEAL_FUTURE_WRITE: Linux 5.1 or later)"
                               : std::string("no memory can be shared with its process: ") + std::strerror(errno))};
   std::unique_ptr<ProcessBackend> made(new ProcessBackend(choice, host, sink));
   if (!made->launch(program))
     return Failure{ODO_E_EXHAUSTED,
-                   who + "no process could be started with " + program.string() + ": " + std::strerror(errno)};
+                   origin + "no process could be started with " + program.string() + ": " + std::strerror(errno)};
   auto out = made->request();
   out.put_text(choice.manifest.path.string());
   out.put_text(choice.manifest.text);  // the file may have changed meanwhile
@@ -136,20 +136,20 @@ Result<std::unique_ptr<ProcessBackend>> ProcessBackend::load(const PluginChoice&
   out.put(static_cast<uint32_t>(host.assets().size()));
   for (const fs::path& folder : host.assets()) out.put_text(folder.string());
   put_values(out, choice);
-  if (!made->exchange(wire::enter, out, choice.isolation.start_s)) return Failure{ODO_E_FATAL, who + made->ended_};
+  if (!made->exchange(wire::enter, out, choice.isolation.start_s)) return Failure{ODO_E_FATAL, origin + made->ended_};
   if (const std::string lacks = made->answer().get_text(); !lacks.empty())
     host.report(sink.instance, ODO_SEVERITY_WARNING, "sandbox",
                 "its process is not fully sandboxed; this system has " + lacks);
   if (!made->exchange(wire::open, made->request(), choice.isolation.start_s))
-    return Failure{ODO_E_FATAL, who + made->ended_};
-  if (Failure failure = made->opened(who); failure.status < 0) return failure;
+    return Failure{ODO_E_FATAL, origin + made->ended_};
+  if (Failure failure = made->opened(origin); failure.status < 0) return failure;
   return made;
 }
 
 /// Reads the library's types from the answer, or the reason why it was not loaded; ODO_E_FATAL for an invalid answer.
-Failure ProcessBackend::opened(const std::string& who) {
+Failure ProcessBackend::opened(const std::string& origin) {
   constexpr size_t kLongestText = 4096;
-  const Failure no_answer{ODO_E_FATAL, who + "broke the protocol in load"};
+  const Failure no_answer{ODO_E_FATAL, origin + "broke the protocol in load"};
   wire::Reader reader = answer();
   const auto status = reader.get<int32_t>();
   const std::string why = one_line(reader.get_text(), kLongestText);
@@ -161,7 +161,7 @@ Failure ProcessBackend::opened(const std::string& who) {
   }
   types_.flags = reader.get<uint32_t>();
   if (!reader.good() || status == ODO_OK) return reader.good() ? Failure{status, why} : no_answer;
-  return {status, why.starts_with(who) ? why : who + why};
+  return {status, why.starts_with(origin) ? why : origin + why};
 }
 
 bool ProcessBackend::launch(const fs::path& program) {
@@ -184,7 +184,7 @@ bool ProcessBackend::launch(const fs::path& program) {
 }
 
 ProcessBackend::~ProcessBackend() {
-  for (HeldFrame& held : held_) let_go(held);
+  for (FrameSlot& entry : frames_) release_frame(entry);
   if (child_ > 0 && ended_.empty()) {
     const bool in_order = exchange(wire::end, request(), kEndLimit_s);
     if (!in_order)
@@ -260,8 +260,8 @@ void ProcessBackend::reap(bool killed_by_us, const std::string& what) {
   pid_t gone = killed_by_us ? 0 : wait_for_end(kEndPolls, status);
   ended_ = killed_by_us ? what : gone > 0 ? how_it_ended(status) : gone < 0 ? "ended its process" : "left the host";
   if (gone == 0) {
-    kill(child_, SIGTERM);  // its keeper ends the others and then itself
-    gone = wait_for_end(kKeeperPolls, status);
+    kill(child_, SIGTERM);  // its supervisor ends the others and then itself
+    gone = wait_for_end(kSupervisorPolls, status);
   }
   if (gone == 0) {
     kill(child_, SIGKILL);
@@ -324,35 +324,35 @@ int32_t ProcessBackend::start() {
 }
 
 int32_t ProcessBackend::process(const odo_header& message) {
-  take_back_frames();
+  reclaim_frames();
   auto out = request();
   out.put_bytes(&message, message.struct_size);
   if (message.type == ODO_TYPE_FRAME && !put_frame(message, out)) return ODO_E_EXHAUSTED;
   const int32_t status = exchange(wire::process, out, choice_.isolation.time_s) ? answered() : ODO_E_ERROR;
-  take_back_frames();
+  reclaim_frames();
   return status;
 }
 
 /// Describes the pixels to the plugin and holds them as long as the plugin does: through the frame's own reference if
 /// they are in shared memory, otherwise in a copy there.
 bool ProcessBackend::put_frame(const odo_header& message, wire::Writer& out) {
-  const auto free = std::find_if(std::begin(held_), std::end(held_), [](const auto& held) { return !held.used; });
-  if (free == std::end(held_)) return false;
+  const auto free = std::find_if(std::begin(frames_), std::end(frames_), [](const auto& entry) { return !entry.used; });
+  if (free == std::end(frames_)) return false;
   SharedPixels& shared = host_.shared_pixels();
   odo_frame frame = copy_as<odo_frame>(message);
-  HeldFrame held{true, false, frame, {}};
+  FrameSlot entry{true, false, frame, {}};
   if (shared.offset_of(frame.planes[0].data)) {
-    held.retained = frame.loan.retain && frame.loan.release && frame.loan.retain(frame.loan.owner) >= 0;
+    entry.retained = frame.loan.retain && frame.loan.release && frame.loan.retain(frame.loan.owner) >= 0;
   } else {
     const size_t bytes = pixel_bytes(frame);
-    held.copy = shared.take(bytes);
-    if (held.copy.empty() || !copy_pixels(frame, held.copy.first(bytes))) return let_go(held), false;
+    entry.copy = shared.take(bytes);
+    if (entry.copy.empty() || !copy_pixels(frame, entry.copy.first(bytes))) return release_frame(entry), false;
   }
-  *free = held;
-  const auto slot = static_cast<uint32_t>(free - std::begin(held_));
+  *free = entry;
+  const auto slot = static_cast<uint32_t>(free - std::begin(frames_));
   control_->holds[slot] = 1;  // the plugin's process clears it
   out.put(slot);
-  out.put(static_cast<uint32_t>(held.retained || !held.copy.empty()));
+  out.put(static_cast<uint32_t>(entry.retained || !entry.copy.empty()));
   const bool masked = (frame.header.flags & ODO_FRAME_MASK) != 0;
   for (const odo_plane* plane : {&frame.planes[0], &frame.planes[1], &frame.planes[2], &frame.planes[3], &frame.mask}) {
     const bool used = plane != &frame.mask || masked;
@@ -364,16 +364,16 @@ bool ProcessBackend::put_frame(const odo_header& message, wire::Writer& out) {
 }
 
 /// Releases the frames that the plugin no longer holds.
-void ProcessBackend::take_back_frames() {
+void ProcessBackend::reclaim_frames() {
   for (size_t slot = 0; slot < wire::kFrameSlots; ++slot)
-    if (!ended_.empty() || control_->holds[slot].load(std::memory_order_acquire) == 0) let_go(held_[slot]);
+    if (!ended_.empty() || control_->holds[slot].load(std::memory_order_acquire) == 0) release_frame(frames_[slot]);
 }
 
-void ProcessBackend::let_go(HeldFrame& held) {
-  if (!held.used) return;
-  if (held.retained) held.frame.loan.release(held.frame.loan.owner);
-  host_.shared_pixels().give_back(held.copy);
-  held = {};
+void ProcessBackend::release_frame(FrameSlot& entry) {
+  if (!entry.used) return;
+  if (entry.retained) entry.frame.loan.release(entry.frame.loan.owner);
+  host_.shared_pixels().give_back(entry.copy);
+  entry = {};
 }
 
 int32_t ProcessBackend::reset() {

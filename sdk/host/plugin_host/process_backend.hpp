@@ -52,11 +52,11 @@ class ProcessBackend : public PluginBackend {
     return poll(&end, 1, 0) != 0;
   }
   wire::Reader answer() const { return wire::Reader({reinterpret_cast<const uint8_t*>(answer_.data()), answer_size_}); }
-  Failure opened(const std::string& who);
+  Failure opened(const std::string& origin);
   int32_t answered();
   bool take_records(wire::Reader& reader);
   /// A frame that the plugin's process may hold.
-  struct HeldFrame {
+  struct FrameSlot {
     bool used = false;
     bool retained = false;  ///< through its own reference
     odo_frame frame{};
@@ -64,8 +64,8 @@ class ProcessBackend : public PluginBackend {
   };
 
   bool put_frame(const odo_header& message, wire::Writer& request);
-  void take_back_frames();
-  void let_go(HeldFrame& held);
+  void reclaim_frames();
+  void release_frame(FrameSlot& entry);
   void give_up(std::string what);
   pid_t wait_for_end(int polls, int& status);
   void reap(bool killed_by_us, const std::string& what);
@@ -80,7 +80,7 @@ class ProcessBackend : public PluginBackend {
   pid_t child_ = -1;
   int socket_ = -1;
   wire::Control* control_ = nullptr;
-  HeldFrame held_[wire::kFrameSlots];
+  FrameSlot frames_[wire::kFrameSlots];
   std::vector<uint64_t> answer_;  // copied before it is checked
   size_t answer_size_ = 0;
   std::vector<uint8_t> state_;  // of the last save

@@ -66,7 +66,7 @@ std::vector<std::string> enter_sandbox(uint64_t memory_bytes, int gate) {
   prctl(PR_SET_THP_DISABLE, 1, 0, 0, 0);  // a partly returned huge page would be held without being counted
   prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0);
   done(restrict_files(), "no Landlock: files of other processes and devices can be read");
-  done(ask_for_threads(gate), "no limit of threads");
+  done(require_thread_approval(gate), "no limit of threads");
   done(filter_calls(), "no filter of system calls");
   return lacks;
 }

@@ -121,13 +121,13 @@ void HostServices::report(uint32_t instance, uint32_t severity, const std::strin
     if (kinds.size() >= kMaxKinds && kinds.count(report.key) == 0) report.key = "more";
     auto [entry, is_new] = kinds.try_emplace(report.key);
     if (!is_new && now - entry->second.last < std::chrono::seconds(1)) {
-      ++entry->second.held_back;
+      ++entry->second.suppressed;
       return;
     }
     report.text = one_line(text, kLongestText);  // only for reports passed on: thousands may be suppressed at once
-    report.count += entry->second.held_back;
-    if (entry->second.held_back > 0)
-      report.text += " (and " + std::to_string(entry->second.held_back) + " more like it)";
+    report.count += entry->second.suppressed;
+    if (entry->second.suppressed > 0)
+      report.text += " (and " + std::to_string(entry->second.suppressed) + " more like it)";
     entry->second = {now, 0};
   }
   if (listener_) listener_(report);

@@ -83,7 +83,7 @@ class HostServices : public odo_host {
 
   struct Recent {
     std::chrono::steady_clock::time_point last;
-    uint64_t held_back = 0;
+    uint64_t suppressed = 0;
   };
 
   uint64_t seed_;

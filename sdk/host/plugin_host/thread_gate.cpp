@@ -48,7 +48,7 @@ int receive_descriptor(int socket) {
 
 }  // namespace
 
-bool ask_for_threads(int gate) {
+bool require_thread_approval(int gate) {
   sock_filter code[] = {
       BPF_STMT(BPF_LD | BPF_W | BPF_ABS, offsetof(seccomp_data, nr)),
       BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, SYS_clone, 0, 1),
@@ -83,13 +83,13 @@ void ThreadGate::answer() {
     return;
   }
   struct stat tasks {};
-  const std::string folder = "/proc/" + std::to_string(counted_) + "/task";
+  const std::string folder = "/proc/" + std::to_string(process_) + "/task";
   const bool seen = stat(folder.c_str(), &tasks) == 0 && tasks.st_nlink > 2;
-  const auto threads = seen ? static_cast<unsigned>(tasks.st_nlink) - 2 : let_;
+  const auto threads = seen ? static_cast<unsigned>(tasks.st_nlink) - 2 : approved_;
   auto& reply = reinterpret_cast<seccomp_notif_resp&>(storage);
   reply.id = reinterpret_cast<const seccomp_notif&>(question).id;
   if (threads < kMaxThreads)
-    reply.flags = SECCOMP_USER_NOTIF_FLAG_CONTINUE, ++let_;
+    reply.flags = SECCOMP_USER_NOTIF_FLAG_CONTINUE, ++approved_;
   else
     reply.error = -EAGAIN;
   ioctl(fd_, SECCOMP_IOCTL_NOTIF_SEND, storage);

@@ -10,12 +10,12 @@ constexpr unsigned kMaxThreads = 256;
 
 /// From now on, a new thread of this process waits until the owner of the other end of the socket `gate` approves it
 /// (ThreadGate). False, with errno, without kernel support (Linux 5.5). Closes `gate`.
-bool ask_for_threads(int gate);
+bool require_thread_approval(int gate);
 
 /// The approving end, in another process.
 class ThreadGate {
  public:
-  ThreadGate(int gate, pid_t counted) : fd_(gate), counted_(counted) {}
+  ThreadGate(int gate, pid_t process) : fd_(gate), process_(process) {}
   /// The descriptor to poll, or negative.
   int descriptor() const { return fd_; }
   /// Call when it is ready: the first call receives the notification descriptor, later calls answer one request each.
@@ -24,8 +24,8 @@ class ThreadGate {
  private:
   int fd_;
   bool listening_ = false;
-  pid_t counted_;
-  unsigned let_ = 0;  // approved in all
+  pid_t process_;
+  unsigned approved_ = 0;  // approved in all
 };
 
 }  // namespace odograph

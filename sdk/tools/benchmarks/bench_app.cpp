@@ -28,10 +28,10 @@ struct StreamBenchmark : Benchmark {
     const int64_t start_ns = recording.messages.front().message.header().t_ns + nanoseconds(settle_s);
     const StreamFigures f = stream_figures(stream->poses, recording.truth, start_ns);
     return row_of({{"", "frames", "frames", 0, f.frames},
-                   {"orientation", "deg median", "orientation_deg_median", 2, part_of(f.orientation_deg, 0.5)},
-                   {"deg", "99 %", "orientation_deg_p99", 2, part_of(f.orientation_deg, 0.99)},
-                   {"position", "mm median", "position_mm_median", 1, 1e3 * part_of(f.position_m, 0.5)},
-                   {"mm", "99 %", "position_mm_p99", 1, 1e3 * part_of(f.position_m, 0.99)},
+                   {"orientation", "deg median", "orientation_deg_median", 2, percentile_or_nan(f.orientation_deg, 0.5)},
+                   {"deg", "99 %", "orientation_deg_p99", 2, percentile_or_nan(f.orientation_deg, 0.99)},
+                   {"position", "mm median", "position_mm_median", 1, 1e3 * percentile_or_nan(f.position_m, 0.5)},
+                   {"mm", "99 %", "position_mm_p99", 1, 1e3 * percentile_or_nan(f.position_m, 0.99)},
                    {"no", "position", "without_position", 0, f.without_position},
                    {"repeated", "polls", "repeated", 0, f.repeated},
                    {"", "corrections", "corrections", 0, stream->corrections},
@@ -68,10 +68,10 @@ struct Anchors : Benchmark {
     const auto f = anchor_walk(recording, one.run, walk);
     if (!f) return f.failure();
     return row_of({{"", "looks", "looks", 0, f->px.size()},
-                   {"corrected", "px median", "px_median", 2, part_of(f->px, 0.5)},
-                   {"px", "95 %", "px_p95", 2, part_of(f->px, 0.95)},
-                   {"smooth", "px median", "smooth_px_median", 2, part_of(f->smooth_px, 0.5)},
-                   {"px", "95 %", "smooth_px_p95", 2, part_of(f->smooth_px, 0.95)},
+                   {"corrected", "px median", "px_median", 2, percentile_or_nan(f->px, 0.5)},
+                   {"px", "95 %", "px_p95", 2, percentile_or_nan(f->px, 0.95)},
+                   {"smooth", "px median", "smooth_px_median", 2, percentile_or_nan(f->smooth_px, 0.5)},
+                   {"px", "95 %", "smooth_px_p95", 2, percentile_or_nan(f->smooth_px, 0.95)},
                    {"drift", "m", "drift_m", 2, f->drift_m},
                    {"sigma", "m", "view_sigma_m", 2, f->view_sigma_m},
                    {"fix", "accepted", "fixed", 0, f->fixed},
@@ -112,11 +112,11 @@ struct Consistency : Benchmark {
     if (!run) return run.failure();
     const PoseConsistency f = pose_consistency(run->poses, recording.truth);
     const auto known = [&](double x) { return f.poses < 3 ? Json() : Json(x); };
-    const As mean{.over = Over::mean, .absolute = true};
+    const Format mean{.aggregate = Aggregate::mean, .absolute = true};
     return row_of({{"", "", "poses", -1, f.poses},
                    {"path", "m", "path_m", 1, known(f.path_m), mean},
                    {"APE yaw", "%", "ape_percent", 2, known(100 * f.ape_m / f.path_m), mean},
-                   {"scale", "%", "scale_percent", 2, known(100 * f.scale_error), {true, Over::mean, 0, true}},
+                   {"scale", "%", "scale_percent", 2, known(100 * f.scale_error), {true, Aggregate::mean, 0, true}},
                    {"NEES", "position", "position_nees", 2, known(f.position_nees), mean},
                    {"NEES", "heading", "heading_nees", 2, known(f.heading_nees), mean},
                    {"beyond 3 sigma", "position s", "position_beyond_s", 1, known(f.position_beyond_s), kWorst},

@@ -6,7 +6,7 @@
 
 #include "sdk/host/base/nearest.hpp"
 #include "sdk/tools/console/console.hpp"
-#include "sdk/tools/replay/kept_recordings.hpp"
+#include "sdk/tools/replay/recording_cache.hpp"
 
 namespace odograph {
 
@@ -48,11 +48,11 @@ void add_common(CLI::App& command, Benchmark& b) {
 int run(Benchmark& b) {
   if (b.options.sensors) b.qualities = sensor_qualities();
   const auto cases = b.cases();
-  if (!cases) return complain(cases.failure());
+  if (!cases) return print_failure(cases.failure());
   const auto rows = rows_of(b, *cases);
-  if (!rows) return complain(rows.failure());
+  if (!rows) return print_failure(rows.failure());
   const BenchReport report = b.report(*rows);
-  const std::string json = b.options.json ? (report.json.is_null() ? printed(*rows) : report.json).dump(2) + '\n' : "";
+  const std::string json = b.options.json ? (report.json.is_null() ? visible_rows(*rows) : report.json).dump(2) + '\n' : "";
   std::fputs((b.options.json ? json : report.text).c_str(), stdout);
   if (b.options.plot.empty()) return kDone;
   b.draw(*rows, b.plot);
@@ -61,7 +61,7 @@ int run(Benchmark& b) {
     return kDone;
   }
   const auto written = write_svg(b.plot, b.options.plot);
-  return written ? kDone : complain(written.failure());
+  return written ? kDone : print_failure(written.failure());
 }
 
 }  // namespace
@@ -72,10 +72,10 @@ Benchmark::Benchmark(std::string its_name, std::string its_about, unsigned its_o
   for (const std::string& config : configs) options.configs.push_back("samples/configs/" + config + ".yaml");
 }
 
-Result<fs::path> Benchmark::kept(const fs::path& scenario, uint64_t seed) const {
+Result<fs::path> Benchmark::simulated_recording(const fs::path& scenario, uint64_t seed) const {
   const auto path =
       in_child([&]() -> Result<Json> {  // rendering starts threads, and a process with threads cannot fork safely
-        const auto file = kept_recording(scenario, seed, options.keep, options.quick ? quick_m : 0.0);
+        const auto file = cached_recording(scenario, seed, options.keep, options.quick ? quick_m : 0.0);
         return file ? Result<Json>(file->string()) : file.failure();
       });
   return path ? Result<fs::path>(path->get<std::string>()) : path.failure();
@@ -93,7 +93,7 @@ Result<std::vector<BenchCase>> Benchmark::recordings() {
     for (uint64_t seed = options.first_seed; seed < options.first_seed + options.seeds; ++seed) {
       all.push_back({{{"seed", seed}}, {}, {}, seed, 0, scenario});
       if (!simulated) continue;
-      const auto file = kept(scenario, seed);
+      const auto file = simulated_recording(scenario, seed);
       if (!file) return file.failure();
       all.back().labels = {{"recording", stem_of(*file)}}, all.back().files = {*file};
       all.back().run.asset_path = assets_of(*file).string();
@@ -152,7 +152,7 @@ BenchReport Benchmark::report(const Rows& rows) const {
   const auto columns = columns_of(rows);
   const Rows summaries = summaries_of(rows, "config", columns);
   return {heading(rows) + table_text({"", {{"config", "config"}}, columns}, summaries) + notes(rows),
-          printed(summaries)};
+          visible_rows(summaries)};
 }
 
 void Benchmark::draw(const Rows& rows, Plot& into) const {

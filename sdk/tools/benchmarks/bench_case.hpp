@@ -101,7 +101,7 @@ struct Benchmark {
 
  protected:
   /// Simulates the recording unless it is kept from an earlier run.
-  Result<std::filesystem::path> kept(const std::filesystem::path& scenario, uint64_t seed) const;
+  Result<std::filesystem::path> simulated_recording(const std::filesystem::path& scenario, uint64_t seed) const;
 };
 /// One line per row: the labels of its case (`_labels`) and the figures of a row_of() table. `below`: title of the
 /// summaries over all recordings of a config and sensors, appended if there are several recordings.

@@ -55,7 +55,7 @@ struct City : Benchmark {
       std::erase_if(scored, [&](const StampedPose& p) { return p.t_ns < accepted.front().header.t_ns + kTold_ns; });
     const auto horizontal_m = horizontal_errors(scored, result.track);
     const auto first = [&](double x) { return accepted.empty() ? Json() : Json(x); };
-    const As mostly{.parts = {0.5, 0.95}};
+    const Format mostly{.parts = {0.5, 0.95}};
     Json row = row_of({{"error", "m", "horizontal_m", 2, horizontal_m, mostly},
                        {"error", "worst", "_horizontal_worst", 2, horizontal_m, kWorst},
                        {"fix", "m", "_fix_m", 2, f.error_m, mostly},
@@ -95,7 +95,7 @@ struct City : Benchmark {
     }
     if (options.configs.size() > 1) table.labels.push_back({"config", "config", true});
     table.columns.push_back({"no fix because of", "(frames)", "_reasons"});
-    return {table_text(table, lines), printed(lines)};
+    return {table_text(table, lines), visible_rows(lines)};
   }
 
   /// Renders the drive unless it is cached; the model and its position replace those of the config.
@@ -109,7 +109,7 @@ struct City : Benchmark {
     const auto origin =
         write_city_scenario({model, scenario.string(), lens, lens == "forward" ? "walker" : "car", seed, length_m});
     if (!origin) return origin.failure();
-    const auto recording = kept(scenario, seed + kOtherSky * sky);
+    const auto recording = simulated_recording(scenario, seed + kOtherSky * sky);
     if (!recording) return recording.failure();
     const std::string plus = sky > 0 ? '+' + std::to_string(sky) : "";
     BenchCase one{{{"name", city + ' ' + lens + ' ' + std::to_string(seed) + plus}, {"lens", lens}},

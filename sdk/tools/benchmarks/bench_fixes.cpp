@@ -35,7 +35,7 @@ struct Canyon : Benchmark {
 
   Result<Json> measure_replay(const BenchCase&, const Recording& recording, const RunResult& result) const override {
     const CanyonFigures f = canyon_figures(recording.true_states, result.track);
-    const As parts{.parts = {0.5, 1}};
+    const Format parts{.parts = {0.5, 1}};
     return row_of({{"heading, 100 m", "deg", "heading_after_100_m_deg", 1, f.yaw_deg, parts},
                    {"position", "m", "position_m", 1, f.median_m, parts},
                    {"largest error", "m", "largest_m", 1, f.largest_m, parts},
@@ -126,7 +126,7 @@ struct KnownObjects : Benchmark {
       Rows lines;
       for (const Json& row : rows_with(rows, "target", target.id)) {
         lines.push_back(summary_of(row, {row}, columns_of(rows)));
-        report.json["accuracy"].push_back(printed({lines.back()})[0]);
+        report.json["accuracy"].push_back(visible_rows({lines.back()})[0]);
         lines.back()["_name"] = text("%s %g-%g m, %g to %g deg", row["standing"].get<bool>() ? "standing" : "walking",
                                      number_at(row, "from_m"), number_at(row, "to_m"), number_at(row, "from_deg"),
                                      number_at(row, "to_deg"));
@@ -137,7 +137,7 @@ struct KnownObjects : Benchmark {
     }
     for (const Json& row : rows_with(rows, "target", "look-alikes")) {
       Rows kinds(row["_kinds"].begin(), row["_kinds"].end());
-      report.json["look_alikes"] = printed(kinds);
+      report.json["look_alikes"] = visible_rows(kinds);
       kinds.push_back(summary_of({{"kind", "all"}}, kinds, columns_of(kinds)));
       report.text += '\n' + table_text({"", {{"look-alikes", "kind"}}, columns_of(kinds)}, kinds);
     }

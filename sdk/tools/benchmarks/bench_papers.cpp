@@ -72,8 +72,8 @@ struct Walk700 : Benchmark {
       return Json{{"mean_m", e.mean_m}, {"error_m", e.error_m}, {"error_percent", e.error_percent}};
     };
     const Start start = start_of(*config_of(one.run));
-    const Json by_path = errors(start == Start::surveyed ? result.track : started(truth, result.track, kStart_m));
-    Json row = start == Start::by_pose ? errors(started_by_pose(truth, result.track, kStart_m)) : by_path;
+    const Json by_path = errors(start == Start::surveyed ? result.track : aligned_at_start(truth, result.track, kStart_m));
+    Json row = start == Start::by_pose ? errors(aligned_by_pose(truth, result.track, kStart_m)) : by_path;
     for (const WalkedPlace& place : places) row["walked_m"].push_back(place.walked_m);
     row["by_path"] = by_path;
     row["fixes"] = result.accepted().size();
@@ -157,12 +157,12 @@ struct Drive : Benchmark {
     const Trajectory& truth = recording.truth;
     Trajectory track = result.track;
     if (result.fixes.empty()) {  // neither position, nor heading, nor (without a source) scale is known
-      track = turned_onto_first(truth, track);
-      track = started(truth, result.scales.empty() ? scaled_by_start(truth, track, start_m) : track, start_m);
+      track = rotated_onto_first(truth, track);
+      track = aligned_at_start(truth, result.scales.empty() ? scaled_by_start(truth, track, start_m) : track, start_m);
     }
     const PositionErrors e = position_errors(truth, track);
     const double end = 100 * e.horizontal_m.back() / path_length(truth);
-    const As range{.sign = true, .parts = {0, 1}};
+    const Format range{.sign = true, .parts = {0, 1}};
     return row_of(
         {{"error", "m", "horizontal_m", 2, e.horizontal_m, {.parts = {0.10, 0.25, 0.50, 0.68, 0.75, 0.90, 0.95, 0.99}}},
          {"north", "m", "_north_m", 1, e.north_m, range},

@@ -8,7 +8,7 @@
 
 #include "sdk/math/rotation.hpp"
 #include "sdk/tools/benchmarks/benchmarks.hpp"
-#include "sdk/tools/city/photograph_placer.hpp"
+#include "sdk/tools/city/photograph_localizer.hpp"
 #include "sdk/tools/city/photograph_scene.hpp"
 #include "sdk/tools/city/thinned_model.hpp"
 #include "sdk/tools/simulation/random.hpp"
@@ -101,12 +101,12 @@ struct Photographs : Benchmark {
     if (heading_sigma_deg < 180) guess.heading_rad = heading + off;
     return guess;
   }
-  Result<bool> add(const Taken& taken, const std::string& file, uint64_t seed, PhotographPlacer& placer,
+  Result<bool> add(const Taken& taken, const std::string& file, uint64_t seed, PhotographLocalizer& localizer,
                    Tally& to) const {
     const Eigen::Vector3d axis = taken.q_n_c * Eigen::Vector3d::UnitZ();
     const double heading = std::atan2(axis.y(), axis.x());
     const PhotographGuess guess = guess_of(taken, heading, seed);
-    const auto answer = placer.place(taken.bgr, taken.focal_px, guess);
+    const auto answer = localizer.estimate_pose(taken.bgr, taken.focal_px, guess);
     if (!answer) return answer.failure();
     const double off_m = std::hypot(guess.north_m - taken.p_n.x(), guess.east_m - taken.p_n.y());
     const std::string line = file + text(": prior off %.1f m", off_m);
@@ -138,8 +138,8 @@ struct Photographs : Benchmark {
                                                            static_cast<unsigned long long>(one.seed));
     const auto written = write_thinned_model(model, thinned, missing, one.seed);
     if (!written) return written.failure();
-    auto placer = PhotographPlacer::make(thinned, {.model = city->origin});
-    if (!placer) return placer.failure();
+    auto localizer = PhotographLocalizer::make(thinned, {.model = city->origin});
+    if (!localizer) return localizer.failure();
     PhotographSceneParameters p;
     p.roof_sigma_m = roof_sigma_m;
     PhotographScene scene(*city, one.seed, p);
@@ -150,14 +150,14 @@ struct Photographs : Benchmark {
                                                           static_cast<unsigned long long>(one.seed), k);
       const auto photograph = taken(scene, file, k);
       if (!photograph) return photograph.failure();
-      const auto done = add(*photograph, file.filename().string(), one.seed * 1000 + k, **placer, tally);
+      const auto done = add(*photograph, file.filename().string(), one.seed * 1000 + k, **localizer, tally);
       if (!done) return done.failure();
       if (one.run.progress) one.run.progress(k + 1, of_it);
     }
     return row_of_tally(tally, of_it);
   }
   static Json row_of_tally(const Tally& t, size_t photographs) {
-    const As mostly{.parts = {0.5, 0.95}};
+    const Format mostly{.parts = {0.5, 0.95}};
     Json row = row_of({{"photographs", "", "photographs", 0, photographs, kSum},
                        {"placed", "%", "_placed_percent", 1, {t.placed, photographs}, kShare},
                        {"in 3 m", "and 3 deg %", "_good_percent", 1, {t.good, photographs}, kShare},
@@ -177,7 +177,7 @@ struct Photographs : Benchmark {
     if (each)
       for (const Json& row : rows)
         for (const Json& line : row["lines"]) said += line.get<std::string>() + '\n';
-    return {said, printed(lines)};
+    return {said, visible_rows(lines)};
   }
 
   std::vector<std::string> models;

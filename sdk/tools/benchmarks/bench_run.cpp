@@ -87,11 +87,11 @@ class RowStore {
 };
 
 /// Text that the process of a run sends, and its inverse.
-std::string said(const Result<Json>& row) {
+std::string serialised(const Result<Json>& row) {
   const Json words = row ? Json{{"row", *row}} : Json{{"status", row.failure().status}, {"text", row.failure().text}};
   return words.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
-Result<Json> heard(const ChildResult& child) {
+Result<Json> parsed(const ChildResult& child) {
   const Json words = child.finished ? Json::parse(child.text, nullptr, false) : Json();
   if (!words.is_object()) return Failure{ODO_E_ERROR, "the process of a run: " + child.text};
   if (words.contains("row")) return words["row"];
@@ -120,7 +120,7 @@ std::string stem_of(const fs::path& path) {
 }
 
 Result<Json> in_child(const std::function<Result<Json>()>& call) {
-  return heard(run_in_child(INFINITY, [&] { return said(call()); }));
+  return parsed(run_in_child(INFINITY, [&] { return serialised(call()); }));
 }
 
 Result<Rows> rows_of(const Benchmark& benchmark, const std::vector<BenchCase>& cases) {
@@ -150,11 +150,11 @@ Result<Rows> rows_of(const Benchmark& benchmark, const std::vector<BenchCase>& c
         BenchCase one = cases[missing[i]];
         Progress bar(name_of(one));
         if (jobs == 1) one.run.progress = [&](size_t k, size_t n) { bar.show(k, n); };
-        return said(benchmark.measure(one));
+        return serialised(benchmark.measure(one));
       },
       [&, done = size_t{0}](size_t i, const ChildResult& child) mutable {
         const size_t number = missing[i];
-        const auto row = heard(child);
+        const auto row = parsed(child);
         if (row)
           store.keep(keys[number], *row), rows[number] = labelled(cases[number], *row);
         else

@@ -37,9 +37,9 @@ struct Allan : Benchmark {
     for (const AllanPoint& p : imu_at_rest(street->imu, sensor == "gyroscope", hours, seed)) {
       row["points"].push_back({{"averaging_s", p.averaging_s},
                                {"simulated", p.simulated},
-                               {"asked_for", p.asked_for},
-                               {"ratio", p.simulated / p.asked_for}});
-      row["_lines"][sensor + ", asked for"].push_back({std::log10(p.averaging_s), std::log10(p.asked_for)});
+                               {"asked_for", p.expected},
+                               {"ratio", p.simulated / p.expected}});
+      row["_lines"][sensor + ", asked for"].push_back({std::log10(p.averaging_s), std::log10(p.expected)});
       row["_points"][sensor + ", simulated"].push_back({std::log10(p.averaging_s), std::log10(p.simulated)});
     }
     return row;
@@ -141,7 +141,7 @@ struct Gait : Benchmark {
         text("%zu real walks, %zu simulated walkers; samples at %.0f Hz\n\n", real.size(), made.size(), kGaitRate_hz) +
             table_text(table, lines) +
             text("\nEvery quartile of the simulation lies inside the real range: %s\n", all_inside ? "yes" : "no"),
-        printed(lines)};
+        visible_rows(lines)};
   }
 
   void draw(const Rows& rows, Plot& into) const override {
@@ -201,13 +201,13 @@ struct Tracks : Benchmark {
         const std::string key = text("window_%.0f_s/", window_s), head = text("%.0f s windows", window_s);
         figures.push_back({head, "S mm", key + "motion_mm", 1, 1e3 * e.motion_m});
         figures.push_back({"", "N mm", key + "error_mm", 1, with_error ? Json(1e3 * e.error_m) : Json()});
-        figures.push_back({"", "pull", key + "pull", 2, with_error ? Json(e.pull) : Json()});
+        figures.push_back({"", "pull", key + "pull", 2, with_error ? Json(e.attenuation) : Json()});
         figures.push_back({"", "n", key + "windows", 0, e.windows});
       }
       row = row_of(figures);
     }
     if (excitation_only) return row;
-    const auto tracks = followed_corners(recording, frames, one.run.progress);
+    const auto tracks = measure_corner_flow(recording, frames, one.run.progress);
     if (!tracks) return tracks.failure();
     row.update(row_of({{"", "frames", "frames", 0, tracks->frames},
                        {"", "Hz", "rate_hz", 1, tracks->rate_hz},
@@ -216,7 +216,7 @@ struct Tracks : Benchmark {
                        {"one motion", "", "_inliers", 3, tracks->inliers, {.parts = {0.5, 0.1}}},
                        {"flow px", "", "_flow_px", 2, tracks->flow_px, {.parts = {0.5, 0.9}}}},
                       "tracks"));
-    row["_lines"][one.labels["recording"].get<std::string>()] = tracks->still_followed();
+    row["_lines"][one.labels["recording"].get<std::string>()] = tracks->survival();
     return row;
   }
 
@@ -227,7 +227,7 @@ struct Tracks : Benchmark {
       out = text(
                 "Up to %d corners, pyramidal Lucas-Kanade with a forward-backward check of 0.7 px, five-point RANSAC "
                 "within 1 px; lengths in frames.\n\n",
-                kFollowedCorners) +
+                kMaxCorners) +
             table_text({"", {{"recording", "recording"}}, columns}, summaries_of(rows, "recording", columns)) + '\n';
     out += text(
         "S: rms of the true motion about the best-fitting quadratic in time of a window; N: the same for the error of "

@@ -41,7 +41,7 @@ double half_interval(const Rows& rows, const std::string& key, bool absolute) {
     }
     means.push_back(sum / static_cast<double>(count));
   }
-  return 0.5 * (part_of(means, 0.975) - part_of(means, 0.025));
+  return 0.5 * (percentile_or_nan(means, 0.975) - percentile_or_nan(means, 0.025));
 }
 
 Json line_of(const Json& labels, const Rows& rows) {
@@ -192,7 +192,7 @@ Result<std::vector<BenchCase>> step_data_cases(const std::vector<std::string>& f
 Json step_data_row(const Recording& recording, const RunResult& result) {
   const WalkTruthFigures f = walk_truth_figures(recording, result.steps, result.track);
   const WalkerName name = walker_name(recording);
-  const As none{.over = Over::all};
+  const Format none{.aggregate = Aggregate::all};
   Json row = row_of({{"steps", "", "steps", 0, result.steps.size(), none},
                      {"true", "", "true_steps", 0, f.true_steps, none},
                      {"peaks", "", "peaks", 0, f.peaks, none},

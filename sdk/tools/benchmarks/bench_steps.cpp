@@ -68,7 +68,7 @@ struct Steps : Benchmark {
       false_in_10_min[what] = *steps;
     }
     const WalkFigures f = walk_figures(recording, {r.steps, r.modes, r.attitudes});
-    const As mostly{.parts = {0.5, 0.9}}, size_mostly{.absolute = true, .parts = {0.5, 0.9}};
+    const Format mostly{.parts = {0.5, 0.9}}, size_mostly{.absolute = true, .parts = {0.5, 0.9}};
     Json row = row_of({{"count", "%", "count_percent", 2, f.count_percent, {.absolute = true, .parts = {0.5, 1}}},
                        {"", "", "count_percent/signed", -1, f.count_percent, kAll},
                        {"times", "ms start", "start_ms", 0, f.start_ms},
@@ -83,14 +83,14 @@ struct Steps : Benchmark {
                        {"", "car", "false_steps_in_10_min/car", 1, false_in_10_min["car"], kMean},
                        {"tilt", "deg", "tilt_rms_deg", 2, f.tilt_deg},
                        {"drift", "deg/min", "drift_deg_per_min", 2, f.drift_deg_min},
-                       {"stray", "deg", "heading_wander_deg", 2, f.wander_deg}});
+                       {"stray", "deg", "heading_wander_deg", 2, f.heading_error_deg}});
     for (const auto& [pair, seconds] : f.modes_s) row["_modes"].push_back({pair.first, pair.second, seconds});
     return row;
   }
 
   BenchReport report(const Rows& rows) const override {
     if (data.empty()) return Benchmark::report(rows);
-    return {step_data_report(rows) + (each ? '\n' + cases_text(rows) : ""), printed(rows)};
+    return {step_data_report(rows) + (each ? '\n' + cases_text(rows) : ""), visible_rows(rows)};
   }
 
   std::string heading(const Rows&) const override {
@@ -133,9 +133,9 @@ struct Steps : Benchmark {
   bool confusion = false, each = false;
 };
 
-const As kTotal{.sign = true, .over = Over::share};
+const Format kTotal{.sign = true, .aggregate = Aggregate::share};
 
-std::string oracles_of(const Rows& rows) {
+std::string leg_errors_text(const Rows& rows) {
   const auto line = [&](const char* name, const char* key, double factor, const char* unit) {
     return text("  %-60s %9.2f %9.2f %s\n", name, factor * percentile_at(rows, key, 0.5, true),
                 factor * percentile_at(rows, key, 0.9, true), unit);
@@ -160,12 +160,12 @@ struct Walks : Benchmark {
   Result<Json> measure_replay(const BenchCase&, const Recording& recording, const RunResult& result) const override {
     const auto waypoints = recording.waypoints();
     const double yaw = heading_offset(result.track, waypoints, align_first_m);
-    WaypointErrors e = waypoint_errors(lay_over(result.track, waypoints, yaw), waypoints);
+    WaypointErrors e = waypoint_errors(align_to_waypoints(result.track, waypoints, yaw), waypoints);
     // With a true trajectory, the reference is its path, not the polyline of the waypoints.
     if (!recording.truth.empty()) e.reference_m = waypoint_errors(recording.truth, waypoints).estimate_m;
-    const LegOracles legs = leg_oracles(result.track, waypoints, align_first_m);
+    const LegErrors legs = leg_errors(result.track, waypoints, align_first_m);
     const double drift = heading_drift(result.attitudes, recording.phone_attitudes);
-    const As mostly{.parts = {0.5, 0.9}}, size_mostly{.absolute = true, .parts = {0.5, 0.9}};
+    const Format mostly{.parts = {0.5, 0.9}}, size_mostly{.absolute = true, .parts = {0.5, 0.9}};
     Json row = row_of({{"total", "%", "total_percent", 2, {e.estimate_m - e.reference_m, e.reference_m}, kTotal},
                        {"distance error", "%", "distance_percent", 2, 100 * e.distance_error(), size_mostly},
                        {"position error", "m", "position_m", 2, e.position_m, mostly},
@@ -200,7 +200,7 @@ struct Walks : Benchmark {
     for (const auto& [config, own] : groups_of(rows, "config")) {
       if (each || oracles) out += '\n' + config.get<std::string>() + '\n';
       if (each) out += table_text(walks, own);
-      if (oracles) out += oracles_of(own);
+      if (oracles) out += leg_errors_text(own);
     }
     return out;
   }

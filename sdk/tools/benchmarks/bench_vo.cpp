@@ -17,7 +17,7 @@ namespace fs = std::filesystem;
 
 constexpr double kAssociate_s = 0.02;  // two thirds of a frame at 30 Hz
 
-constexpr const char* kMetreNote =
+constexpr const char* kScaleNote =
     "From the composed motions only. placed: frames with a displacement, not lost; metric: with metric scale; before: "
     "placed before\nmetric scale was available. longest: scale group. start: from the first frame to the first metric "
     "motion; moving:\nfrom the camera's first 5 cm. true, own: path of the metric frames. SE3, yaw: rms displacement "
@@ -50,7 +50,7 @@ Json windows_of(const VoFigures& f) {
   return all;
 }
 
-std::vector<Figure> metre_of(const VoFigures& f) {
+std::vector<Figure> scale_figures(const VoFigures& f) {
   const double percent = f.path_m > 0 ? 100 / f.path_m : std::nan("");
   const auto measured =
       std::count_if(f.stops.begin(), f.stops.end(), [](const StopFigures& s) { return s.measured(); });
@@ -77,7 +77,7 @@ std::vector<Figure> metre_of(const VoFigures& f) {
           {"stops", "", "stops_measured", 0, measured},
           {"", "", "scale_windows", -1, windows_of(f)},
           {"drift", "cm/min", "standing_drift_cm_min", 1, 100 * f.standing_drift_m_min},
-          {"wrong", "%", "wrongly_certain_percent", 1, 100 * f.wrongly_certain_share},
+          {"wrong", "%", "wrongly_certain_percent", 1, 100 * f.overconfident_share},
           {"NEES", "scale", "scale_nees", 2, f.scale_nees}};
 }
 
@@ -88,15 +88,15 @@ std::vector<Figure> shape_of(const VoShape& f, const RunResult& result) {
           {"APE", "%", "ape_percent", 2, f.ape_m * percent},
           {"true scale", "per frame, end %", "true_lengths_end_percent", 2, f.end_per_frame_m * percent},
           {"true scale", "per 10 m, end %", "true_windows_end_percent", 2, f.end_per_window_m * percent},
-          {"scale", "median %", "scale_change_median_percent", 2, 100 * part_of(f.scale_change, 0.5)},
-          {"scale", "95 %", "scale_change_p95_percent", 2, 100 * part_of(f.scale_change, 0.95)},
-          {"rotation", "deg", "rotation_median_deg", 4, part_of(f.rotation_rad, 0.5) * 180 / EIGEN_PI},
+          {"scale", "median %", "scale_change_median_percent", 2, 100 * percentile_or_nan(f.scale_change, 0.5)},
+          {"scale", "95 %", "scale_change_p95_percent", 2, 100 * percentile_or_nan(f.scale_change, 0.95)},
+          {"rotation", "deg", "rotation_median_deg", 4, percentile_or_nan(f.rotation_rad, 0.5) * 180 / EIGEN_PI},
           {"track", "part", "tracking", 2, f.tracking_share},
           {"lost", "part", "lost", 2, f.lost_share},
           {"NEES", "rotation", "rotation_nees", 2, f.rotation_nees},
           {"NEES", "dir.", "direction_nees", 2, f.direction_nees},
-          {"ms", "median", "frame_ms_median", 1, part_of(result.frame_ms, 0.5)},
-          {"ms", "99 %", "frame_ms_p99", 1, part_of(result.frame_ms, 0.99)},
+          {"ms", "median", "frame_ms_median", 1, percentile_or_nan(result.frame_ms, 0.5)},
+          {"ms", "99 %", "frame_ms_p99", 1, percentile_or_nan(result.frame_ms, 0.99)},
           {"", "", "plugin_faults", -1, result.statistics.plugin_faults}};
 }
 
@@ -160,9 +160,9 @@ struct Vo : Benchmark {
   Result<Json> measure_replay(const BenchCase& one, const Recording& recording,
                               const RunResult& result) const override {
     const VoFigures figures =
-        vo_figures(recording.truth, result.motions, result.motions_known_ns, frame_times_ns(recording));
-    const Pairs pairs = associate(recording.truth, compose(result.motions).own(), kAssociate_s);
-    Json row = row_of(metre_of(figures), "metre");
+        vo_figures(recording.truth, result.motions, result.motions_emitted_ns, frame_times_ns(recording));
+    const Pairs pairs = associate(recording.truth, compose(result.motions).unscaled(), kAssociate_s);
+    Json row = row_of(scale_figures(figures), "metre");
     row.update(row_of(shape_of(vo_shape(recording.truth, result.motions, pairs), result), "shape"));
     if (!result.refined.empty()) row["refined"] = refined_of(result.refined.back());
     if (!recording.truth.empty()) row["_lines"][run_name(one.labels)] = scale_along(figures, pairs);
@@ -170,7 +170,7 @@ struct Vo : Benchmark {
   }
 
   BenchReport report(const Rows& rows) const override {
-    BenchReport report{cases_text(rows, "metre", "Metre", "median") + kMetreNote +
+    BenchReport report{cases_text(rows, "metre", "Metre", "median") + kScaleNote +
                        cases_text(rows, "shape", "Shape and cost", "median") + kShapeNote};
     for (const Json& row : rows) {
       const Json refined = row.value("refined", Json::object());

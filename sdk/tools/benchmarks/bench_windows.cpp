@@ -65,9 +65,9 @@ struct Windows : Benchmark {
   }
 
   static Json line_of(double from_s, const StartWindow& w) {
-    Json claims = Json::array();
-    for (const ScaleClaim& c : w.claims)
-      claims.push_back(
+    Json scales = Json::array();
+    for (const StatedScale& c : w.scales)
+      scales.push_back(
           {{"after_s", c.after_s}, {"scale_percent", 100 * std::expm1(c.log_scale)}, {"sigma_percent", 100 * c.sigma}});
     return {{"from_s", from_s},
             {"start_s", w.start_s},
@@ -80,7 +80,7 @@ struct Windows : Benchmark {
             {"sim3_m", w.sim3_rmse_m},
             {"rotation_nees", w.rotation_nees},
             {"displacement_nees", w.displacement_nees},
-            {"claims", claims}};
+            {"claims", scales}};
   }
 
   static std::vector<Figure> figures_of(const std::vector<StartWindow>& windows) {
@@ -91,26 +91,26 @@ struct Windows : Benchmark {
     };
     for (const StartWindow& w : windows) {
       add(start, w.start_s), add(scale, 100 * std::abs(std::expm1(w.log_scale))), add(sigma, 100 * w.sigma);
-      for (const ScaleClaim& c : w.claims) add(nees, std::pow(c.log_scale / c.sigma, 2));
+      for (const StatedScale& c : w.scales) add(nees, std::pow(c.log_scale / c.sigma, 2));
       add(se3, w.se3_rmse_m), add(sim3, w.sim3_rmse_m);
       add(rotation, w.rotation_nees), add(displacement, w.displacement_nees);
-      beyond += w.worst_sigmas > StartWindowParameters{}.certain_sigmas, again += w.groups > 1;
+      beyond += w.worst_sigmas > StartWindowParameters{}.confident_sigmas, again += w.groups > 1;
     }
     const auto mean = [](const std::vector<double>& x) { return x.empty() ? std::nan("") : statistics_of(x).mean; };
     return {{"windows", "", "windows", 0, windows.size(), kSum},
             {"started", "", "started", 0, start.size(), kSum},
             {"again", "", "again", 0, again, kSum},
-            {"start", "s", "start_s", 2, part_of(start, 0.5)},
-            {"worst", "s", "start_worst_s", 2, part_of(start, 1), kWorst},
-            {"scale", "err %", "scale_error_percent", 2, part_of(scale, 0.5)},
-            {"worst", "%", "scale_error_worst_percent", 2, part_of(scale, 1), kWorst},
-            {"sigma", "%", "sigma_percent", 2, part_of(sigma, 0.5)},
+            {"start", "s", "start_s", 2, percentile_or_nan(start, 0.5)},
+            {"worst", "s", "start_worst_s", 2, percentile_or_nan(start, 1), kWorst},
+            {"scale", "err %", "scale_error_percent", 2, percentile_or_nan(scale, 0.5)},
+            {"worst", "%", "scale_error_worst_percent", 2, percentile_or_nan(scale, 1), kWorst},
+            {"sigma", "%", "sigma_percent", 2, percentile_or_nan(sigma, 0.5)},
             {"beyond", "3 sigma", "beyond", 0, beyond, kSum},
             {"NEES", "scale", "scale_nees", 2, mean(nees)},
             {"NEES", "rot.", "rotation_nees", 2, mean(rotation)},
             {"NEES", "disp.", "displacement_nees", 2, mean(displacement)},
-            {"SE3", "m", "se3_m", 3, part_of(se3, 0.5)},
-            {"Sim3", "m", "sim3_m", 3, part_of(sim3, 0.5)}};
+            {"SE3", "m", "se3_m", 3, percentile_or_nan(se3, 0.5)},
+            {"Sim3", "m", "sim3_m", 3, percentile_or_nan(sim3, 0.5)}};
   }
 
   BenchReport report(const Rows& rows) const override {
@@ -122,7 +122,7 @@ struct Windows : Benchmark {
         "normalised error squared by degree of freedom; 1 is consistent.\n";
     for (const Json& row : rows)
       for (const Json& w : row["windows_each"])
-        if (number_at(w, "worst_sigmas") > StartWindowParameters{}.certain_sigmas || number_at(w, "start_s") > 3 ||
+        if (number_at(w, "worst_sigmas") > StartWindowParameters{}.confident_sigmas || number_at(w, "start_s") > 3 ||
             w["start_s"].is_null()) {
           out += row["recording"].get<std::string>() +
                  text(" from %.1f s: start %.2f s, %zu group(s), scale %+.1f %% (sigma %.1f %%), worst %.1f sigmas; ",

@@ -8,7 +8,7 @@
 
 namespace odograph {
 
-std::optional<std::string> mistake_in(const Board& board) {
+std::optional<std::string> invalid_reason(const Board& board) {
   if (board.columns < 3 || board.rows < 3 || board.columns > 100 || board.rows > 100)
     return "a board has 3 to 100 squares a side";
   if (!(board.square_m > 1e-4 && board.square_m < 10)) return "a square's side is from 0.1 mm to 10 m";

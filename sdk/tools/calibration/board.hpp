@@ -25,7 +25,7 @@ struct Board {
 };
 
 /// Describes the first fault of a board; nothing if it is usable.
-std::optional<std::string> mistake_in(const Board& board);
+std::optional<std::string> invalid_reason(const Board& board);
 
 /// The squares that contain markers, in the order of marker numbers: row by row, white squares only. The first square
 /// is black, as printed by OpenCV 4.6 and later; boards of older versions with an even number of rows start with white.

@@ -181,7 +181,7 @@ bool measure_spread(ceres::Problem& problem, const Fit& fit, LensCalibration& ou
 }
 
 /// Pictures whose residual exceeds the limit, relative to the median picture.
-std::set<size_t> misfits(const LensCalibration& calibration, double reject) {
+std::set<size_t> rejected_pictures(const LensCalibration& calibration, double reject) {
   std::vector<double> sorted;
   for (const auto& picture : calibration.pictures) sorted.push_back(picture.rms_px);
   std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2), sorted.end());
@@ -221,7 +221,7 @@ Result<LensCalibration> calibrate_lens(const std::vector<BoardView>& views, cv::
     build(problem, fit, used, options);
     if (!refine(problem)) return no_lens;
     measure(fit, used, out);
-    const auto bad = misfits(out, options.reject);
+    const auto bad = rejected_pictures(out, options.reject);
     if (bad.empty() || used.size() - bad.size() < kMinViews) {
       out.fx = fit.lens[0], out.fy = fit.lens[1], out.cx = fit.lens[2], out.cy = fit.lens[3];
       out.distortion.assign(fit.lens.begin() + 4, fit.lens.end());
@@ -256,9 +256,9 @@ double LensCalibration::widest_tilt_rad() const {
   return widest;
 }
 
-std::vector<std::string> doubts_about(const LensCalibration& c) {
-  std::vector<std::string> doubts;
-  const auto say = [&](auto... words) { doubts.push_back(text(words...)); };
+std::vector<std::string> warnings_about(const LensCalibration& c) {
+  std::vector<std::string> warnings;
+  const auto say = [&](auto... words) { warnings.push_back(text(words...)); };
   const auto used = std::count_if(c.pictures.begin(), c.pictures.end(), [](const auto& p) { return p.used; });
   if (used < 10) say("only %d pictures were used; twenty from different sides are good", static_cast<int>(used));
   if (c.covered() < 0.8)
@@ -271,7 +271,7 @@ std::vector<std::string> doubts_about(const LensCalibration& c) {
     say("the residual is %.2f px; below 0.3 is usual. Is the board flat, are its squares counted correctly, are the "
         "pictures sharp?",
         c.rms_px);
-  return doubts;
+  return warnings;
 }
 
 std::string camera_yaml(const LensCalibration& c) {

@@ -50,7 +50,7 @@ struct LensCalibration {
 Result<LensCalibration> calibrate_lens(const std::vector<BoardView>& views, cv::Size size, const LensOptions& options);
 
 /// Warnings about the result: too few pictures, edges not covered, no tilt, large residuals.
-std::vector<std::string> doubts_about(const LensCalibration& calibration);
+std::vector<std::string> warnings_about(const LensCalibration& calibration);
 
 /// Formats camera.yaml (docs/recording.md).
 std::string camera_yaml(const LensCalibration& calibration);

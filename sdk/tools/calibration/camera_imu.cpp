@@ -20,7 +20,7 @@ constexpr double kFirstScale_px = 2;  // the initial estimate is off by tenths o
 constexpr double kMinScale_px = 0.1;
 
 /// Rms rotation rates along the principal axes, largest first: the excitation of the recording.
-Vector3d liveliness(const std::vector<GyroSample>& gyro) {
+Vector3d rms_rates(const std::vector<GyroSample>& gyro) {
   Vector3d mean = Vector3d::Zero();
   for (const auto& s : gyro) mean += s.rate_b / static_cast<double>(gyro.size());
   Eigen::Matrix3d C = Eigen::Matrix3d::Zero();
@@ -200,7 +200,7 @@ Result<CameraImuCalibration> calibrate_camera_imu(const CameraImuData& data, con
   CameraImuCalibration out;
   const odo_calibration& given = data.given;
   out.frames = data.frames.size();
-  out.rate_rms_rps = liveliness(data.gyro);
+  out.rate_rms_rps = rms_rates(data.gyro);
   if (out.rate_rms_rps[1] < options.min_rate_rps) {
     return wrong(
         text("too little rotation: %.1f, %.1f and %.1f deg/s rms about its three axes, at least %.1f about two are "

@@ -128,7 +128,7 @@ enum class Shutter { unknown, global, rolling, rolling_up };
 Shutter shutter_of(const CameraImuCalibration& calibration);
 
 /// Warnings about the result.
-std::vector<std::string> doubts_about(const CameraImuCalibration& calibration);
+std::vector<std::string> warnings_about(const CameraImuCalibration& calibration);
 
 /// Formats camera.yaml (docs/recording.md), with standard deviations as comments.
 std::string camera_yaml(const CameraImuCalibration& calibration);

@@ -19,10 +19,10 @@ Shutter shutter_of(const CameraImuCalibration& c) {
   return c.row_time_s.value > 0 ? Shutter::rolling : Shutter::rolling_up;
 }
 
-std::vector<std::string> doubts_about(const CameraImuCalibration& c) {
-  std::vector<std::string> doubts;
+std::vector<std::string> warnings_about(const CameraImuCalibration& c) {
+  std::vector<std::string> warnings;
   const auto weak = [&](const char* what, double sigma, const char* unit, const char* kept) {
-    doubts.push_back(
+    warnings.push_back(
         text("%s is not observable in this recording (known to %.3g %s only); %s", what, sigma, unit, kept));
   };
   if (!c.rotation_observable)
@@ -33,10 +33,10 @@ std::vector<std::string> doubts_about(const CameraImuCalibration& c) {
   if (!c.row_time_s.observable)
     weak("the row time", 1e6 * c.row_time_s.sigma, "us", "rotate back and forth faster; the given value is kept");
   if (shutter_of(c) == Shutter::global)
-    doubts.push_back(text("the row time, %.2f +- %.2f us, cannot be distinguished from that of a global shutter",
+    warnings.push_back(text("the row time, %.2f +- %.2f us, cannot be distinguished from that of a global shutter",
                           1e6 * c.row_time_s.value, 1e6 * c.row_time_s.sigma));
   if (shutter_of(c) == Shutter::rolling_up)
-    doubts.push_back(
+    warnings.push_back(
         text("the last row seems to be read first (row time %.2f us): are the pictures upside down? It is "
              "not written into camera.yaml",
              1e6 * c.row_time_s.value));
@@ -44,7 +44,7 @@ std::vector<std::string> doubts_about(const CameraImuCalibration& c) {
     for (const auto& [name, e] :
          {std::pair{"focal length", &c.focal_px}, {"cx", &c.cx}, {"cy", &c.cy}, {"k1", &c.k1}}) {
       if (e->observable) continue;
-      doubts.push_back(e->sigma > 0
+      warnings.push_back(e->sigma > 0
                            ? text("%s is not observable in this recording (known to %.3g only); the given one is "
                                   "kept",
                                   name, e->sigma)
@@ -53,14 +53,14 @@ std::vector<std::string> doubts_about(const CameraImuCalibration& c) {
                                   name));
     }
   if (c.correlation < 0.9)
-    doubts.push_back(
+    warnings.push_back(
         text("the rotations of pictures and gyroscope correlate weakly (correlation %.2f); use a more distant scene "
              "with more texture",
              c.correlation));
   if (c.rms_px > 1)
-    doubts.push_back(
+    warnings.push_back(
         text("the residual is %.2f px; below 0.6 is usual. Is the lens model right, is the scene static?", c.rms_px));
-  return doubts;
+  return warnings;
 }
 
 std::string camera_yaml(const CameraImuCalibration& c) {

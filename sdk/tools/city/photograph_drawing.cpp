@@ -20,8 +20,8 @@ const cv::Scalar kRoofs(40, 90, 235), kShadow(255, 255, 255), kBuildings(150, 15
 
 }  // namespace
 
-cv::Mat roofs_over(const cv::Mat& bgr, double focal_px, const PlacedPhotograph& placed,
-                   const PhotographPlacer& placer) {
+cv::Mat roofs_over(const cv::Mat& bgr, double focal_px, const PhotographPose& placed,
+                   const PhotographLocalizer& placer) {
   cv::Mat picture = bgr.clone();
   const auto elevation = placer.skyline(placed.p_n);
   if (elevation.empty()) return picture;
@@ -46,7 +46,7 @@ cv::Mat roofs_over(const cv::Mat& bgr, double focal_px, const PlacedPhotograph& 
   return picture;
 }
 
-cv::Mat map_of(const std::vector<MappedPhotograph>& photographs, const PhotographPlacer& placer) {
+cv::Mat map_of(const std::vector<MappedPhotograph>& photographs, const PhotographLocalizer& placer) {
   constexpr int kSide = 1200;
   Vector2d low(1e9, 1e9), high(-1e9, -1e9);
   const auto cover = [&](const Vector2d& p, double around) {

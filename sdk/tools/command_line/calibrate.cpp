@@ -145,7 +145,7 @@ std::string figures_of(const LensCalibration& c) {
       c.size.width, c.size.height, c.pictures.size() - static_cast<size_t>(used), 100 * c.covered());
 }
 
-nlohmann::ordered_json json_of(const LensCalibration& c, const std::vector<std::string>& doubts) {
+nlohmann::ordered_json json_of(const LensCalibration& c, const std::vector<std::string>& warnings) {
   nlohmann::ordered_json pictures = nlohmann::json::array();
   for (const auto& p : c.pictures)
     pictures.push_back({{"name", p.name},
@@ -164,14 +164,14 @@ nlohmann::ordered_json json_of(const LensCalibration& c, const std::vector<std::
           {"sigma", {{"fx", c.sigma_fx}, {"fy", c.sigma_fy}, {"cx", c.sigma_cx}, {"cy", c.sigma_cy}}},
           {"rms_px", c.rms_px},
           {"covered", c.covered()},
-          {"doubts", doubts},
+          {"doubts", warnings},
           {"pictures", pictures}};
 }
 
 int print_board(const CalibrateArguments& a, const Board& board) {
   if (fs::path(a.print).extension() != ".svg")
-    return complain({ODO_E_ARGUMENT, "--print: '" + a.print + "'; expected a file that ends in .svg"});
-  if (const auto written = write_file(a.print, board_svg(board)); !written) return complain(written.failure());
+    return print_failure({ODO_E_ARGUMENT, "--print: '" + a.print + "'; expected a file that ends in .svg"});
+  if (const auto written = write_file(a.print, board_svg(board)); !written) return print_failure(written.failure());
   std::printf(
       "%s: %.0f x %.0f mm with its margin. Print it in true size, glue it to something flat, and measure a "
       "square.\n",
@@ -181,24 +181,24 @@ int print_board(const CalibrateArguments& a, const Board& board) {
 
 int calibrate(const CalibrateArguments& a) {
   const auto board = a.options.board();
-  if (!board) return complain(board.failure());
+  if (!board) return print_failure(board.failure());
   if (!a.print.empty()) return print_board(a, *board);
   CalibrateImuArguments imu = a.imu;
   imu.output = a.output, imu.json = a.json;
   if (a.inputs.empty()) {
     if (!imu.recording.empty()) return calibrate_imu(imu, nullptr);
-    return complain({ODO_E_ARGUMENT,
+    return print_failure({ODO_E_ARGUMENT,
                      "calibrate: no pictures; expected pictures, folders, a recording or a video (or "
                      "--imu RECORDING without a board, or --print FILE.svg for a board)"});
   }
   std::vector<PictureSource> sources;
   for (const auto& input : a.inputs) {
     auto more = pictures_of(input);
-    if (!more) return complain(more.failure());
+    if (!more) return print_failure(more.failure());
     std::move(more->begin(), more->end(), std::back_inserter(sources));
   }
   const auto seen = look(sources, *board);
-  if (!seen) return complain(seen.failure());
+  if (!seen) return print_failure(seen.failure());
   if (seen->other_size > 0)
     std::fprintf(stderr, "%zu of %zu pictures are not %dx%d like the first, and are skipped\n", seen->other_size,
                  seen->pictures, seen->size.width, seen->size.height);
@@ -210,23 +210,23 @@ int calibrate(const CalibrateArguments& a) {
     if (2 * seen->views.size() < seen->pictures)
       failure.text += "; looked for " + a.options.kind + " " + a.options.squares +
                       " (--board, --squares, --family) in " + std::to_string(seen->pictures) + " pictures";
-    return complain(failure);
+    return print_failure(failure);
   }
-  const auto doubts = doubts_about(*found);
+  const auto warnings = warnings_about(*found);
   std::error_code error;
   fs::create_directories(a.output, error);
   const fs::path folder = a.output;
   for (const auto& [name, text] : {std::pair{"camera.yaml", camera_yaml(*found)},
-                                   {"calibration.html", plots_page("Camera calibration", figures_of(*found), doubts,
+                                   {"calibration.html", plots_page("Camera calibration", figures_of(*found), warnings,
                                                                    camera_yaml(*found), plots_of(*found))}})
-    if (const auto written = write_file(folder / name, text); !written) return complain(written.failure());
+    if (const auto written = write_file(folder / name, text); !written) return print_failure(written.failure());
   if (!imu.recording.empty()) return calibrate_imu(imu, &*found);
   if (a.json) {
-    std::printf("%s\n", json_of(*found, doubts).dump(2).c_str());
+    std::printf("%s\n", json_of(*found, warnings).dump(2).c_str());
     return kDone;
   }
   std::printf("board found in %zu of %zu pictures\n%s", seen->views.size(), seen->pictures, figures_of(*found).c_str());
-  for (const auto& doubt : doubts) std::printf("beware: %s\n", doubt.c_str());
+  for (const auto& warning : warnings) std::printf("beware: %s\n", warning.c_str());
   std::printf("%s/camera.yaml (in a config: 'camera: FILE'), %s/calibration.html\n", a.output.c_str(),
               a.output.c_str());
   return kDone;

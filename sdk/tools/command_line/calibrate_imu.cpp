@@ -96,7 +96,7 @@ std::string figures_of(const CameraImuCalibration& c) {
   return out;
 }
 
-nlohmann::ordered_json json_of(const CameraImuCalibration& c, const std::vector<std::string>& doubts) {
+nlohmann::ordered_json json_of(const CameraImuCalibration& c, const std::vector<std::string>& warnings) {
   const auto one = [](const Estimate& e) {
     return nlohmann::ordered_json{
         {"value", e.value}, {"sigma", e.sigma}, {"given", e.given}, {"observable", e.observable}};
@@ -118,7 +118,7 @@ nlohmann::ordered_json json_of(const CameraImuCalibration& c, const std::vector<
           {"windows", c.windows},
           {"corners", c.corners},
           {"rms_px", c.rms_px},
-          {"doubts", doubts}};
+          {"doubts", warnings}};
 }
 
 /// Initial values: a lens from a board, a camera.yaml, or the recording's own.
@@ -158,37 +158,37 @@ Result<bool> start_from(const CalibrateImuArguments& a, const LensCalibration* b
 
 int calibrate_imu(const CalibrateImuArguments& a, const LensCalibration* board) {
   const auto recording = open_recording(a.recording);
-  if (!recording) return complain(recording.failure());
+  if (!recording) return print_failure(recording.failure());
   Result<CameraImuData> data = Failure{};
   {
     Progress progress("corners");
     data = camera_imu_data(*recording, [&](size_t done, size_t all) { progress.show(done, all); });
   }
-  if (!data) return complain(data.failure());
+  if (!data) return print_failure(data.failure());
   if (const auto started = start_from(a, board, data->given, data->given_row_time_s); !started)
-    return complain(started.failure());
+    return print_failure(started.failure());
   Result<CameraImuCalibration> found = Failure{};
   {
     Progress progress("fit");
     found = calibrate_camera_imu(*data, {.refine_lens = !board && !a.keep_lens},
                                  [&](size_t done, size_t all) { progress.show(done, all); });
   }
-  if (!found) return complain({found.failure().status, a.recording + ": " + found.failure().text});
-  const auto doubts = doubts_about(*found);
+  if (!found) return print_failure({found.failure().status, a.recording + ": " + found.failure().text});
+  const auto warnings = warnings_about(*found);
   std::error_code error;
   fs::create_directories(a.output, error);
   for (const auto& [name, text] : {std::pair{"camera.yaml", camera_yaml(*found)},
-                                   {"camera_imu.html", plots_page("Camera and IMU", figures_of(*found), doubts,
+                                   {"camera_imu.html", plots_page("Camera and IMU", figures_of(*found), warnings,
                                                                   camera_yaml(*found), plots_of(*found))}})
-    if (const auto written = write_file(fs::path(a.output) / name, text); !written) return complain(written.failure());
+    if (const auto written = write_file(fs::path(a.output) / name, text); !written) return print_failure(written.failure());
   if (a.json) {
-    std::printf("%s\n", json_of(*found, doubts).dump(2).c_str());
-    return status_over(recording->loss, kDone);
+    std::printf("%s\n", json_of(*found, warnings).dump(2).c_str());
+    return exit_status(recording->loss, kDone);
   }
   std::printf("%s", figures_of(*found).c_str());
-  for (const auto& doubt : doubts) std::printf("beware: %s\n", doubt.c_str());
+  for (const auto& warning : warnings) std::printf("beware: %s\n", warning.c_str());
   std::printf("%s/camera.yaml (in a config: 'camera: FILE'), %s/camera_imu.html\n", a.output.c_str(), a.output.c_str());
-  return status_over(recording->loss, kDone);
+  return exit_status(recording->loss, kDone);
 }
 
 }  // namespace odograph

@@ -14,7 +14,7 @@ int check(const std::vector<std::string>& files) {
   for (const std::string& file : files) {
     const auto done = check_city_model(file);
     if (!done) {
-      status = complain(done.failure());
+      status = print_failure(done.failure());
       continue;
     }
     const CityCheck& c = *done;
@@ -55,7 +55,7 @@ void add_city(CLI::App& app, int& status) {
       ->check(CLI::IsMember({"car", "walker"}));
   draw->callback([r, &status] {
     const auto done = write_city_scenario(*r);
-    status = done ? kDone : complain(done.failure());
+    status = done ? kDone : print_failure(done.failure());
   });
   add_city_locate(*city, status);
   add_city_skylines(*city, status);

@@ -111,7 +111,7 @@ class Frame {
     return guess;
   }
   /// A position for output: latitude and longitude, or easting and northing.
-  std::array<double, 2> said(const Eigen::Vector3d& p_n) const {
+  std::array<double, 2> output_coordinates(const Eigen::Vector3d& p_n) const {
     if (in_model_) return {origin_.model.x() + p_n.y(), origin_.model.y() + p_n.x()};
     const auto g = geodesy_->to_geodetic({p_n.x(), p_n.y(), 0});
     return {g[0] / kDegree, g[1] / kDegree};
@@ -127,13 +127,13 @@ class Frame {
 
 double degrees(double rad) { return std::fmod(rad / kDegree + 360, 360); }
 
-Json row_of(const Photograph& photograph, const Frame& frame, const PlacedPhotograph& placed, double eye_m) {
+Json row_of(const Photograph& photograph, const Frame& frame, const PhotographPose& placed, double eye_m) {
   Json row = {{"picture", photograph.file.filename().string()}, {"placed", placed.placed}};
   if (!placed.placed) {
     row["reason"] = placed.why;
     return row;
   }
-  const auto at = frame.said(placed.p_n);
+  const auto at = frame.output_coordinates(placed.p_n);
   row[frame.in_model() ? "easting_m" : "latitude_deg"] = at[0];
   row[frame.in_model() ? "northing_m" : "longitude_deg"] = at[1];
   row["sigma_m"] = placed.sigma_m();
@@ -189,8 +189,8 @@ Result<bool> write_csv(const fs::path& file, const Rows& rows, bool grid) {
 }
 
 /// Warns about missing buildings or terrain of the model.
-void say_ground(const PhotographPlacer& placer, const PhotographGuess& guess) {
-  const auto ground = placer.ground({guess.north_m, guess.east_m});
+void print_ground(const PhotographLocalizer& localizer, const PhotographGuess& guess) {
+  const auto ground = localizer.ground({guess.north_m, guess.east_m});
   if (!ground)
     std::fprintf(stderr, "odograph: the model has no building within 60 m of the place: is it the right model?\n");
   else if (!ground->terrain)
@@ -210,7 +210,7 @@ Result<std::vector<Photograph>> read_all(const std::vector<std::string>& names, 
     if (photograph)
       photographs.push_back(std::move(*photograph));
     else
-      status = complain(photograph.failure());
+      status = print_failure(photograph.failure());
   }
   return photographs;
 }
@@ -226,51 +226,51 @@ Failure with_hint(Failure failure, const Frame& frame) {
 int locate(const LocateArguments& a) {
   int status = kDone;
   auto photographs_read = read_all(a.pictures, status);
-  if (!photographs_read) return complain(photographs_read.failure());
+  if (!photographs_read) return print_failure(photographs_read.failure());
   std::vector<Photograph>& photographs = *photographs_read;
   if (photographs.empty()) return status;
   const auto frame = Frame::of(a, photographs);
-  if (!frame) return complain(frame.failure());
-  auto placer = PhotographPlacer::make(a.model, frame->origin());
-  if (!placer) return complain(with_hint(placer.failure(), *frame));
+  if (!frame) return print_failure(frame.failure());
+  auto localizer = PhotographLocalizer::make(a.model, frame->origin());
+  if (!localizer) return print_failure(with_hint(localizer.failure(), *frame));
   std::error_code error;
   fs::create_directories(a.output, error);
-  if (error) return complain({ODO_E_ERROR, a.output + ": no folder can be made there: " + error.message()});
+  if (error) return print_failure({ODO_E_ERROR, a.output + ": no folder can be made there: " + error.message()});
   Rows rows;
   std::vector<MappedPhotograph> mapped;
   size_t done = 0;
   for (Photograph& photograph : photographs) {
     const auto guess = frame->guess_of(a, photograph);
-    PlacedPhotograph placed;
+    PhotographPose placed;
     auto focal =
         a.lens.empty() ? Result<double>(photograph.focal_px.value_or(0)) : focal_of_lens(a.lens, photograph.bgr.size());
-    if (!focal) return complain(focal.failure());
+    if (!focal) return print_failure(focal.failure());
     if (!guess) {
       placed.why = "it does not say where it was taken (no GPS in EXIF): give --near LAT,LON";
     } else if (!(*focal > 0)) {
       placed.why = "it does not say its focal length (no 35 mm equivalent in EXIF): give --lens, as 26mm or 70deg";
     } else {
-      if (mapped.empty()) say_ground(**placer, *guess);
-      const auto answer = (*placer)->place(photograph.bgr, *focal, *guess);
-      if (!answer) return complain(answer.failure());
+      if (mapped.empty()) print_ground(**localizer, *guess);
+      const auto answer = (*localizer)->estimate_pose(photograph.bgr, *focal, *guess);
+      if (!answer) return print_failure(answer.failure());
       placed = *answer;
       mapped.push_back({photograph.file.stem().string(), *guess, placed});
     }
-    const auto ground = (*placer)->ground(placed.p_n.head<2>());
+    const auto ground = (*localizer)->ground(placed.p_n.head<2>());
     rows.push_back(row_of(photograph, *frame, placed, ground ? ground->down_m - placed.p_n.z() : 0));
     if (!a.json) std::printf("%s\n", line_of(rows.back()).c_str()), std::fflush(stdout);
     if (placed.placed) {
       ++done;
       const fs::path drawn = fs::path(a.output) / (photograph.file.stem().string() + "_roofs.jpg");
-      if (!cv::imwrite(drawn.string(), roofs_over(photograph.bgr, *focal, placed, **placer)))
-        return complain({ODO_E_ERROR, drawn.string() + ": cannot be written"});
+      if (!cv::imwrite(drawn.string(), roofs_over(photograph.bgr, *focal, placed, **localizer)))
+        return print_failure({ODO_E_ERROR, drawn.string() + ": cannot be written"});
     }
     photograph.bgr.release();
   }
   const fs::path table = fs::path(a.output) / "photographs.csv", map = fs::path(a.output) / "map.png";
-  if (const auto written = write_csv(table, rows, frame->in_model()); !written) return complain(written.failure());
-  if (!mapped.empty() && !cv::imwrite(map.string(), map_of(mapped, **placer)))
-    return complain({ODO_E_ERROR, map.string() + ": cannot be written"});
+  if (const auto written = write_csv(table, rows, frame->in_model()); !written) return print_failure(written.failure());
+  if (!mapped.empty() && !cv::imwrite(map.string(), map_of(mapped, **localizer)))
+    return print_failure({ODO_E_ERROR, map.string() + ": cannot be written"});
   if (a.json)
     std::printf("%s\n", Json(rows).dump(2).c_str());
   else

@@ -42,7 +42,7 @@ class Skylines {
     if (!config) return config.failure();
     std::unique_ptr<Skylines> made(new Skylines(fs::absolute(file).parent_path()));
     auto plugin = PluginInstance::make(config->fixers.front(), config->library_check, 1, made->host_);
-    if (!plugin) return Failure{ODO_E_DATA, made->said_.empty() ? file + ": " + plugin.failure().text : made->said_};
+    if (!plugin) return Failure{ODO_E_DATA, made->error_.empty() ? file + ": " + plugin.failure().text : made->error_};
     made->plugin_ = std::move(*plugin);
     made->table_ = static_cast<const odo_skylines*>(made->plugin_->extension(ODO_EXTENSION_SKYLINES));
     if (!made->table_) return Failure{ODO_E_UNSUPPORTED, "this fix/skyline does not provide " ODO_EXTENSION_SKYLINES};
@@ -56,14 +56,14 @@ class Skylines {
       static_cast<Progress*>(context)->show(done, all);
       return 1;
     };
-    return told(table_->build(table_->user, &name, places.front().data(), places.size(), spacing_m, show, &progress),
+    return result_of(table_->build(table_->user, &name, places.front().data(), places.size(), spacing_m, show, &progress),
                 file);
   }
   Result<odo_skyline_database> open(const std::string& file) {
     odo_skyline_database what{};
     what.struct_size = sizeof what;
     const odo_string name{file.data(), file.size()};
-    const auto done = told(table_->open(table_->user, &name, &what), file);
+    const auto done = result_of(table_->open(table_->user, &name, &what), file);
     if (!done) return done.failure();
     return what;
   }
@@ -79,7 +79,7 @@ class Skylines {
     if (status == ODO_OK)
       status = table_->skyline(table_->user, place, s.p_n.data(), s.elevation_rad.data(), s.height_m.data(),
                                s.distance_m.data());
-    const auto done = told(status, "place " + std::to_string(place));
+    const auto done = result_of(status, "place " + std::to_string(place));
     if (!done) return done.failure();
     return s;
   }
@@ -92,14 +92,14 @@ class Skylines {
  private:
   explicit Skylines(const fs::path& folder)
       : host_(0, {folder}, [this](const Report& report) {
-          if (report.severity >= ODO_SEVERITY_ERROR) said_ = report.text;
+          if (report.severity >= ODO_SEVERITY_ERROR) error_ = report.text;
         }) {}
-  Result<bool> told(int32_t status, const std::string& what) const {
+  Result<bool> result_of(int32_t status, const std::string& what) const {
     if (status == ODO_OK) return true;
-    return Failure{status, said_.empty() ? what + ": status " + std::to_string(status) : said_};
+    return Failure{status, error_.empty() ? what + ": status " + std::to_string(status) : error_};
   }
 
-  std::string said_;
+  std::string error_;
   HostServices host_;
   std::unique_ptr<PluginInstance> plugin_;
   const odo_skylines* table_ = nullptr;
@@ -138,25 +138,25 @@ Result<std::vector<Vector2d>> read_line(const std::string& file, const Vector3d&
 
 int build(const SkylineArguments& a) {
   const auto city = read_city_model(a.model);
-  if (!city) return complain(city.failure());
+  if (!city) return print_failure(city.failure());
   Result<std::vector<Vector3d>> places = Failure{};
   if (a.along.empty()) {
     places = places_of_grid(*city, a.places);
   } else {
     const auto line = read_line(a.along, city->origin);
-    if (!line) return complain(line.failure());
+    if (!line) return print_failure(line.failure());
     places = places_along(*city, *line, a.places);
   }
-  if (!places) return complain(places.failure());
-  if (places->empty()) return complain({ODO_E_DATA, a.model + ": no place outside buildings"});
+  if (!places) return print_failure(places.failure());
+  if (places->empty()) return print_failure({ODO_E_DATA, a.model + ": no place outside buildings"});
   auto skylines = Skylines::make("model", a.model, city->origin);
-  if (!skylines) return complain(skylines.failure());
+  if (!skylines) return print_failure(skylines.failure());
   const auto start = std::chrono::steady_clock::now();
   if (const auto done = (*skylines)->build(a.output, *places, a.places.spacing_m); !done)
-    return complain(done.failure());
+    return print_failure(done.failure());
   const double took_s = seconds_since(start), n = static_cast<double>(places->size());
   const auto what = (*skylines)->open(a.output);
-  if (!what) return complain(what.failure());
+  if (!what) return print_failure(what.failure());
   std::printf("%s: %zu places %.1f m apart, %.1f MB, %.0f bytes a place; %.1f s, %.0f skylines a second\n",
               a.output.c_str(), places->size(), a.places.spacing_m, static_cast<double>(what->bytes) / 1e6,
               static_cast<double>(what->bytes) / n, took_s, n / took_s);
@@ -170,9 +170,9 @@ Vector3d in_n(const odo_skyline_database& what, const std::vector<double>& at) {
 
 int query(const SkylineArguments& a) {
   auto skylines = Skylines::make("skylines", a.database);
-  if (!skylines) return complain(skylines.failure());
+  if (!skylines) return print_failure(skylines.failure());
   const auto what = (*skylines)->open(a.database);
-  if (!what) return complain(what.failure());
+  if (!what) return print_failure(what.failure());
   if (a.at.empty()) {
     std::printf("%s: %llu places, %.1f m apart, %.1f MB; n's origin is at easting %.3f, northing %.3f, height %.3f\n",
                 a.database.c_str(), static_cast<unsigned long long>(what->places), what->spacing_m,
@@ -186,7 +186,7 @@ int query(const SkylineArguments& a) {
   for (size_t k = 0; k <= steps; ++k) {
     const double part = steps ? static_cast<double>(k) / static_cast<double>(steps) : 0.0;
     auto skyline = (*skylines)->nearest(from + part * (to - from));
-    if (!skyline) return complain(skyline.failure());
+    if (!skyline) return print_failure(skyline.failure());
     found.push_back(std::move(*skyline));
   }
   const double took_ms = 1e3 * seconds_since(start);
@@ -266,13 +266,13 @@ cv::Mat picture_of(const Skylines& skylines, const odo_skyline_database& what, c
 
 int show(const SkylineArguments& a) {
   auto skylines = Skylines::make("skylines", a.database);
-  if (!skylines) return complain(skylines.failure());
+  if (!skylines) return print_failure(skylines.failure());
   const auto what = (*skylines)->open(a.database);
-  if (!what) return complain(what.failure());
+  if (!what) return print_failure(what.failure());
   const auto skyline = (*skylines)->nearest(in_n(*what, a.at));
-  if (!skyline) return complain(skyline.failure());
+  if (!skyline) return print_failure(skyline.failure());
   if (!cv::imwrite(a.output, picture_of(**skylines, *what, *skyline)))
-    return complain({ODO_E_ERROR, a.output + ": cannot be written"});
+    return print_failure({ODO_E_ERROR, a.output + ": cannot be written"});
   std::printf("%s: skyline and map of easting %.1f, northing %.1f\n", a.output.c_str(), a.at[0], a.at[1]);
   return kDone;
 }

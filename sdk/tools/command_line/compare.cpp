@@ -26,13 +26,13 @@ using Row = nlohmann::ordered_json;
 
 /// Null if the recording has no truth. The scale's part is null if it has only waypoints, or if the run is not metric.
 Row errors_of(const Recording& recording, const RunResult& result) {
-  const LaidRun laid = lay_over_truth(recording, result);
-  if (laid.error_m.empty()) return nullptr;
+  const AlignedRun aligned = align_to_truth(recording, result);
+  if (aligned.error_m.empty()) return nullptr;
   std::vector<double> errors;
-  for (const auto& [t, error] : laid.error_m) errors.push_back(error);
-  Row row = {{"rms", laid.rms_m()},  {"median", percentile(errors, 0.5)}, {"largest", percentile(errors, 1.0)},
+  for (const auto& [t, error] : aligned.error_m) errors.push_back(error);
+  Row row = {{"rms", aligned.rms_m()},  {"median", percentile(errors, 0.5)}, {"largest", percentile(errors, 1.0)},
              {"end", errors.back()}, {"rms_with_true_scale", nullptr},    {"scale", nullptr}};
-  if (laid.scale_part) row["rms_with_true_scale"] = laid.scale_part->rms_m, row["scale"] = laid.scale_part->scale;
+  if (aligned.scale_part) row["rms_with_true_scale"] = aligned.scale_part->rms_m, row["scale"] = aligned.scale_part->scale;
   return row;
 }
 
@@ -103,7 +103,7 @@ int compare(const CompareArguments& a) {
   Progress progress("compare");
   for (size_t r = 0; r < a.recordings.size(); ++r) {
     const auto recording = open_recording(a.recordings[r]);
-    if (!recording) return complain(recording.failure());
+    if (!recording) return print_failure(recording.failure());
     std::vector<RunResult> results;
     for (size_t c = 0; c < a.configs.size(); ++c) {
       progress.show(r * a.configs.size() + c, a.recordings.size() * a.configs.size());
@@ -112,10 +112,10 @@ int compare(const CompareArguments& a) {
       options.collect_poses = !a.output.empty();
       auto result = replay(*recording, options);
       if (!result) {
-        const int status = complain(result.failure());
+        const int status = print_failure(result.failure());
         return result.failure().status == ODO_E_NOT_FOUND ? kBadUsage : status;
       }
-      done = status_over(result->loss, done);
+      done = exit_status(result->loss, done);
       results.push_back(std::move(*result));
     }
     std::vector<NamedRun> runs;
@@ -127,7 +127,7 @@ int compare(const CompareArguments& a) {
     const auto path = page_of(a, recordings[r]);
     const auto written =
         write_whole_file(path, run_page(*recording, runs, {.command = command_of(a, a.recordings[r])}));
-    if (!written) return complain(written.failure());
+    if (!written) return print_failure(written.failure());
     std::fprintf(stderr, "written to %s\n", path.string().c_str());
   }
   progress.show(1, 1);

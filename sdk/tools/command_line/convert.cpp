@@ -78,39 +78,39 @@ Result<Trajectory> read_track(const fs::path& input) {
   return kitti ? std::move(kitti) : read_tum(input);
 }
 
-void say_pictures(uint64_t lost) {
+void print_lost_pictures(uint64_t lost) {
   if (lost > 0) std::fprintf(stderr, "%zu pictures cannot be read; their frames are skipped\n", size_t(lost));
 }
 
 int convert_to_recording(const ConvertArguments& a) {
   const auto recording = open_recording(a.input, a.reading);
-  if (!recording) return complain(recording.failure());
+  if (!recording) return print_failure(recording.failure());
   RecordingLoss loss = recording->loss;
   if (const auto done = to_recording(*recording, a.output, a.pgm ? std::optional(-1) : a.jpeg_quality, loss.pictures);
       !done)
-    return complain(done.failure());
-  say_pictures(loss.pictures);
+    return print_failure(done.failure());
+  print_lost_pictures(loss.pictures);
   std::printf("%s: %s, %zu messages, %zu true poses\n", a.output.c_str(), recording->format.c_str(),
               recording->messages.size() - static_cast<size_t>(loss.pictures), recording->truth.size());
-  return status_over(loss, kDone);
+  return exit_status(loss, kDone);
 }
 
 int convert_to_euroc(const ConvertArguments& a) {
   const auto recording = open_recording(a.input, a.reading);
-  if (!recording) return complain(recording.failure());
+  if (!recording) return print_failure(recording.failure());
   RecordingLoss loss = recording->loss;
   Result<EurocWritten> done = Failure{};
   {
     Progress progress("convert");
     done = write_euroc(*recording, a.output, [&](size_t i, size_t n) { progress.show(i, n); });
   }
-  if (!done) return complain(done.failure());
+  if (!done) return print_failure(done.failure());
   loss.pictures = done->pictures_lost;
-  say_pictures(loss.pictures);
+  print_lost_pictures(loss.pictures);
   if (!done->left_out.empty())
     std::fprintf(stderr, "skipped, because EuRoC/ASL cannot represent it: %s\n", done->left_out.c_str());
   std::printf("%s: EuRoC/ASL, %zu messages, %zu true states\n", a.output.c_str(), done->messages, done->true_states);
-  return status_over(loss, kDone);
+  return exit_status(loss, kDone);
 }
 
 /// Origin of a track's frame: as given, or from the run's summary.json.
@@ -134,11 +134,11 @@ Result<Origin> origin_of(const ConvertArguments& a) {
 /// MCAP, COLMAP, transforms.json: poses with their sensor data.
 int convert_with_pictures(const ConvertArguments& a) {
   auto run = read_exported_run(a.input, a.recording, a.reading);
-  if (!run) return complain(run.failure());
+  if (!run) return print_failure(run.failure());
   for (const std::string& warning : run->recording.warnings) std::fprintf(stderr, "%s\n", printable(warning).c_str());
   const fs::path output = a.output;
   if (const auto origin = origin_of(a); !origin)
-    return complain(origin.failure());
+    return print_failure(origin.failure());
   else
     run->origin = *origin;
   Result<Exported> done = Failure{};
@@ -149,22 +149,22 @@ int convert_with_pictures(const ConvertArguments& a) {
            : output.extension() == ".colmap" ? write_colmap(*run, output, a.every_s, progress)
                                              : write_transforms(*run, output, a.every_s, progress);
   }
-  if (!done) return complain(done.failure());
+  if (!done) return print_failure(done.failure());
   RecordingLoss loss = run->recording.loss;
   loss.pictures = done->pictures_lost;
-  say_pictures(loss.pictures);
+  print_lost_pictures(loss.pictures);
   if (done->without_pose > 0)
     std::fprintf(stderr, "%zu pictures have no pose at their time and are skipped\n", done->without_pose);
   std::printf("%s: %zu poses, %zu pictures\n", a.output.c_str(), done->poses, done->pictures);
-  return status_over(loss, kDone);
+  return exit_status(loss, kDone);
 }
 
 /// Converts Kalibr's camchain to camera.yaml.
 int convert_camera(const ConvertArguments& a) {
   const auto camera = read_camchain(a.input);
-  if (!camera) return complain(camera.failure());
+  if (!camera) return print_failure(camera.failure());
   if (const auto written = write_whole_file(a.output, camera_yaml(*camera)); !written)
-    return complain(written.failure());
+    return print_failure(written.failure());
   std::printf("%s: camera of %u x %u\n", a.output.c_str(), camera->width, camera->height);
   return kDone;
 }
@@ -182,15 +182,15 @@ int convert(const ConvertArguments& a) {
     std::error_code error;
     const auto recording = open_recording(input);
     if (!recording || recording->truth.empty())
-      return complain(!fs::is_directory(input, error) ? track.failure()
+      return print_failure(!fs::is_directory(input, error) ? track.failure()
                       : recording
                           ? Failure{ODO_E_DATA, a.input + ": no truth in it; convert a run's folder"}
                           : Failure{ODO_E_DATA, a.input + ": not the folder of a run (no trajectory.tum in it)"});
     track = recording->truth;
-    status = status_over(recording->loss, kDone);
+    status = exit_status(recording->loss, kDone);
   }
   const auto origin = origin_of(a);
-  if (!origin) return complain(origin.failure());
+  if (!origin) return print_failure(origin.failure());
   ToGeodetic to_geodetic;
   if (*origin) {
     const auto geodesy = std::make_shared<Geodesy>();
@@ -198,7 +198,7 @@ int convert(const ConvertArguments& a) {
     to_geodetic = [geodesy](const Eigen::Vector3d& p) { return geodesy->to_geodetic({p.x(), p.y(), p.z()}); };
   }
   const auto written = write_trajectory(output, *track, to_geodetic);
-  if (!written) return complain(written.failure());
+  if (!written) return print_failure(written.failure());
   std::printf("%s: %zu poses\n", a.output.c_str(), track->size());
   const bool on_map = to_geodetic && (output.extension() == ".gpx" || output.extension() == ".kml");
   if (on_map && !track->empty() && !is_unix_time(track->front().t_ns))

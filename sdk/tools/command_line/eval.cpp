@@ -106,7 +106,7 @@ std::vector<double> degrees(std::vector<double> radians) {
 
 Json evaluate_waypoints(const Trajectory& track, const std::vector<Waypoint>& waypoints, double metres) {
   const double rotation = heading_offset(track, waypoints, metres);
-  const WaypointErrors errors = waypoint_errors(lay_over(track, waypoints, rotation), waypoints);
+  const WaypointErrors errors = waypoint_errors(align_to_waypoints(track, waypoints, rotation), waypoints);
   return {{"waypoints", waypoints.size()},
           {"reference_m", errors.reference_m},
           {"estimate_m", errors.estimate_m},
@@ -269,28 +269,28 @@ Result<bool> write_plot(const EvalArguments& a, const Reference& reference, cons
 
 int eval(const EvalArguments& a) {
   const auto alignment = parse_alignment(a.alignment);
-  if (!alignment) return complain(alignment.failure());
+  if (!alignment) return print_failure(alignment.failure());
   const auto reference = read_reference(a.reference);
-  if (!reference) return complain(reference.failure());
+  if (!reference) return print_failure(reference.failure());
   auto estimate = read_estimate(a.estimate);
-  if (!estimate) return complain(estimate.failure());
+  if (!estimate) return print_failure(estimate.failure());
   for (StampedPose& pose : *estimate) pose.t_ns += nanoseconds(a.offset_s);
   Json out = Json::object();
   if (reference->waypoints.size() >= 2)
     out["waypoints"] = evaluate_waypoints(*estimate, reference->waypoints, a.align_first_m);
   if (!reference->trajectory.empty()) {
     const auto result = evaluate_trajectory(reference->trajectory, *estimate, a, *alignment);
-    if (!result) return complain(result.failure());
+    if (!result) return print_failure(result.failure());
     out.update(*result);
   }
   if (!a.plot.empty())
     if (const auto written = write_plot(a, *reference, *estimate, *alignment, out); !written)
-      return complain(written.failure());
+      return print_failure(written.failure());
   if (a.json)
     std::printf("%s\n", out.dump(2).c_str());
   else
     print(out, a.estimate + " against " + a.reference);
-  return status_over(reference->loss, kDone);
+  return exit_status(reference->loss, kDone);
 }
 
 }  // namespace

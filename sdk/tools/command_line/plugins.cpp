@@ -53,7 +53,7 @@ struct CheckWish {
 };
 
 /// Passes the messages of a recording on; skips frames whose pictures are unreadable.
-void give_all(const Recording& recording, const std::function<void(const odo_header&)>& give) {
+void for_each_message(const Recording& recording, const std::function<void(const odo_header&)>& give) {
   for (const RecordedMessage& message : recording.messages) {
     if (message.message.header().type != ODO_TYPE_FRAME) {
       give(message.message.header());
@@ -84,31 +84,31 @@ int check(const CheckWish& wish) {
     for (const auto& [id, what] : plugin_check_cases()) std::printf("%-26s %s\n", id.c_str(), what.c_str());
     return kDone;
   }
-  if (wish.file.empty()) return complain({ODO_E_ARGUMENT, "which plugin library? (odograph plugin check FILE.so)"});
+  if (wish.file.empty()) return print_failure({ODO_E_ARGUMENT, "which plugin library? (odograph plugin check FILE.so)"});
   std::error_code error;
   if (!std::filesystem::is_regular_file(wish.file, error))
-    return complain({ODO_E_NOT_FOUND, wish.file + (std::filesystem::exists(wish.file, error)
+    return print_failure({ODO_E_NOT_FOUND, wish.file + (std::filesystem::exists(wish.file, error)
                                                        ? ": is not a regular file; expected a plugin library"
                                                        : ": does not exist; expected a plugin library")});
   if (!wish.statement.empty() && !wish.only.empty())
-    return complain({ODO_E_ARGUMENT, "--statement covers all cases; omit --only"});
+    return print_failure({ODO_E_ARGUMENT, "--statement covers all cases; omit --only"});
   CheckOptions options;
   options.only = wish.only;
   options.signer = wish.signer;
   for (const std::string& one : wish.set) {
     const auto equals = one.find('=');
-    if (equals == std::string::npos) return complain({ODO_E_ARGUMENT, "--set " + one + ": expected NAME=VALUE"});
+    if (equals == std::string::npos) return print_failure({ODO_E_ARGUMENT, "--set " + one + ": expected NAME=VALUE"});
     options.settings.emplace_back(one.substr(0, equals), one.substr(equals + 1));
   }
   std::optional<Result<Recording>> recording;
   if (!wish.recording.empty()) {
     recording.emplace(read_recording(wish.recording, {.events = true}));
-    if (!*recording) return complain(recording->failure());
-    options.recording = [&](const auto& give) { give_all(**recording, give); };
+    if (!*recording) return print_failure(recording->failure());
+    options.recording = [&](const auto& give) { for_each_message(**recording, give); };
   }
   const auto checks = check_plugin(wish.file, options);
   if (checks.empty())
-    return complain({ODO_E_ARGUMENT, "--only: no case has this prefix; `odograph plugin check --list` names them"});
+    return print_failure({ODO_E_ARGUMENT, "--only: no case has this prefix; `odograph plugin check --list` names them"});
   const std::string text = wish.format == "json"    ? check_as_json(wish.file, checks)
                            : wish.format == "junit" ? check_as_junit(wish.file, checks)
                                                     : check_as_text(checks, wish.times);
@@ -117,10 +117,10 @@ int check(const CheckWish& wish) {
   } else {
     std::ofstream out(wish.output, std::ios::binary);
     out << text;
-    if (!out.flush()) return complain({ODO_E_NOT_FOUND, wish.output + ": cannot be written"});
+    if (!out.flush()) return print_failure({ODO_E_NOT_FOUND, wish.output + ": cannot be written"});
   }
   if (!wish.statement.empty())
-    if (const auto written = write_statement(wish, checks); !written) return complain(written.failure());
+    if (const auto written = write_statement(wish, checks); !written) return print_failure(written.failure());
   for (const PluginCheck& one : checks)
     if (one.outcome == PluginCheck::Outcome::failed) return kPluginFailure;
   return kDone;
@@ -139,7 +139,7 @@ int write_new(const NewWish& wish) {
   const std::filesystem::path where = wish.folder.empty() ? wish.id.substr(wish.id.find('/') + 1) : wish.folder;
   auto written = write_plugin_skeleton(wish.kind, wish.id, where, wish.language);
   if (written && wish.repository) written = write_plugin_repository(wish.id, where, wish.language);
-  if (!written) return complain(written.failure());
+  if (!written) return print_failure(written.failure());
   std::printf("%s: see README.md there\n", where.c_str());
   return kDone;
 }

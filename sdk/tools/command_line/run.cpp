@@ -89,18 +89,18 @@ int run(RunArguments& a) {
   a.reading.true_states = false;
   for (const std::string& text : a.set) {
     const auto value = parse_override(text);
-    if (!value) return complain(value.failure());
+    if (!value) return print_failure(value.failure());
     a.options.overrides.push_back(*value);
   }
   auto recording = open_recording(a.input, a.reading);
-  if (!recording) return complain(recording.failure());
+  if (!recording) return print_failure(recording.failure());
   if (!a.faults.empty()) {
     const auto faults = read_faults(a.faults);
-    if (!faults) return complain(faults.failure());
+    if (!faults) return print_failure(faults.failure());
     *recording = with_faults(*recording, *faults);
   }
   check_guesses(*recording);
-  if (const auto chosen = choose_config(a, *recording); !chosen) return complain(chosen.failure());
+  if (const auto chosen = choose_config(a, *recording); !chosen) return print_failure(chosen.failure());
   const bool inertial = recording->has(ODO_TYPE_IMU);
   if (!inertial)
     std::fprintf(stderr,
@@ -113,17 +113,17 @@ int run(RunArguments& a) {
   a.options.collect_poses = a.report;
   const auto result = replay(*recording, a.options);
   if (!result) {
-    const int status = complain(result.failure());
+    const int status = print_failure(result.failure());
     return result.failure().status == ODO_E_NOT_FOUND ? kBadUsage : status;
   }
   const auto written = write_run(a.output, *recording, *result, a.options);
-  if (!written) return complain(written.failure());
+  if (!written) return print_failure(written.failure());
   if (a.report) {
     const std::string page =
         run_page(*recording, {{std::filesystem::path(a.options.config).filename().string(), &*result}},
                  {.command = command_of(a)});
     const auto report = write_whole_file(std::filesystem::path(a.output) / "report.html", page);
-    if (!report) return complain(report.failure());
+    if (!report) return print_failure(report.failure());
   }
   for (const auto& report : result->reports) std::fprintf(stderr, "%s\n", printable(report).c_str());
   if (!result->state_failure.empty()) std::fprintf(stderr, "%s\n", printable(result->state_failure).c_str());
@@ -136,7 +136,7 @@ int run(RunArguments& a) {
                  static_cast<unsigned long long>(faults));
     return kPluginFailure;
   }
-  return status_over(result->loss, lost ? kLostTracking : kDone);
+  return exit_status(result->loss, lost ? kLostTracking : kDone);
 }
 
 }  // namespace

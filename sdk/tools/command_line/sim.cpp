@@ -24,17 +24,17 @@ int sim(const SimArguments& a) {
   std::optional<Recording> walk;
   if (!a.walk.empty()) {
     auto recording = open_recording(a.walk);
-    if (!recording) return complain(recording.failure());
+    if (!recording) return print_failure(recording.failure());
     walk = std::move(*recording);
   }
   Progress progress("sim");
   SimulationOptions options{.threads = a.threads, .city = a.city, .walk = walk ? &*walk : nullptr};
   options.progress = [&](size_t i, size_t n) { progress.show(i, n); };
   const auto done = simulate(*scenario, a.seed, a.output, options);
-  if (!done) return complain(done.failure());
+  if (!done) return print_failure(done.failure());
   if (!a.objects.empty())
     if (const auto written = write_known_objects(*scenario, a.seed, a.objects); !written)
-      return complain(written.failure());
+      return print_failure(written.failure());
   std::error_code error;
   std::printf("%s: %.1f MB\n", a.output.c_str(),
               static_cast<double>(std::filesystem::file_size(a.output, error)) / 1e6);

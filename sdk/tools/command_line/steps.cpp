@@ -90,17 +90,17 @@ constexpr const char* kStepsAlone =
 
 int steps(const StepsArguments& a) {
   const auto recording = open_recording(a.recording);
-  if (!recording) return complain(recording.failure());
+  if (!recording) return print_failure(recording.failure());
   Progress progress("steps");
   RunOptions options;
   const TemporaryFolder folder;
   options.config = a.config.empty() ? (folder / "steps.yaml").string() : a.config;
   if (a.config.empty())
     if (const auto written = write_whole_file(options.config, kStepsAlone); !written)
-      return complain(written.failure());
+      return print_failure(written.failure());
   options.progress = [&](size_t i, size_t n) { progress.show(i, n); };
   const auto result = replay(*recording, options);
-  if (!result) return complain(result.failure());
+  if (!result) return print_failure(result.failure());
   const int64_t start = recording->messages.front().message.header().t_ns,
                 end = recording->messages.back().message.header().t_ns;
   const auto stretches = stretches_of(*result, start, end);
@@ -141,12 +141,12 @@ int steps(const StepsArguments& a) {
       std::printf("truth: %zu steps, %.1f m\n", recording->true_steps.size(), walked);
     }
   }
-  const int done = status_over(result->loss, kDone);
+  const int done = exit_status(result->loss, kDone);
   if (a.plot.empty()) return done;
   const auto page = page_of(a, *recording, *result, start);
-  if (!page) return complain(page.failure());
+  if (!page) return print_failure(page.failure());
   const auto written = write_whole_file(a.plot, *page);
-  return written ? done : complain(written.failure());
+  return written ? done : print_failure(written.failure());
 }
 
 }  // namespace

@@ -52,7 +52,7 @@ class Shown {
 int view(ViewArguments& a) {
   a.reading.true_states = false;
   const auto recording = open_recording(a.input, a.reading);
-  if (!recording) return complain(recording.failure());
+  if (!recording) return print_failure(recording.failure());
   Shown shown;
   const std::string name = std::filesystem::path(a.options.config).filename().string();
   PageOptions page{.command = "odograph view -c " + a.options.config + " -i " + a.input, .served = true, .live = true};
@@ -82,7 +82,7 @@ int view(ViewArguments& a) {
   const int port =
       a.port == 0 ? server.bind_to_any_port("127.0.0.1") : (server.bind_to_port("127.0.0.1", a.port) ? a.port : -1);
   if (port < 0)
-    return complain({ODO_E_STATE, "port " + std::to_string(a.port) + " is taken; --port 0 takes a free one"});
+    return print_failure({ODO_E_STATE, "port " + std::to_string(a.port) + " is taken; --port 0 takes a free one"});
   std::thread serving([&] { server.listen_after_bind(); });
   std::printf("http://127.0.0.1:%d/ shows the run; Ctrl-C ends\n", port);
   std::fflush(stdout);
@@ -103,7 +103,7 @@ int view(ViewArguments& a) {
     show(*result);
     for (const auto& report : result->reports) std::fprintf(stderr, "%s\n", printable(report).c_str());
   } else {
-    status = complain(result.failure());
+    status = print_failure(result.failure());
   }
   if (!result || a.once) server.stop();
   serving.join();

@@ -41,7 +41,7 @@ Result<Board> BoardOptions::board() const {
       return Failure{ODO_E_ARGUMENT, std::string(name) + ": '" + *text + "'; expected a length, as in '25 mm'"};
     *value = *length;
   }
-  if (const auto wrong = mistake_in(board)) return Failure{ODO_E_ARGUMENT, "board: " + *wrong};
+  if (const auto wrong = invalid_reason(board)) return Failure{ODO_E_ARGUMENT, "board: " + *wrong};
   return board;
 }
 

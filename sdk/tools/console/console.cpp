@@ -9,7 +9,7 @@
 
 namespace odograph {
 
-int complain(const Failure& failure) {
+int print_failure(const Failure& failure) {
   std::fprintf(stderr, "%s\n", printable(failure.text).c_str());
   switch (failure.status) {
     case ODO_E_CONFIG:
@@ -30,7 +30,7 @@ Result<Recording> open_recording(const std::string& path, const ReadOptions& opt
   return recording;
 }
 
-int status_over(const RecordingLoss& loss, int status) {
+int exit_status(const RecordingLoss& loss, int status) {
   return loss.any() && (status == kDone || status == kLostTracking) ? kBadData : status;
 }
 

@@ -12,13 +12,13 @@ namespace odograph {
 enum Exit { kDone = 0, kLostTracking = 1, kBadUsage = 2, kBadData = 3, kPluginFailure = 4 };
 
 /// Prints "odograph: text" on standard error and returns the exit status for the failure.
-int complain(const Failure& failure);
+int print_failure(const Failure& failure);
 
 /// Reads a recording, and reports on standard error what is missing from it.
 Result<Recording> open_recording(const std::string& path, const ReadOptions& options = {});
 
 /// Exit status of a command that completed on a recording: kBadData if part of the recording was lost.
-int status_over(const RecordingLoss& loss, int status);
+int exit_status(const RecordingLoss& loss, int status);
 
 /// A progress bar on a terminal, nothing in a pipe.
 class Progress {

@@ -7,9 +7,9 @@ namespace odograph {
 
 using Eigen::Vector3d;
 
-Trajectory ComposedMotions::own() const {
+Trajectory ComposedMotions::unscaled() const {
   Trajectory track;
-  for (const ComposedPose& x : poses) track.push_back({x.t_ns, x.q, x.own});
+  for (const ComposedPose& x : poses) track.push_back({x.t_ns, x.q, x.unscaled});
   return track;
 }
 
@@ -35,7 +35,7 @@ ComposedMotions compose(const std::vector<odo_vo_motion>& motions) {
     x.t_ns = m.header.t_ns, x.scale_group = m.scale_group;
     if (flags & ODO_VO_TRANSLATION) {
       const Vector3d d = x.q * Vector3d(m.p_c0_c1);
-      x.own += d;
+      x.unscaled += d;
       if (group_is_metric) x.p_m += d;
     }
     if (flags & ODO_VO_ROTATION) x.q = (x.q * raw_quaternion(m.q_c0_c1)).normalized();

@@ -15,7 +15,7 @@ struct ComposedPose {
   int64_t t_ns = 0;
   /// From c to the composed frame, which has the first camera's axes.
   Eigen::Quaterniond q = Eigen::Quaterniond::Identity();
-  Eigen::Vector3d own = Eigen::Vector3d::Zero();  ///< position up to scale, with every displacement
+  Eigen::Vector3d unscaled = Eigen::Vector3d::Zero();  ///< position up to scale, with every displacement
   /// Position in m: displacements of a scale group count from its first metric motion on, others are ignored.
   Eigen::Vector3d p_m = Eigen::Vector3d::Zero();
   uint32_t scale_group = 0;
@@ -30,7 +30,7 @@ struct ComposedMotions {
   std::vector<ComposedPose> poses;  ///< the start of the first motion, then the end of each
   size_t holes = 0;                 ///< motions that do not start where the previous one ended
 
-  Trajectory own() const;     ///< every pose, up to scale
+  Trajectory unscaled() const;     ///< every pose, up to scale
   Trajectory metric() const;  ///< the metric poses
 };
 

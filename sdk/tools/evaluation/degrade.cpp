@@ -16,7 +16,7 @@ constexpr double kEquator_m = 6378137.0;
 enum Stream : uint64_t {
   kNoise = 71,
   kJitter,
-  kWild,
+  kOutliers,
   kLost
 };  // random streams, so that one fault does not change another's numbers
 
@@ -105,7 +105,7 @@ void decimate(Recording& recording, double hz) {
   });
 }
 
-void worsen_values(Recording& recording, const Degradation& d, uint64_t seed) {
+void degrade_values(Recording& recording, const Degradation& d, uint64_t seed) {
   Random random(seed, kNoise);
   const double added = std::sqrt(std::max(0.0, d.imu_noise_factor * d.imu_noise_factor - 1) * imu_rate_hz(recording));
   for_imu(recording, [&](RecordedMessage& m) {
@@ -120,15 +120,15 @@ void worsen_values(Recording& recording, const Degradation& d, uint64_t seed) {
   });
 }
 
-void make_wild(Recording& recording, double per_minute, uint64_t seed) {
-  Random random(seed, kWild);
+void add_outliers(Recording& recording, double per_minute, uint64_t seed) {
+  Random random(seed, kOutliers);
   const double chance = per_minute / (60 * imu_rate_hz(recording));
   for_imu(recording, [&](RecordedMessage& m) {
     if (random.uniform() >= chance) return;
     odo_imu& imu = imu_of(m);
     for (int k = 0; k < 3; ++k) {
-      imu.gyro_b[k] = random.uniform() < 0.5 ? -kWildGyro_radps : kWildGyro_radps;
-      imu.accel_b[k] = random.uniform() < 0.5 ? -kWildAccel_mps2 : kWildAccel_mps2;
+      imu.gyro_b[k] = random.uniform() < 0.5 ? -kOutlierGyro_radps : kOutlierGyro_radps;
+      imu.accel_b[k] = random.uniform() < 0.5 ? -kOutlierAccel_mps2 : kOutlierAccel_mps2;
     }
   });
 }
@@ -142,7 +142,7 @@ void without_accelerometer(Recording& recording) {
   });
 }
 
-void worsen_times(Recording& recording, const Degradation& d, uint64_t seed) {
+void degrade_times(Recording& recording, const Degradation& d, uint64_t seed) {
   Random random(seed, kJitter);
   int64_t last_ns[4] = {INT64_MIN, INT64_MIN, INT64_MIN, INT64_MIN};
   constexpr int64_t kMin_ns = 1000;
@@ -172,8 +172,8 @@ Recording degraded(const Recording& recording, const Degradation& d, uint64_t se
   }
   if (d.gamma != 1 || d.flicker != 0) relight(r, d);
   if (d.imu_rate_hz > 0) decimate(r, d.imu_rate_hz);
-  worsen_values(r, d, seed);
-  if (d.wild_per_minute > 0) make_wild(r, d.wild_per_minute, seed);
+  degrade_values(r, d, seed);
+  if (d.outliers_per_minute > 0) add_outliers(r, d.outliers_per_minute, seed);
   if (!d.accelerometer) without_accelerometer(r);
   for (RecordedMessage& m : r.messages) {
     const auto longer = [&](int64_t& line_ns) {
@@ -182,7 +182,7 @@ Recording degraded(const Recording& recording, const Degradation& d, uint64_t se
     if (type_of(m) == ODO_TYPE_FRAME) longer(frame_of(m).line_time_ns);
     if (type_of(m) == ODO_TYPE_CALIBRATION) longer(reinterpret_cast<odo_calibration&>(m.message.header()).line_time_ns);
   }
-  if (d.time_offset_s != 0 || d.stamp_jitter_s > 0) worsen_times(r, d, seed);
+  if (d.time_offset_s != 0 || d.stamp_jitter_s > 0) degrade_times(r, d, seed);
   return r;
 }
 
@@ -206,7 +206,7 @@ std::vector<Degradation> sensor_qualities() {
           {.name = "time offset -20 ms", .time_offset_s = -0.02},
           {.name = "line time +20 %", .line_time_factor = 1.2},
           {.name = "stamps jitter 1.4 ms", .stamp_jitter_s = 1.4e-3},
-          {.name = "one wild sample a min", .wild_per_minute = 1},
+          {.name = "one wild sample a min", .outliers_per_minute = 1},
           {.name = "10 % of frames lost", .lost_frames = 0.1},
           {.name = "gamma 2.2", .gamma = 2.2},
           {.name = "brightness +-50 %", .flicker = 0.5}};

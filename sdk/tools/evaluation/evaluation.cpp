@@ -319,7 +319,7 @@ double heading_offset(const Trajectory& track, const std::vector<Waypoint>& wayp
   return std::atan2(sine, cosine);
 }
 
-Trajectory lay_over(const Trajectory& track, const std::vector<Waypoint>& waypoints, double yaw_rad) {
+Trajectory align_to_waypoints(const Trajectory& track, const std::vector<Waypoint>& waypoints, double yaw_rad) {
   if (waypoints.empty()) return track;
   Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
   T.linear() = Eigen::AngleAxisd(yaw_rad, Vector3d::UnitZ()).toRotationMatrix();
@@ -345,8 +345,8 @@ WaypointErrors waypoint_errors(const Trajectory& track, const std::vector<Waypoi
   return errors;
 }
 
-LegOracles leg_oracles(const Trajectory& track, const std::vector<Waypoint>& waypoints, double metres) {
-  LegOracles out;
+LegErrors leg_errors(const Trajectory& track, const std::vector<Waypoint>& waypoints, double metres) {
+  LegErrors out;
   if (waypoints.size() < 2) return out;
   // Tracks that are straight between waypoints, with one pose at each.
   Trajectory headed{{waypoints.front().t_ns, Eigen::Quaterniond::Identity(), waypoints.front().p_n}};
@@ -366,7 +366,7 @@ LegOracles leg_oracles(const Trajectory& track, const std::vector<Waypoint>& way
   }
   out.true_headings_m = waypoint_errors(headed, waypoints).position_m;
   out.true_lengths_m =
-      waypoint_errors(lay_over(measured, waypoints, heading_offset(measured, waypoints, metres)), waypoints).position_m;
+      waypoint_errors(align_to_waypoints(measured, waypoints, heading_offset(measured, waypoints, metres)), waypoints).position_m;
   const auto yaw_of = [](const auto& leg) {
     return std::atan2(leg.first.x() * leg.second.y() - leg.first.y() * leg.second.x(), leg.first.dot(leg.second));
   };

@@ -89,7 +89,7 @@ std::optional<StampedPose> pose_at(const Trajectory& trajectory, int64_t t_ns, d
 /// (at least one waypoint), both relative to the first waypoint.
 double heading_offset(const Trajectory& track, const std::vector<Waypoint>& waypoints, double metres);
 /// Rotates the track about its position at the first waypoint, and translates that position to the waypoint.
-Trajectory lay_over(const Trajectory& track, const std::vector<Waypoint>& waypoints, double yaw_rad);
+Trajectory align_to_waypoints(const Trajectory& track, const std::vector<Waypoint>& waypoints, double yaw_rad);
 
 struct WaypointErrors {
   double reference_m = 0;          // length of the polyline through the waypoints
@@ -102,11 +102,11 @@ WaypointErrors waypoint_errors(const Trajectory& track, const std::vector<Waypoi
 /// Splits a position error into its causes: horizontal errors at each waypoint after the first, with the true heading
 /// of each leg between waypoints, and with its true length. The heading of the second is fitted over the first
 /// `metres`, as in heading_offset().
-struct LegOracles {
+struct LegErrors {
   std::vector<double> true_headings_m, true_lengths_m;
   std::vector<double> heading_rad, length;  ///< remaining error per leg of 1 m or more: heading after a fit over all of
                                             ///< them, and estimated over true length minus 1
 };
-LegOracles leg_oracles(const Trajectory& track, const std::vector<Waypoint>& waypoints, double metres);
+LegErrors leg_errors(const Trajectory& track, const std::vector<Waypoint>& waypoints, double metres);
 
 }  // namespace odograph

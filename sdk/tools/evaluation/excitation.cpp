@@ -40,11 +40,11 @@ Excitation excitation_of(const Pairs& pairs, const ExcitationParameters& c) {
     int64_t before = t;
     for (size_t i = first; i < pairs.reference.size() && pairs.reference[i].t_ns <= t + window_ns; ++i) {
       window.reference.push_back(pairs.reference[i]), window.estimate.push_back(pairs.estimate[i]);
-      whole = whole && seconds(pairs.reference[i].t_ns - before) <= c.fullest_gap_s;
+      whole = whole && seconds(pairs.reference[i].t_ns - before) <= c.max_gap_s;
       before = pairs.reference[i].t_ns;
     }
-    whole = whole && seconds(t + window_ns - before) <= c.fullest_gap_s;
-    if (!whole || window.reference.size() < 8 || path_length(window.reference) < c.slowest_mps * c.window_s) continue;
+    whole = whole && seconds(t + window_ns - before) <= c.max_gap_s;
+    if (!whole || window.reference.size() < 8 || path_length(window.reference) < c.min_speed_mps * c.window_s) continue;
     motion.push_back(detrended_rms(window.reference));
     Trajectory off = align(window, Alignment::sim3, nullptr);
     for (size_t i = 0; i < off.size(); ++i) off[i].p -= window.reference[i].p;
@@ -54,7 +54,7 @@ Excitation excitation_of(const Pairs& pairs, const ExcitationParameters& c) {
   if (motion.empty()) return result;
   result.motion_m = percentile(motion, 0.5), result.error_m = percentile(error, 0.5), result.windows = motion.size();
   const double s2 = result.motion_m * result.motion_m, n2 = result.error_m * result.error_m;
-  result.pull = s2 / std::max(s2 + n2, 1e-30);
+  result.attenuation = s2 / std::max(s2 + n2, 1e-30);
   return result;
 }
 

@@ -59,7 +59,7 @@ struct Delivery {
 };
 
 /// Applies a fault to the last delivery in the list.
-void spoil(std::vector<Delivery>& all, const SensorFault& fault) {
+void apply_fault(std::vector<Delivery>& all, const SensorFault& fault) {
   Delivery& one = all.back();
   odo_header& header = one.message.message.header();
   const auto by_ns = nanoseconds(fault.by_s);
@@ -141,7 +141,7 @@ Recording with_faults(const Recording& recording, const SensorFaults& faults) {
       const bool now = t_s >= fault.from_s && (fault.for_s <= 0 || t_s < fault.from_s + fault.for_s);
       const bool hit = now && concerns(fault, header) && random.uniform() < fault.part;
       next.push_back(std::move(one));
-      if (hit) spoil(next, fault);
+      if (hit) apply_fault(next, fault);
     }
     deliveries = std::move(next);
   }

@@ -10,7 +10,7 @@ namespace odograph {
 /// Allan deviation of a simulated sensor at rest (rad/s or m/s^2), mean of its axes, and the value expected from its
 /// error model.
 struct AllanPoint {
-  double averaging_s, simulated, asked_for;
+  double averaging_s, simulated, expected;
 };
 
 /// For the gyroscope or the accelerometer, from 20 ms to a twentieth of the duration, two points per decade.

@@ -33,7 +33,7 @@ struct Beyond {
 
 PoseConsistency pose_consistency(const std::vector<odo_pose>& poses, const Trajectory& truth) {
   double position = 0, heading = 0;
-  YawAlignment laid;
+  YawAlignment aligned;
   size_t n = 0;
   Beyond position_beyond, heading_beyond;
   Trajectory estimate, reference;
@@ -41,17 +41,17 @@ PoseConsistency pose_consistency(const std::vector<odo_pose>& poses, const Traje
     const auto there = pose_at(truth, pose.header.t_ns, kLargestTruthGap_s);
     if (!there) continue;
     const Quaterniond q = raw_quaternion(pose.q_n);
-    if (estimate.empty()) laid = yaw_alignment({pose.header.t_ns, q, Vector3d(pose.p_n)}, *there);
+    if (estimate.empty()) aligned = yaw_alignment({pose.header.t_ns, q, Vector3d(pose.p_n)}, *there);
     const double dt_s = estimate.empty() ? 0 : seconds(pose.header.t_ns - estimate.back().t_ns);
     estimate.push_back({pose.header.t_ns, q, Vector3d(pose.p_n)});
     reference.push_back(*there);
-    const Eigen::Vector2d error = (laid.on_truth(Vector3d(pose.p_n)) - there->p).head<2>();
+    const Eigen::Vector2d error = (aligned.on_truth(Vector3d(pose.p_n)) - there->p).head<2>();
     const Eigen::Map<const Eigen::Matrix<double, 6, 6, Eigen::RowMajor>> P(pose.covariance);
-    const Eigen::AngleAxisd rotation(laid.yaw_rad, Vector3d::UnitZ());
+    const Eigen::AngleAxisd rotation(aligned.yaw_rad, Vector3d::UnitZ());
     const Eigen::Matrix3d turned =
         rotation * Eigen::Matrix3d(P.block<3, 3>(3, 3)) * rotation.inverse().toRotationMatrix();
     const Matrix2d S = Matrix2d(turned.topLeftCorner<2, 2>()) + kMinSigma_m * kMinSigma_m * Matrix2d::Identity();
-    const double position_2 = error.dot(S.inverse() * error), off = laid.yaw_error(q, there->q),
+    const double position_2 = error.dot(S.inverse() * error), off = aligned.yaw_error(q, there->q),
                  heading_2 = off * off / (P(2, 2) + kMinSigma_rad * kMinSigma_rad);
     position += position_2 / 2, heading += heading_2, ++n;
     position_beyond.see(position_2 > kThreeSigma2, dt_s);

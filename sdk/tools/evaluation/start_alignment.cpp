@@ -10,17 +10,17 @@ using Eigen::AngleAxisd;
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
-Trajectory started(const Trajectory& truth, const Trajectory& track, double over_m) {
+Trajectory aligned_at_start(const Trajectory& truth, const Trajectory& track, double over_m) {
   std::vector<Waypoint> start;
   double walked = 0, next = 0;
   for (size_t i = 0; i < truth.size() && walked <= over_m; ++i) {
     if (i > 0) walked += (truth[i].p - truth[i - 1].p).head<2>().norm();
     if (walked >= next) start.push_back({truth[i].t_ns, truth[i].p}), next += 1;
   }
-  return lay_over(track, start, heading_offset(track, start, over_m));
+  return align_to_waypoints(track, start, heading_offset(track, start, over_m));
 }
 
-Trajectory started_by_pose(const Trajectory& truth, const Trajectory& track, double after_m) {
+Trajectory aligned_by_pose(const Trajectory& truth, const Trajectory& track, double after_m) {
   double walked = 0;
   size_t at = 0;
   while (at + 1 < truth.size() && walked <= after_m) {
@@ -34,12 +34,12 @@ Trajectory started_by_pose(const Trajectory& truth, const Trajectory& track, dou
   const Eigen::Quaterniond off = truth[at].q * nearest->q.conjugate();
   const Eigen::Quaterniond rotation = Eigen::Quaterniond(off.w(), 0, 0, off.z()).normalized();
   const Eigen::Vector3d from = position_at(track, truth[at].t_ns);
-  Trajectory laid = track;
-  for (StampedPose& pose : laid) {
+  Trajectory aligned = track;
+  for (StampedPose& pose : aligned) {
     pose.p = rotation * (pose.p - from) + truth[at].p;
     pose.q = rotation * pose.q;
   }
-  return laid;
+  return aligned;
 }
 
 Trajectory scaled_by_start(const Trajectory& truth, const Trajectory& track, double over_m) {
@@ -57,7 +57,7 @@ Trajectory scaled_by_start(const Trajectory& truth, const Trajectory& track, dou
   return scaled;
 }
 
-Trajectory turned_onto_first(const Trajectory& truth, const Trajectory& track) {
+Trajectory rotated_onto_first(const Trajectory& truth, const Trajectory& track) {
   if (track.empty()) return track;
   size_t same = 0;
   while (same + 1 < truth.size() && truth[same].t_ns < track.front().t_ns) ++same;

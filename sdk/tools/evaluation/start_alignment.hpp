@@ -6,17 +6,17 @@
 namespace odograph {
 
 /// Rotates (yaw) and translates the track onto the truth over its first metres, as for an app with a known start.
-Trajectory started(const Trajectory& truth, const Trajectory& track, double over_m);
+Trajectory aligned_at_start(const Trajectory& truth, const Trajectory& track, double over_m);
 
 /// Rotates (yaw) and translates the track onto the truth's pose at the end of its first metres: the effect of a fix of
 /// position and heading, as from a known object.
-Trajectory started_by_pose(const Trajectory& truth, const Trajectory& track, double after_m);
+Trajectory aligned_by_pose(const Trajectory& truth, const Trajectory& track, double after_m);
 
 /// Scales the track to the true length over the truth's first metres, as a car knows it from its wheels.
 Trajectory scaled_by_start(const Trajectory& truth, const Trajectory& track, double over_m);
 
 /// Rotates the track so that its first orientation is the true one: a camera alone does not observe the vertical.
-Trajectory turned_onto_first(const Trajectory& truth, const Trajectory& track);
+Trajectory rotated_onto_first(const Trajectory& truth, const Trajectory& track);
 
 /// Rotation about the vertical from the estimate to the truth, rad, from -pi to pi.
 double yaw_error(const Eigen::Quaterniond& estimate, const Eigen::Quaterniond& truth);

@@ -51,8 +51,8 @@ double extent_of(const Trajectory& track) {
   return std::sqrt(squares / static_cast<double>(std::max<size_t>(1, track.size())));
 }
 
-std::vector<ScaleClaim> claims_of(const Group& group, const StartWindowParameters& p) {
-  std::vector<ScaleClaim> claims;
+std::vector<StatedScale> stated_scales(const Group& group, const StartWindowParameters& p) {
+  std::vector<StatedScale> scales;
   const size_t n = group.sigma.size();
   size_t next = 0;
   for (size_t k = 0; k < n; ++k) {
@@ -65,9 +65,9 @@ std::vector<ScaleClaim> claims_of(const Group& group, const StartWindowParameter
     if (until < 5 || extent_of(until_now.reference) < p.min_extent_m) continue;
     double to_truth = 1;
     align(until_now, Alignment::sim3, &to_truth);
-    claims.push_back({group.seconds_to(k), -std::log(to_truth), group.sigma[k], last});
+    scales.push_back({group.seconds_to(k), -std::log(to_truth), group.sigma[k], last});
   }
-  return claims;
+  return scales;
 }
 
 /// Mean normalised squared errors of the metric motions, per degree of freedom.
@@ -108,11 +108,11 @@ StartWindow start_window(const Trajectory& truth, const std::vector<odo_vo_motio
   f.groups = groups.size();
   size_t longest = 0;
   for (const Group& group : groups) {
-    const auto claims = claims_of(group, p);
-    f.claims.insert(f.claims.end(), claims.begin(), claims.end());
-    if (group.sigma.size() <= std::max<size_t>(longest, 4) || claims.empty()) continue;
+    const auto scales = stated_scales(group, p);
+    f.scales.insert(f.scales.end(), scales.begin(), scales.end());
+    if (group.sigma.size() <= std::max<size_t>(longest, 4) || scales.empty()) continue;
     longest = group.sigma.size();
-    f.log_scale = claims.back().log_scale, f.sigma = claims.back().sigma;
+    f.log_scale = scales.back().log_scale, f.sigma = scales.back().sigma;
     f.path_m = path_length(group.pairs.reference);
     const auto rms = [&](Alignment alignment) {
       return statistics_of(absolute_errors(group.pairs.reference, align(group.pairs, alignment, nullptr)).translation_m)
@@ -120,8 +120,8 @@ StartWindow start_window(const Trajectory& truth, const std::vector<odo_vo_motio
     };
     f.se3_rmse_m = rms(Alignment::se3), f.sim3_rmse_m = rms(Alignment::sim3);
   }
-  for (const ScaleClaim& claim : f.claims) {
-    const double sigmas = std::abs(claim.log_scale) / std::max(1e-6, claim.sigma);
+  for (const StatedScale& stated : f.scales) {
+    const double sigmas = std::abs(stated.log_scale) / std::max(1e-6, stated.sigma);
     if (!(sigmas <= f.worst_sigmas)) f.worst_sigmas = sigmas;
   }
   return f;

@@ -60,7 +60,7 @@ bool one_group(const Matched& m, size_t from, size_t to) {
 
 /// Ratio of the odometry's displacement, in its own units, to the true one; 0 if the true displacement is too small.
 double scale_over(const Matched& m, size_t from, size_t to, double min_straight) {
-  const double true_m = (m.truth[to].p - m.truth[from].p).norm(), own = (m.pose(to).own - m.pose(from).own).norm();
+  const double true_m = (m.truth[to].p - m.truth[from].p).norm(), own = (m.pose(to).unscaled - m.pose(from).unscaled).norm();
   return true_m > min_straight * (m.path_m[to] - m.path_m[from]) && true_m > 0 ? own / true_m : 0;
 }
 
@@ -76,7 +76,7 @@ StopFigures figures_of(const Stop& stop, const Matched& m, const VoFigureParamet
   if (m.path_m[*begin] - m.path_m[before] > min_m) f.scale_before = scale_over(m, before, *begin, p.min_straight);
   if (m.path_m[after] - m.path_m[*end] > min_m) f.scale_after = scale_over(m, *end, after, p.min_straight);
   if (m.pose(*begin).metric && m.pose(*end).metric) {
-    const Vector3d own = m.pose(*begin).q.conjugate() * (m.pose(*end).p_m - m.pose(*begin).p_m);
+    const Vector3d unscaled = m.pose(*begin).q.conjugate() * (m.pose(*end).p_m - m.pose(*begin).p_m);
     f.drift_m = (own - m.truth[*begin].q.conjugate() * (m.truth[*end].p - m.truth[*begin].p)).norm();
   }
   return f;
@@ -138,13 +138,13 @@ void count_frames(const ComposedMotions& motions_, const std::vector<int64_t>& f
 }
 
 void measure_start(const Trajectory& truth, const std::vector<odo_vo_motion>& motions,
-                   const std::vector<int64_t>& known_ns, const std::vector<int64_t>& frames_ns, double first_motion_m,
+                   const std::vector<int64_t>& emitted_ns, const std::vector<int64_t>& frames_ns, double first_motion_m,
                    VoFigures& f) {
   f.start_s = f.start_from_motion_s = std::nan("");
   const auto first = std::find_if(motions.begin(), motions.end(),
                                   [](const odo_vo_motion& m) { return (m.header.flags & ODO_VO_METRIC) != 0; });
   if (first == motions.end() || frames_ns.empty()) return;
-  const int64_t known = known_ns[static_cast<size_t>(first - motions.begin())];
+  const int64_t known = emitted_ns[static_cast<size_t>(first - motions.begin())];
   f.start_s = seconds(frames_ns.front(), known);
   const auto begin =
       std::find_if(truth.begin(), truth.end(), [&](const StampedPose& x) { return x.t_ns >= frames_ns.front(); });
@@ -156,7 +156,7 @@ void measure_start(const Trajectory& truth, const std::vector<odo_vo_motion>& mo
 /// The metric poses rotated so that their stated gravity matches the reference's vertical; none if neither direction of
 /// z is within 45 degrees of it.
 std::optional<Trajectory> gravity_aligned(const Matched& m, const Trajectory& metric) {
-  Vector3d own = Vector3d::Zero(), reference = Vector3d::Zero();
+  Vector3d unscaled = Vector3d::Zero(), reference = Vector3d::Zero();
   for (size_t k = 0; k < m.size(); ++k)
     if (m.pose(k).metric && m.pose(k).gravity) {
       own += *m.pose(k).gravity;
@@ -189,7 +189,7 @@ void measure_metric(const Matched& m, VoFigures& f) {
 }
 
 void sum_up(const VoFigureParameters& p, VoFigures& f) {
-  f.worst_tracked = f.worst_jump = f.standing_drift_m_min = f.wrongly_certain_share = f.scale_nees = std::nan("");
+  f.worst_tracked = f.worst_jump = f.standing_drift_m_min = f.overconfident_share = f.scale_nees = std::nan("");
   double drift_m = 0, standing_s = 0;
   for (const TrackedStretch& s : f.tracked) f.worst_tracked = std::fmax(f.worst_tracked, s.rmse_m / s.path_m);
   for (const StopFigures& s : f.stops) {
@@ -203,9 +203,9 @@ void sum_up(const VoFigureParameters& p, VoFigures& f) {
     if (w.sigma <= 0) continue;
     const double normalised = w.log_scale / w.sigma, s = seconds(w.from_ns, w.to_ns);
     all_s += s, squares += normalised * normalised, ++count;
-    if (std::abs(normalised) > p.certain_sigmas) wrong_s += s;
+    if (std::abs(normalised) > p.confident_sigmas) wrong_s += s;
   }
-  if (count > 0) f.wrongly_certain_share = wrong_s / all_s, f.scale_nees = squares / static_cast<double>(count);
+  if (count > 0) f.overconfident_share = wrong_s / all_s, f.scale_nees = squares / static_cast<double>(count);
 }
 
 }  // namespace
@@ -232,13 +232,13 @@ std::vector<Stop> stops_of(const Trajectory& truth, const StandingParameters& p)
 }
 
 VoFigures vo_figures(const Trajectory& truth, const std::vector<odo_vo_motion>& motions,
-                     const std::vector<int64_t>& known_ns, const std::vector<int64_t>& frames_ns,
+                     const std::vector<int64_t>& emitted_ns, const std::vector<int64_t>& frames_ns,
                      const VoFigureParameters& p) {
   VoFigures f{};
   const ComposedMotions motions_ = compose(motions);
   const Matched m = matched(motions_, truth, p.largest_gap_s);
   count_frames(motions_, frames_ns, f);
-  measure_start(truth, motions, known_ns, frames_ns, p.first_motion_m, f);
+  measure_start(truth, motions, emitted_ns, frames_ns, p.first_motion_m, f);
   measure_metric(m, f);
   if (m.size() > 1) {
     for (const Stop& stop : stops_of(m.truth, p.standing)) f.stops.push_back(figures_of(stop, m, p));

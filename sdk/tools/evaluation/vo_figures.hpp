@@ -55,7 +55,7 @@ struct VoFigureParameters {
   double window_m = 5;
   double min_straight = 0.25;    ///< displacement over path length beside a stop; below it, the scale is not observable
   double min_tracked_m = 5;      ///< m of the true path, minimum length of a tracked stretch for a relative error
-  double certain_sigmas = 3;     ///< beyond it, the odometry's scale was confidently wrong
+  double confident_sigmas = 3;     ///< beyond it, the odometry's scale was confidently wrong
   double first_motion_m = 0.05;  ///< m from the first position, at which the camera has started to move
   double largest_gap_s = 0.25;   ///< s, true poses further apart are not interpolated
 };
@@ -82,14 +82,14 @@ struct VoFigures {
   double worst_tracked;          ///< of the tracked stretches, error over path; NaN: none
   double worst_jump;             ///< of the measured stops, absolute, relative; NaN: none
   double standing_drift_m_min;   ///< over all stops with metric poses; NaN: none
-  double wrongly_certain_share;  ///< of the windows' time; NaN: no window with a sigma
+  double overconfident_share;  ///< of the windows' time; NaN: no window with a sigma
   double scale_nees;             ///< mean of (log scale / sigma)^2 over the windows; NaN: none
 };
 
-/// `known_ns`: for each motion, the time of the input after which it was emitted. `frames_ns`: in order. All on one
+/// `emitted_ns`: for each motion, the time of the input after which it was emitted. `frames_ns`: in order. All on one
 /// clock. `truth`: the camera's, in time order; the figure after yaw alignment requires a vertical z axis (up or down).
 VoFigures vo_figures(const Trajectory& truth, const std::vector<odo_vo_motion>& motions,
-                     const std::vector<int64_t>& known_ns, const std::vector<int64_t>& frames_ns,
+                     const std::vector<int64_t>& emitted_ns, const std::vector<int64_t>& frames_ns,
                      const VoFigureParameters& parameters = {});
 
 /// Scale along the true path, by metres: of the metric windows, or, if there are none, of the displacements of `pairs`

@@ -74,7 +74,7 @@ void add_attitude(const Recording& recording, const WalkEstimate& result, WalkFi
     }
   }
   if (n > 0) f.tilt_deg.push_back(std::sqrt(squares / static_cast<double>(n)));
-  if (!strays.empty()) f.wander_deg.push_back(percentile(strays, 0.95));
+  if (!strays.empty()) f.heading_error_deg.push_back(percentile(strays, 0.95));
   if (last_s > first_s + 30) f.drift_deg_min.push_back(std::abs(last_deg - first_deg) / (last_s - first_s) * 60);
 }
 

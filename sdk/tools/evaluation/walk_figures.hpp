@@ -27,7 +27,7 @@ struct WalkFigures {
   std::map<std::pair<uint32_t, uint32_t>, double> modes_s;  ///< by true and estimated mode
   /// Inclination after the first 10 s, heading drift after half a minute, and heading error (95 % of the time) against
   /// north or, without a magnetometer, against its value at that time. Empty if the walk is too short.
-  std::vector<double> tilt_deg, drift_deg_min, wander_deg;
+  std::vector<double> tilt_deg, drift_deg_min, heading_error_deg;
 };
 WalkFigures walk_figures(const Recording& recording, const WalkEstimate& estimate);
 

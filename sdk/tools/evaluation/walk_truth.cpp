@@ -106,16 +106,16 @@ void add_position(const Trajectory& track, const std::vector<Waypoint>& places, 
     pairs.reference.push_back({place.t_ns, Eigen::Quaterniond::Identity(), place.p_n});
     pairs.estimate.push_back({place.t_ns, Eigen::Quaterniond::Identity(), position_at(track, place.t_ns)});
   }
-  const Trajectory laid = align(pairs, Alignment::yaw, nullptr);
+  const Trajectory aligned = align(pairs, Alignment::yaw, nullptr);
   double squares = 0;
-  for (size_t i = 0; i < laid.size(); ++i) {
-    squares += (laid[i].p - places[i].p_n).head<2>().squaredNorm();
+  for (size_t i = 0; i < aligned.size(); ++i) {
+    squares += (aligned[i].p - places[i].p_n).head<2>().squaredNorm();
     if (i == 0) continue;
-    const Vector2d a = (laid[i].p - laid[i - 1].p).head<2>(), b = (places[i].p_n - places[i - 1].p_n).head<2>();
+    const Vector2d a = (aligned[i].p - aligned[i - 1].p).head<2>(), b = (places[i].p_n - places[i - 1].p_n).head<2>();
     if (a.norm() > 0.5 && b.norm() > 0.5)
       f.heading_deg.push_back(std::abs(std::atan2(a.x() * b.y() - a.y() * b.x(), a.dot(b))) * 180 / EIGEN_PI);
   }
-  f.position_m = std::sqrt(squares / static_cast<double>(laid.size()));
+  f.position_m = std::sqrt(squares / static_cast<double>(aligned.size()));
 }
 
 /// Composes the steps along their own headings.

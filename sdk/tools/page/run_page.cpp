@@ -48,24 +48,24 @@ class PageOfRun {
         name_(run.name),
         t0_ns_(t0_ns),
         evaluation_(evaluation),
-        laid_(lay_over_truth(recording, r_, evaluation ? std::optional(evaluation->alignment) : std::nullopt)) {}
+        aligned_(align_to_truth(recording, r_, evaluation ? std::optional(evaluation->alignment) : std::nullopt)) {}
 
   Json json() {
     add_poses();
-    const Eigen::Vector3d& p = laid_.to_truth.p;
-    Json laid = {
-        {"q", json_of(laid_.to_truth.q)}, {"p", {rounded(p.x()), rounded(p.y()), rounded(p.z())}}, {"s", laid_.scale}};
+    const Eigen::Vector3d& p = aligned_.to_truth.p;
+    Json aligned = {
+        {"q", json_of(aligned_.to_truth.q)}, {"p", {rounded(p.x()), rounded(p.y()), rounded(p.z())}}, {"s", aligned_.scale}};
     Series errors, work, relative;
     if (!r_.track.empty())
-      for (const auto& [t, error] : laid_.error_m) errors.add(t + time(r_.track.front().t_ns), error);
+      for (const auto& [t, error] : aligned_.error_m) errors.add(t + time(r_.track.front().t_ns), error);
     for (size_t k = 0; k < std::min(r_.frame_ms.size(), r_.track.size()); ++k)
       work.add(time(r_.track[k].t_ns), r_.frame_ms[k]);
     if (evaluation_)
       for (const auto& [t, error] : evaluation_->relative_m) relative.add(t, error);
     Json out = std::move(poses_);
     out.update({{"name", name_},
-                {"metric", laid_.metric},
-                {"laid", laid},
+                {"metric", aligned_.metric},
+                {"laid", aligned},
                 {"error", errors.json()},
                 {"speed", speed().json()},
                 {"steps", steps()},
@@ -87,18 +87,18 @@ class PageOfRun {
     const odo_statistics& s = r_.statistics;
     std::string out;
     const double path_m = recording_.truth.empty() ? s.distance_m : path_length(recording_.truth);
-    if (!recording_.truth.empty() && !laid_.error_m.empty())
-      out = text_of("%.2f m rms from the truth, %.2f %% of the path of %.1f m", laid_.rms_m(),
-                    100 * laid_.rms_m() / std::max(1e-9, path_m), path_m);
+    if (!recording_.truth.empty() && !aligned_.error_m.empty())
+      out = text_of("%.2f m rms from the truth, %.2f %% of the path of %.1f m", aligned_.rms_m(),
+                    100 * aligned_.rms_m() / std::max(1e-9, path_m), path_m);
     else
       out = text_of("%.1f m of path", path_m);
-    if (!laid_.metric) out += ", its scale fitted to the truth";
+    if (!aligned_.metric) out += ", its scale fitted to the truth";
     if (s.scale_sigma > 0) out += text_of("; metric scale known to %.1f %%", 100 * s.scale_sigma);
     if (s.tracking_s + s.degraded_s + s.lost_s > 0)
       out += text_of("; tracking for %.1f of %.1f s", s.tracking_s, s.tracking_s + s.degraded_s + s.lost_s);
     return out;
   }
-  bool metric() const { return laid_.metric; }
+  bool metric() const { return aligned_.metric; }
 
  private:
   double time(int64_t t_ns) const { return rounded(seconds(t_ns - t0_ns_)); }
@@ -155,7 +155,7 @@ class PageOfRun {
       const double dt_s = seconds(r_.track[k].t_ns - r_.track[from].t_ns);
       if (dt_s < kSpeedOver_s) continue;
       const double middle_s = time(r_.track[from].t_ns) + dt_s / 2;
-      out.add(middle_s, laid_.scale * (r_.track[k].p - r_.track[from].p).norm() / dt_s);
+      out.add(middle_s, aligned_.scale * (r_.track[k].p - r_.track[from].p).norm() / dt_s);
       from = k;
     }
     return out;
@@ -238,9 +238,9 @@ class PageOfRun {
       for (const auto& [name, figure] : evaluation_->figures) rows.push_back({name, figure});
       return rows;
     }
-    rows.push_back({"Error, rms", laid_.error_m.empty() ? "no truth" : text_of("%.3f m", laid_.rms_m())});
+    rows.push_back({"Error, rms", aligned_.error_m.empty() ? "no truth" : text_of("%.3f m", aligned_.rms_m())});
     rows.push_back(
-        {"Error at the end", laid_.error_m.empty() ? "no truth" : text_of("%.3f m", laid_.error_m.back().second)});
+        {"Error at the end", aligned_.error_m.empty() ? "no truth" : text_of("%.3f m", aligned_.error_m.back().second)});
     rows.push_back({"Distance", text_of("%.2f m", s.distance_m)});
     rows.push_back({"Steps", count(s.steps)});
     rows.push_back({"Camera frames", count(s.frames)});
@@ -275,7 +275,7 @@ class PageOfRun {
   std::string name_;
   int64_t t0_ns_;
   const std::optional<PageOptions::Evaluation>& evaluation_;
-  LaidRun laid_;
+  AlignedRun aligned_;
   Json poses_;
 };
 

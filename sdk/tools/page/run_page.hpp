@@ -20,7 +20,7 @@ struct NamedRun {
 
 /// Alignment of a run's track with the truth: best rotation about the vertical and translation, plus scale if the track
 /// is not metric; without a truth, onto the first 10 m of the waypoints.
-struct LaidRun {
+struct AlignedRun {
   StampedPose to_truth;  ///< of positions in the run's n; its time is unused
   double scale = 1;
   bool metric = true;
@@ -30,7 +30,7 @@ struct LaidRun {
   double rms_m() const;
   std::optional<ScalePart> scale_part;  ///< of a metric run against a truth, aligned by yaw
 };
-LaidRun lay_over_truth(const Recording& recording, const RunResult& result, std::optional<Alignment> alignment = {});
+AlignedRun align_to_truth(const Recording& recording, const RunResult& result, std::optional<Alignment> alignment = {});
 
 struct PageOptions {
   std::string command;      ///< command line of the runs, shown to the reader

@@ -67,13 +67,13 @@ Result<bool> write_svg(const Plot& plot, const std::string& file) {
   return write_whole_file(file, *svg);
 }
 
-std::string plots_page(const std::string& title, const std::string& figures, const std::vector<std::string>& doubts,
+std::string plots_page(const std::string& title, const std::string& figures, const std::vector<std::string>& warnings,
                        const std::string& written, const std::vector<Plot>& plots) {
   std::string html = "<!doctype html><html lang=\"en\"><meta charset=\"utf-8\"><title>Odograph: " + title +
                      "</title>\n<style>body{font:16px sans-serif;max-width:60em;margin:2em auto;padding:0 1em}"
                      "svg{max-width:100%;height:auto}</style>\n<h1>" +
                      title + "</h1>\n<pre>" + figures + "</pre>\n";
-  for (const auto& doubt : doubts) html += "<p>Beware: " + doubt + "</p>\n";
+  for (const auto& warning : warnings) html += "<p>Beware: " + warning + "</p>\n";
   html += "<pre>" + written + "</pre>\n";
   for (const Plot& plot : plots) {
     const auto svg = draw_svg(plot);

@@ -27,7 +27,7 @@ Result<std::string> draw_svg(const Plot& plot);
 Result<bool> write_svg(const Plot& plot, const std::string& file);
 
 /// A self-contained HTML page: figures, warnings, the written file, and the plots (or why there are none).
-std::string plots_page(const std::string& title, const std::string& figures, const std::vector<std::string>& doubts,
+std::string plots_page(const std::string& title, const std::string& figures, const std::vector<std::string>& warnings,
                        const std::string& written, const std::vector<Plot>& plots);
 
 }  // namespace odograph

@@ -8,7 +8,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "sdk/tools/recording/lent_picture.hpp"
+#include "sdk/tools/recording/frame_loan.hpp"
 #include "sdk/tools/recording/picture_header.hpp"
 #include "sdk/tools/recording/recording.hpp"
 
@@ -101,10 +101,10 @@ Result<odo_frame> load_frame(const RecordedMessage& recorded) {
     return Failure{ODO_E_DATA, name + ": " + thrown.what()};
   }
   relight(picture, image);
-  return lend_image(image, copy_as<odo_frame>(recorded.message.header()), name);
+  return borrow_image(image, copy_as<odo_frame>(recorded.message.header()), name);
 }
 
-Result<odo_frame> lend_image(cv::Mat image, const odo_frame& head, const std::string& name) {
+Result<odo_frame> borrow_image(cv::Mat image, const odo_frame& head, const std::string& name) {
   if (image.empty() || image.depth() != CV_8U)
     return Failure{ODO_E_DATA, name + ": the picture cannot be read as 8-bit grey or colour"};
   if (image.channels() != 1) {
@@ -118,7 +118,7 @@ Result<odo_frame> lend_image(cv::Mat image, const odo_frame& head, const std::st
   frame.format = image.channels() == 1 ? ODO_FORMAT_GREY8 : ODO_FORMAT_RGB8;
   frame.plane_count = 1;
   frame.planes[0] = {image.data, static_cast<int64_t>(image.step[0]), static_cast<uint32_t>(image.channels()), 0};
-  lend(frame, image);
+  set_loan(frame, image);
   return frame;
 }
 

@@ -186,7 +186,7 @@ void read_foxglove_transform(LogFields& in, LoggedMessage& out) {
 struct Type {
   const char* name;
   void (*read)(LogFields&, LoggedMessage&);
-  bool json_alone = false;
+  bool json_only = false;
 };
 constexpr Type kTypes[] = {
     {"sensor_msgs/Imu", read_imu},
@@ -242,17 +242,17 @@ const Encoding* encoding_of(const std::string& name) {
 
 }  // namespace
 
-std::string why_not_read(const LogTopic& topic) {
+std::string unsupported_reason(const LogTopic& topic) {
   const Type* type = type_of(topic.type);
   if (!type) return "of an unsupported type";
-  if (topic.encoding == "json" || (!type->json_alone && (topic.encoding == "ros1" || topic.encoding == "cdr")))
+  if (topic.encoding == "json" || (!type->json_only && (topic.encoding == "ros1" || topic.encoding == "cdr")))
     return "";
-  return "encoded as '" + topic.encoding + "'; expected " + (type->json_alone ? "json" : "ros1, cdr or json");
+  return "encoded as '" + topic.encoding + "'; expected " + (type->json_only ? "json" : "ros1, cdr or json");
 }
 
 Result<LoggedMessage> decode_logged(const LogTopic& topic, Bytes bytes, bool with_pixels) {
   const Type* type = type_of(topic.type);
-  if (!type || !why_not_read(topic).empty()) return Failure{ODO_E_UNSUPPORTED, why_not_read(topic)};
+  if (!type || !unsupported_reason(topic).empty()) return Failure{ODO_E_UNSUPPORTED, unsupported_reason(topic)};
   LoggedMessage out;
   const auto in = log_fields(topic.encoding, bytes, with_pixels);
   type->read(*in, out);
@@ -260,7 +260,7 @@ Result<LoggedMessage> decode_logged(const LogTopic& topic, Bytes bytes, bool wit
   return out;
 }
 
-bool knows_encoding(const std::string& encoding) { return encoding.empty() || encoding_of(encoding) != nullptr; }
+bool is_supported_encoding(const std::string& encoding) { return encoding.empty() || encoding_of(encoding) != nullptr; }
 
 cv::Mat image_of(const LoggedMessage::Picture& picture) {
   if (picture.encoding.empty()) {

@@ -39,7 +39,7 @@ struct LoggedMessage {
 };
 
 /// Why messages of this topic are not decoded, such as "of an unsupported type"; empty if they are.
-std::string why_not_read(const LogTopic& topic);
+std::string unsupported_reason(const LogTopic& topic);
 
 /// Fails with ODO_E_DATA, without a file name, if the message is shorter than its type or invalid JSON.
 Result<LoggedMessage> decode_logged(const LogTopic& topic, Bytes bytes, bool with_pixels);
@@ -47,6 +47,6 @@ Result<LoggedMessage> decode_logged(const LogTopic& topic, Bytes bytes, bool wit
 /// Grey or BGR; empty if undecodable.
 cv::Mat image_of(const LoggedMessage::Picture& picture);
 /// Whether pixels of this encoding are supported.
-bool knows_encoding(const std::string& encoding);
+bool is_supported_encoding(const std::string& encoding);
 
 }  // namespace odograph

@@ -88,7 +88,7 @@ struct MessageLog::Record {
   std::optional<uint32_t> chunk{};            ///< that contains it
 };
 
-bool MessageLog::looks_like_one(const fs::path& file) {
+bool MessageLog::has_signature(const fs::path& file) {
   std::error_code error;
   if (!fs::is_regular_file(file, error)) return false;
   char head[16]{};

@@ -46,7 +46,7 @@ class MessageLog {
   /// Called for each message in the file's order; a failure ends the reading.
   using Visit = std::function<Result<bool>(const LogTopic&, int64_t t_ns, LogPlace, Bytes)>;
 
-  static bool looks_like_one(const std::filesystem::path& file);
+  static bool has_signature(const std::filesystem::path& file);
 
   /// Reads all messages once. A truncated or damaged file yields the messages before the damage; `flaw` describes it.
   /// Failures name the file (ODO_E_DATA).

@@ -187,7 +187,7 @@ void take(Recording& recording, const RecordReader& record, const std::shared_pt
     TruthRecord t;
     std::memcpy(&t, payload.data(), sizeof t);
     if (!is_plausible_time(t.t_ns)) {
-      ++recording.loss.wild_times;
+      ++recording.loss.times_out_of_range;
       return;
     }
     recording.truth.push_back({t.t_ns, unit(t.q), {t.p[0], t.p[1], t.p[2]}});

@@ -6,7 +6,7 @@
 #include <set>
 
 #include "sdk/math/rotation.hpp"
-#include "sdk/tools/recording/lent_picture.hpp"
+#include "sdk/tools/recording/frame_loan.hpp"
 #include "sdk/tools/recording/log_messages.hpp"
 #include "sdk/tools/recording/phone_camera.hpp"
 #include "sdk/tools/recording/recording.hpp"
@@ -38,7 +38,7 @@ class LoggedPictures : public PictureStore {
   Result<odo_frame> load(uint64_t number, const odo_frame& frame) override {
     const auto found = picture(number);
     if (!found) return found.failure();
-    return lend_image(image_of(*found), frame, log->path().string() + ": " + topic.name);
+    return borrow_image(image_of(*found), frame, log->path().string() + ": " + topic.name);
   }
   std::vector<unsigned char> encoded(uint64_t number) override {
     auto found = picture(number);
@@ -72,8 +72,8 @@ class LogReading {
       if (const Topic* most = busiest(type))
         for (const StoredMessage& m : most->messages) recording_.add(m.header());
     if (const auto done = add_camera(*log); !done) return done.failure();
-    if (recording_.messages.empty()) return wrong("no topic in it that is read; it has " + topics_in_words(false));
-    say_what_is_left_out();
+    if (recording_.messages.empty()) return wrong("no topic in it that is read; it has " + list_of_topics(false));
+    warn_of_skipped();
     recording_.sort();
     return std::move(recording_);
   }
@@ -85,7 +85,7 @@ class LogReading {
   Result<bool> take(const LogTopic& topic, int64_t logged_ns, LogPlace place, Bytes bytes) {
     Topic& t = topics_[topic.name];
     t.topic = topic;
-    if (!why_not_read(topic).empty()) return true;
+    if (!unsupported_reason(topic).empty()) return true;
     auto message = decode_logged(topic, bytes, false);
     if (!message) {
       ++t.damaged;
@@ -96,7 +96,7 @@ class LogReading {
     const int64_t t_ns = message->t_ns != 0 ? message->t_ns : logged_ns;
     if (message->picture) {
       t.type = ODO_TYPE_FRAME;
-      if (!knows_encoding(message->picture->encoding)) t.unknown_encoding = message->picture->encoding;
+      if (!is_supported_encoding(message->picture->encoding)) t.unknown_encoding = message->picture->encoding;
       t.pictures.emplace_back(t_ns, place);
       return true;
     }
@@ -216,28 +216,28 @@ class LogReading {
     facts.has_mount = true;
   }
 
-  std::string topics_in_words(bool unused_alone) const {
+  std::string list_of_topics(bool only_unused) const {
     std::string out;
     size_t named = 0, more = 0;
     for (const auto& [name, t] : topics_) {
-      if (unused_alone && (used_.contains(name) || t.type == ODO_TYPE_CALIBRATION ||
+      if (only_unused && (used_.contains(name) || t.type == ODO_TYPE_CALIBRATION ||
                            t.topic.type == "tf2_msgs/TFMessage" || t.topic.type == "foxglove.FrameTransform"))
         continue;
       if (++named > kMaxNamed) {
         ++more;
         continue;
       }
-      const std::string why = why_not_read(t.topic);
+      const std::string why = unsupported_reason(t.topic);
       out += (out.empty() ? "" : ", ") + name + " (" + t.topic.type + (why.empty() ? "" : ", " + why) + ")";
     }
     if (more > 0) out += " and " + std::to_string(more) + " more";
     return out.empty() ? "no topic" : out;
   }
 
-  void say_what_is_left_out() {
+  void warn_of_skipped() {
     for (const auto& [name, t] : topics_)
       if (t.damaged > 0) warn(name + ": " + std::to_string(t.damaged) + " messages are damaged and skipped");
-    if (const std::string left = topics_in_words(true); left != "no topic") warn("skipped: " + left);
+    if (const std::string left = list_of_topics(true); left != "no topic") warn("skipped: " + left);
   }
 
   Recording recording_;

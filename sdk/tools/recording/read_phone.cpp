@@ -263,10 +263,10 @@ class Reading {
         m.pressure_pa = pressure->table->scale * row.v[0];
         recording_.add(m.header);
       }
-    return say_what_is_not_there();
+    return warn_of_missing();
   }
 
-  Result<bool> say_what_is_not_there() {
+  Result<bool> warn_of_missing() {
     std::string lacking;
     for (const Stream stream : {Stream::field, Stream::pressure, Stream::place}) {
       const bool possible = std::any_of(format_.tables.begin(), format_.tables.end(),

@@ -59,7 +59,7 @@ std::optional<double> number_of(std::string_view text) {
 }
 
 /// Placeholders that apps write for a missing value.
-bool says_nothing(std::string_view text) {
+bool is_missing_value(std::string_view text) {
   return text.empty() || text == "null" || text == "NaN" || text == "nan" || text == "-" || text == "undefined";
 }
 
@@ -101,7 +101,7 @@ Result<bool> take_row(Rows& rows, const Places& places, const std::vector<std::s
   };
   Row row{0, 0, {kNone, kNone, kNone, kNone, kNone, kNone, kNone}};
   const std::string_view time = field(places.time);
-  if (says_nothing(time)) {
+  if (is_missing_value(time)) {
     ++rows.incomplete;
     return true;
   }
@@ -118,7 +118,7 @@ Result<bool> take_row(Rows& rows, const Places& places, const std::vector<std::s
   for (size_t i = 0; i < places.columns.size(); ++i) {
     const std::string_view text = field(places.columns[i]);
     const bool optional = is_optional(rows.table->columns[i]);
-    if (says_nothing(text)) {
+    if (is_missing_value(text)) {
       if (optional) continue;
       ++rows.incomplete;
       return true;

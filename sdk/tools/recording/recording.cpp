@@ -25,7 +25,7 @@ std::vector<Waypoint> Recording::waypoints() const {
 
 void Recording::add(const odo_header& message, PictureRef picture) {
   if (!is_plausible_time(message.t_ns)) {
-    ++loss.wild_times;
+    ++loss.times_out_of_range;
     return;
   }
   StoredMessage stored;
@@ -121,8 +121,8 @@ Result<Recording> read_whatever(const fs::path& path, const ReadOptions& options
   if (fs::is_directory(path, error)) return read_folder(path, options, {});
   if (!fs::is_regular_file(path, error))
     return Failure{ODO_E_DATA, path.string() + ": neither a file nor a folder; a pipe or a device is no recording"};
-  if (RecordReader::looks_like_one(path)) return read_odo(path, options);
-  if (MessageLog::looks_like_one(path)) return read_log(path);
+  if (RecordReader::has_signature(path)) return read_odo(path, options);
+  if (MessageLog::has_signature(path)) return read_log(path);
   if (looks_like_archive(path)) return read_archive(path, options);
   if (looks_like_gnss_log(path)) return read_gnss_log(path);
   if (const auto walk = read_walk(path)) return *walk;
@@ -169,8 +169,8 @@ Result<Recording> read_recording(const fs::path& path, const ReadOptions& option
     if (const auto outside = picture_outside(*recording, path))
       return Failure{ODO_E_DATA,
                      outside->string() + ": a link leads out of the recording's folder; --pictures-outside allows it"};
-  if (recording && recording->loss.wild_times > 0)
-    recording->warnings.push_back(std::to_string(recording->loss.wild_times) +
+  if (recording && recording->loss.times_out_of_range > 0)
+    recording->warnings.push_back(std::to_string(recording->loss.times_out_of_range) +
                                   " messages have times beyond +-2^62 ns and were skipped");
   if (recording && recording->loss.impossible > 0)
     recording->warnings.push_back(std::to_string(recording->loss.impossible) +

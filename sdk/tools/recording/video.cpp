@@ -10,7 +10,7 @@ extern "C" {
 #include <libswscale/swscale.h>
 }
 
-#include "sdk/tools/recording/lent_picture.hpp"
+#include "sdk/tools/recording/frame_loan.hpp"
 
 namespace odograph {
 namespace fs = std::filesystem;
@@ -185,7 +185,7 @@ Result<odo_frame> Video::load(uint64_t number, const odo_frame& head) {
   }
   odo_frame frame = head;
   set_planes(frame, *held, format);
-  lend(frame, std::move(held));
+  set_loan(frame, std::move(held));
   return frame;
 }
 

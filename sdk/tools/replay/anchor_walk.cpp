@@ -68,7 +68,7 @@ class Walk {
     const auto correction = copy_as<odo_correction>(*event);
     auto& self = *static_cast<Walk*>(user);
     const Quaterniond q = raw_quaternion(correction.q_n);
-    self.carried_ = q * self.carried_ + Vector3d(correction.p_n);
+    self.app_anchor_ = q * self.app_anchor_ + Vector3d(correction.p_n);
   }
 
   std::optional<Pose> truth_at(int64_t t_ns) const {
@@ -150,7 +150,7 @@ class Walk {
     const Vector3d p(0, 0, a_.ahead_m);
     if (const auto id = make(p, t_ns)) {
       start_ = Content{*id, t_ns, truth * p};
-      carried_ = *pose * p;
+      app_anchor_ = *pose * p;
     }
   }
 
@@ -191,7 +191,7 @@ class Walk {
     sums_.fixed = statistics.fixes_accepted > 0;
     const odo_anchor anchor = get(start_->id, ODO_WORLD_CORRECTED, last.t_ns);
     sums_.start_off_m = (Vector3d(anchor.p_n) - content).norm();
-    sums_.by_newest_m = (carried_ - content).norm();
+    sums_.by_newest_m = (app_anchor_ - content).norm();
   }
 
   const Recording& recording_;
@@ -200,7 +200,7 @@ class Walk {
   odo_session* session_ = nullptr;
   std::optional<Pose> map_;
   std::optional<Content> start_;
-  Vector3d carried_ = Vector3d::Zero();
+  Vector3d app_anchor_ = Vector3d::Zero();
   std::vector<Content> contents_;
   int64_t first_ns_ = INT64_MIN, next_ns_ = INT64_MIN;
   AnchorFigures sums_;

@@ -61,7 +61,7 @@ Result<std::unique_ptr<Fixer>> Fixer::make(const std::vector<Target>& targets, u
   return fixer;
 }
 
-std::vector<odo_fix> Fixer::see(const odo_pose& prior, const cv::Mat& grey, int64_t line_time_ns) {
+std::vector<odo_fix> Fixer::process_frame(const odo_pose& prior, const cv::Mat& grey, int64_t line_time_ns) {
   std::vector<odo_fix> fixes;
   take(prior.header, fixes);
   auto frame = make_message<odo_frame>(ODO_TYPE_FRAME, prior.header.t_ns);
@@ -74,7 +74,7 @@ std::vector<odo_fix> Fixer::see(const odo_pose& prior, const cv::Mat& grey, int6
   return fixes;
 }
 
-std::vector<Told> play(Fixer& fixer, const std::vector<Hung>& hung, const Viewpoint& start, int frames, uint64_t scene,
+std::vector<TimedFix> run_scene(Fixer& fixer, const std::vector<WallPicture>& hung, const Viewpoint& start, int frames, uint64_t scene,
                        Random& random, double position_sigma_m, const std::string& keep) {
   const odo_calibration lens = lens_of(scene);
   static std::map<uint64_t, PosterCamera> cameras;
@@ -89,12 +89,12 @@ std::vector<Told> play(Fixer& fixer, const std::vector<Hung>& hung, const Viewpo
   const Vector3d tilt_error(0.6 * kDegree * random.normal(), 0.6 * kDegree * random.normal(), yaw_error);
   const Eigen::AngleAxisd wrong(tilt_error.norm(), tilt_error.normalized());
   fixer.begin(lens);
-  std::vector<Told> told;
+  std::vector<TimedFix> fixes;
   const double span_s = (frames - 1) * 0.1;
   for (int k = 0; k < frames; ++k) {
     const Viewpoint v = start.after(k * 0.1 - 0.5 * span_s);
     std::vector<FlatPicture> pictures = {{wall, 60, 30, v.to(kMiddle + Vector3d(0.03, 7, 0))}};
-    for (const Hung& h : hung) pictures.push_back({h.grey, h.width_m, h.height_m, v.to(h.at_n)});
+    for (const WallPicture& h : hung) pictures.push_back({h.grey, h.width_m, h.height_m, v.to(h.at_n)});
     shot.rate_c = v.rate_c, shot.velocity_c = v.R_n_c.transpose() * v.velocity_n;
     shot.seed = scene * 1000 + static_cast<uint64_t>(k);
     const cv::Mat grey = camera.take(pictures, shot);
@@ -111,9 +111,9 @@ std::vector<Told> play(Fixer& fixer, const std::vector<Hung>& hung, const Viewpo
       prior.covariance[7 * i] = turned * turned, prior.covariance[7 * (i + 3)] = off * off;
     }
     prior.state = ODO_TRACKING;
-    for (const odo_fix& fix : fixer.see(prior, grey, nanoseconds(shot.line_time_s))) told.push_back({fix, v});
+    for (const odo_fix& fix : fixer.process_frame(prior, grey, nanoseconds(shot.line_time_s))) fixes.push_back({fix, v});
   }
-  return told;
+  return fixes;
 }
 
 namespace {
@@ -121,7 +121,7 @@ namespace {
 constexpr int kWalkingFrames = 6, kStandingFrames = 36;
 constexpr double kWrong_m = 1;  // error above which a fix counts as wrong, whatever its covariance
 
-Vector3d error_of(const Told& t) { return Vector3d(t.fix.p_n) - t.truth.p_n; }
+Vector3d error_of(const TimedFix& t) { return Vector3d(t.fix.p_n) - t.truth.p_n; }
 
 /// A viewpoint of the cell from which the whole target remains visible; none if the search fails.
 std::optional<Viewpoint> viewpoint_of(const Cell& cell, const FlatPicture& target, int frames, Random& random) {
@@ -150,9 +150,9 @@ void show_lookalike(Fixer& fixer, const std::vector<cv::Mat>& originals, size_t 
   const int count = standing ? kStandingFrames : kWalkingFrames;
   const double nearest = std::max(2.0, 1.2 * target.width_m);
   Viewpoint v = viewpoint(random, random.uniform(nearest, 12), random.uniform(0, 55) * kDegree, !standing);
-  const auto hung = disguise(kind, target, originals[which], seed, random, v, scene);
+  const auto hung = make_look_alike(kind, target, originals[which], seed, random, v, scene);
   row.frames += static_cast<uint64_t>(count);
-  for (const Told& t : play(fixer, hung, v, count, scene, random, 1.0, scene < 42 ? keep : "")) {
+  for (const TimedFix& t : run_scene(fixer, hung, v, count, scene, random, 1.0, scene < 42 ? keep : "")) {
     const double off_m = error_of(t).head<2>().norm();
     ++row.fixes, row.worst_m = std::max(row.worst_m, off_m);
     row.wrong += off_m > kWrong_m || kind < 3 || kind == kOtherBoards;
@@ -175,11 +175,11 @@ Result<CellFigures> scenes_of(const Target& target, size_t number, uint64_t scen
     Random random(seed * 100003 + scene, 31);
     const auto v = viewpoint_of(cell, {picture, target.width_m, target.height_m, {}}, frames, random);
     if (!v) continue;
-    const auto told = play(**fixer, {{picture, target.width_m, target.height_m, kMiddle}}, *v, frames, scene, random,
+    const auto fixes = run_scene(**fixer, {{picture, target.width_m, target.height_m, kMiddle}}, *v, frames, scene, random,
                            1.0, k < 2 ? keep : "");
     ++figures.scenes;
-    if (told.empty()) continue;
-    const Told& last = told.back();
+    if (fixes.empty()) continue;
+    const TimedFix& last = fixes.back();
     figures.error_m.push_back(error_of(last).head<2>().norm());
     figures.nis.push_back(horizontal_nees(error_of(last), last.fix.covariance_n));
     const Eigen::Quaterniond q_n_c = raw_quaternion(last.fix.q_n_b) * rear_camera_mount();

@@ -27,7 +27,7 @@ class Fixer {
     instance_->reset();
     instance_->process(lens.header);
   }
-  std::vector<odo_fix> see(const odo_pose& prior, const cv::Mat& grey, int64_t line_time_ns);
+  std::vector<odo_fix> process_frame(const odo_pose& prior, const cv::Mat& grey, int64_t line_time_ns);
   uint64_t faults() const { return instance_->faults(); }
 
  private:
@@ -42,11 +42,11 @@ class Fixer {
 };
 
 /// Result of one scene: all fixes, with the truth at their times.
-struct Told {
+struct TimedFix {
   odo_fix fix;
   Viewpoint truth;
 };
-std::vector<Told> play(Fixer& fixer, const std::vector<Hung>& hung, const Viewpoint& start, int frames, uint64_t scene,
+std::vector<TimedFix> run_scene(Fixer& fixer, const std::vector<WallPicture>& hung, const Viewpoint& start, int frames, uint64_t scene,
                        Random& random, double position_sigma_m, const std::string& keep);
 
 /// A combination of distance, obliqueness, and walking past or standing.

@@ -32,7 +32,7 @@ class Marks {
  public:
   Marks(const MarkOptions& options, const Trajectory& truth) : a_(options), truth_(truth), random_(options.seed) {}
 
-  std::optional<Failure> tell(odo_session* session, const Poses& poses, int64_t t_ns) {
+  std::optional<Failure> push_due_fix(odo_session* session, const Poses& poses, int64_t t_ns) {
     if (a_.sigma_m <= 0 || poses.empty() || t_ns < next_ns_) return std::nullopt;
     const auto there = pose_at(truth_, t_ns, kLargestTruthGap_s);
     if (!there) return std::nullopt;
@@ -90,7 +90,7 @@ Result<MarkedRun> marked_run(const Recording& recording, const RunOptions& run, 
     recorded_s = begin_ns == INT64_MIN ? 0.0 : seconds(header.t_ns - begin_ns);
     if (recorded_s > first_s) break;
     if (options.sigma_m > 0 && header.type == ODO_TYPE_WAYPOINT) continue;  // marks of the scenario
-    if (const auto failure = marks.tell(raw, poses, header.t_ns)) return *failure;
+    if (const auto failure = marks.push_due_fix(raw, poses, header.t_ns)) return *failure;
     if (const auto failure = push(raw, message)) return *failure;
   }
   odo_session_flush(raw);

@@ -122,7 +122,7 @@ Result<std::vector<PictureSource>> pictures_of(const std::string& path) {
   return sources;
 }
 
-Result<TrackFigures> followed_corners(const Recording& recording, size_t most,
+Result<TrackFigures> measure_corner_flow(const Recording& recording, size_t most,
                                       const std::function<void(size_t done, size_t all)>& progress) {
   odo_calibration calibration{};
   std::vector<const RecordedMessage*> frames;
@@ -132,7 +132,7 @@ Result<TrackFigures> followed_corners(const Recording& recording, size_t most,
   }
   if (frames.size() < 10 || calibration.fx <= 0)
     return Failure{ODO_E_DATA, recording.path.string() + ": needs ten frames and a calibration"};
-  CornerFollower follower(frames.size());
+  CornerFlowStatistics follower(frames.size());
   for (size_t i = 0; i < frames.size(); ++i) {
     if (progress) progress(i, frames.size());
     const auto frame = load_frame(*frames[i]);

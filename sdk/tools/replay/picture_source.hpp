@@ -9,7 +9,7 @@
 #include <opencv2/core.hpp>
 
 #include "sdk/host/base/result.hpp"
-#include "sdk/tools/evaluation/corner_follower.hpp"
+#include "sdk/tools/evaluation/corner_flow.hpp"
 #include "sdk/tools/recording/recording.hpp"
 
 namespace odograph {
@@ -29,7 +29,7 @@ Result<std::vector<PictureSource>> pictures_of(const std::string& path);
 
 /// Trackability of corners in a recording's first frames, `most` at most. ODO_E_DATA with fewer than ten frames or
 /// without a calibration.
-Result<TrackFigures> followed_corners(const Recording& recording, size_t most,
+Result<TrackFigures> measure_corner_flow(const Recording& recording, size_t most,
                                       const std::function<void(size_t done, size_t all)>& progress = {});
 
 }  // namespace odograph

@@ -80,7 +80,7 @@ Json json_of(const RecordingLoss& loss) {
   if (loss.file.records_lost) records = *loss.file.records_lost;
   if (!loss.file.any()) records = 0;
   return {{"records", records},           {"bytes", loss.file.bytes},  {"places", loss.file.places},
-          {"cut_off", loss.file.cut},     {"pictures", loss.pictures}, {"wild_times", loss.wild_times},
+          {"cut_off", loss.file.cut},     {"pictures", loss.pictures}, {"wild_times", loss.times_out_of_range},
           {"impossible", loss.impossible}};
 }
 

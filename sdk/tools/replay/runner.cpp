@@ -65,7 +65,7 @@ struct Collector {
       case ODO_TYPE_ATTITUDE: result.attitudes.push_back(as<odo_attitude>(event)); break;
       case ODO_TYPE_VO_MOTION:
         result.motions.push_back(as<odo_vo_motion>(event));
-        result.motions_known_ns.push_back(std::max(pushed_ns, event.t_ns));
+        result.motions_emitted_ns.push_back(std::max(pushed_ns, event.t_ns));
         break;
       case ODO_TYPE_CALIBRATION: result.refined.push_back(as<odo_calibration>(event)); break;
       case ODO_TYPE_SCALE: result.scales.push_back(as<odo_scale>(event)); break;
@@ -205,13 +205,13 @@ void push_all(odo_session* session, const Recording& recording, const RunOptions
 }
 
 /// Aligns the track with the recording's waypoints, as the config's replay section requests.
-void lay_over_waypoints(const ReplayConfig& replay, const Recording& recording, RunResult& result) {
+void align_tracks(const ReplayConfig& replay, const Recording& recording, RunResult& result) {
   const auto waypoints = recording.waypoints();
   if (!replay.start_at_first_waypoint || waypoints.empty() || result.track.empty()) return;
   if (replay.align_heading_over_m > 0)
     result.heading_offset_rad = heading_offset(result.track, waypoints, replay.align_heading_over_m);
-  result.track = lay_over(result.track, waypoints, result.heading_offset_rad);
-  if (!result.corrected.empty()) result.corrected = lay_over(result.corrected, waypoints, result.heading_offset_rad);
+  result.track = align_to_waypoints(result.track, waypoints, result.heading_offset_rad);
+  if (!result.corrected.empty()) result.corrected = align_to_waypoints(result.corrected, waypoints, result.heading_offset_rad);
   for (odo_step& step : result.steps)
     step.heading_rad = std::remainder(step.heading_rad + result.heading_offset_rad, 2 * EIGEN_PI);
 }
@@ -279,7 +279,7 @@ Result<RunResult> replay(const Recording& recording, const RunOptions& options) 
   if (odo_session_to_geodetic(session, p_n, origin.data()) == ODO_OK) result.origin = origin;
 
   result.corrected = collector.corrected();
-  lay_over_waypoints(config->replay, recording, result);
+  align_tracks(config->replay, recording, result);
   return result;
 }
 

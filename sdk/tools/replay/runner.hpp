@@ -30,7 +30,7 @@ struct RunResult {
   std::optional<std::array<double, 3>> origin;  // of n: latitude, longitude (rad), height (m), if known
   std::vector<odo_step> steps;
   std::vector<odo_vo_motion> motions;
-  std::vector<int64_t> motions_known_ns;  // for each motion, the time of the newest input when it was emitted
+  std::vector<int64_t> motions_emitted_ns;  // for each motion, the time of the newest input when it was emitted
   std::vector<odo_calibration> refined;   // camera parameters as refined by the front-end
   std::vector<odo_scale> scales;
   std::vector<Fix> fixes;

@@ -100,7 +100,7 @@ class View {
   std::vector<float> sunlight_;
   std::vector<RTCRay> shadows_;
   std::vector<size_t> glass_pixels_;
-  std::vector<RTCRayHit*> doubtful_;
+  std::vector<RTCRayHit*> undecided_;
   std::vector<RTCRay*> towards_sun_;
 };
 

@@ -12,7 +12,7 @@ constexpr double kPi = 3.14159265358979323846, kGravity_mps2 = 9.80665;
 
 }  // namespace
 
-Carried on_leg(double phase, double vigour, double height_m) {
+CarriedPose on_leg(double phase, double vigour, double height_m) {
   constexpr double kFlexion_rad = 0.35, kSwing_rad = 0.40, kFaster = 0.3, kPelvis_m = 0.01;
   const double lever_m = 0.14 * height_m;  // of the thigh
   const double stride = std::cos(kPi * phase) + kFaster * std::sin(2 * kPi * phase);
@@ -37,7 +37,7 @@ Bag::Bag(const std::vector<Vector3d>& trunk_n, const Signal& heading_rad, double
   }
 }
 
-Carried Bag::at(size_t sample, double height_m) const {
+CarriedPose Bag::at(size_t sample, double height_m) const {
   const double forward = forward_rad[sample], right = right_rad[sample];
   const Vector3d shoulder(-0.02, -0.22, -0.80 * height_m);
   return {shoulder + strap_m * Vector3d(std::sin(forward), std::sin(right), std::cos(forward) * std::cos(right)),

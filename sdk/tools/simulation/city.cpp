@@ -60,7 +60,7 @@ class FromAbove {
 
 }  // namespace
 
-void World::lay_route_on(const CityModel& city) {
+void World::project_route_onto(const CityModel& city) {
   const FromAbove terrain(device_, city, [&](const auto& face) {
     return !city.objects[face.object].is_building && std::abs(face.normal.z()) > 0.5;
   });

@@ -147,7 +147,7 @@ class Car {
   /// Motion of the car along its route, each component over time.
   struct Body {
     Signal north, east, up, heading, heave, pitch, roll;
-    Signal hop[3], wander, engine;
+    Signal hop[3], lane_offset, engine;
     explicit Body(size_t n)
         : north(n),
           east(n),
@@ -157,7 +157,7 @@ class Car {
           pitch(n),
           roll(n),
           hop{Signal(n), Signal(n), Signal(n)},
-          wander(n),
+          lane_offset(n),
           engine(n) {}
   };
 
@@ -198,12 +198,12 @@ class Car {
   /// Wheel hop, steering and engine vibration.
   void shake(const Signal& speed, Random& random, Body& b) const {
     for (uint64_t k = 0; k < 3; ++k) {
-      add_ring(b.hop[k], Random(seed_, 122 + k), 11.0, 0.2, k == 0 ? 9e-5 : 6e-5, kRate_hz);
+      add_narrow_band(b.hop[k], Random(seed_, 122 + k), 11.0, 0.2, k == 0 ? 9e-5 : 6e-5, kRate_hz);
       smooth(b.hop[k], 0.006, kRate_hz);
     }
-    add_wander(b.wander, Random(seed_, 126), 6.0, 0.15, kRate_hz);  // within the lane
-    for (size_t i = 0; i < n_; ++i) b.wander[i] *= std::min(1.0, distance_[i] / 30);
-    smooth(b.wander, 1.2, kRate_hz);
+    add_gauss_markov(b.lane_offset, Random(seed_, 126), 6.0, 0.15, kRate_hz);  // within the lane
+    for (size_t i = 0; i < n_; ++i) b.lane_offset[i] *= std::min(1.0, distance_[i] / 30);
+    smooth(b.lane_offset, 1.2, kRate_hz);
     const double strength = random.uniform(0.06, 0.2);  // m/s^2
     double phase = 0;
     for (size_t i = 0; i < n_; ++i) {
@@ -236,7 +236,7 @@ class Car {
           Eigen::AngleAxisd(b.pitch[i] + rough * 0.6 * b.hop[1][i], Vector3d::UnitY()) *
           Eigen::AngleAxisd(b.roll[i] + rough * b.hop[2][i] + 0.4 * b.engine[i], Vector3d::UnitX());
       const double h = b.heading[i];
-      p[i] = Vector3d(b.north[i] - b.wander[i] * std::sin(h), b.east[i] + b.wander[i] * std::cos(h),
+      p[i] = Vector3d(b.north[i] - b.lane_offset[i] * std::sin(h), b.east[i] + b.lane_offset[i] * std::cos(h),
                       -(b.up[i] + b.heave[i] + rough * b.hop[0][i] + b.engine[i])) +
              body * (on_roof + Vector3d(0, 0.5 * b.engine[i], 0));
       q[i] = body * mounted;

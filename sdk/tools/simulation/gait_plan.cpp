@@ -29,9 +29,9 @@ uint32_t carry_mode(const std::string& carry) {
 /// Generates step after step.
 class Feet {
  public:
-  Feet(const Scenario& c, const Route& route, const Individual& who, uint64_t seed)
-      : route_(route), who_(who), random_(seed, 12), speed_(c.walker.speed_mps), carry_(c.walker.carry) {
-    plan.carries.push_back({0.0, carry_});
+  Feet(const Scenario& c, const Route& route, const Individual& walker, uint64_t seed)
+      : route_(route), walker_(walker), random_(seed, 12), speed_(c.walker.speed_mps), carry_(c.walker.carry) {
+    plan.carry_changes.push_back({0.0, carry_});
     stand(c.walker.stand_s, "stand");
   }
 
@@ -41,7 +41,7 @@ class Feet {
     plan.stands.push_back({t_, t_ + duration, what});
     t_ += duration;
   }
-  void carry(const std::string& how) { plan.carries.push_back({t_, carry_ = how}); }
+  void carry(const std::string& how) { plan.carry_changes.push_back({t_, carry_ = how}); }
   void mark(double ago) { plan.marks.push_back({t_ - ago, s_}); }
   void evade(double duration) { plan.evasions.push_back({t_ + 0.5 * duration, duration}); }
   void darken(double duration) { plan.darknesses.push_back({t_, t_ + duration}); }
@@ -62,22 +62,22 @@ class Feet {
     int since_start = rests_ ? 0 : 2;
     while (s_ < s_end - 1e-6) {
       const bool shuffles = t_ < shuffle_until_;
-      wander_ += -0.05 * wander_ + who_.speed_kick * random_.normal();
-      double speed = speed_ * (1 + wander_);
+      speed_variation_ += -0.05 * speed_variation_ + walker_.speed_kick * random_.normal();
+      double speed = speed_ * (1 + speed_variation_);
       if (since_start == 0) speed *= 0.6;
       if (since_start == 1) speed *= 0.85;
       const double slope = route_.at(s_).slope;
       const bool stairs = std::abs(slope) > 0.2;
       const bool back = t_ < backwards_until_, aside = t_ < side_until_;
       if (back) speed *= 0.6;
-      double nominal = (back ? 0.8 : 1.0) * who_.step_length(speed);
+      double nominal = (back ? 0.8 : 1.0) * walker_.step_length(speed);
       if (stairs) nominal = 0.29, speed = std::min(speed, 0.5);  // one step per tread
       if (shuffles) nominal = random_.uniform(0.12, 0.28), speed = nominal * random_.uniform(1.1, 1.8);
       if (aside) nominal = random_.uniform(0.18, 0.32), speed = nominal * random_.uniform(1.0, 1.5);
-      const double period = nominal / speed * (1 + limited(random_, who_.step_time_sigma, 3 * who_.step_time_sigma));
-      double length = nominal * (1 + limited(random_, who_.step_length_sigma, 3 * who_.step_length_sigma)) *
-                      (left_ ? 1 + who_.asymmetry : 1 - who_.asymmetry);
-      if (!stairs) length *= who_.length_factor * (1 - who_.fatigue_per_km * s_ * 1e-3);
+      const double period = nominal / speed * (1 + limited(random_, walker_.step_time_sigma, 3 * walker_.step_time_sigma));
+      double length = nominal * (1 + limited(random_, walker_.step_length_sigma, 3 * walker_.step_length_sigma)) *
+                      (left_ ? 1 + walker_.asymmetry : 1 - walker_.asymmetry);
+      if (!stairs) length *= walker_.length_factor * (1 - walker_.fatigue_per_km * s_ * 1e-3);
       const double left = s_end - s_;
       double time = period;
       if (stops && left < 2.6 * length) {  // the last steps fit the remaining distance
@@ -86,7 +86,7 @@ class Feet {
         length = left / n;
       }
       const uint32_t mode = stairs ? ODO_MODE_STAIRS : speed > kRunning_mps ? ODO_MODE_RUNNING : carry_mode(carry_);
-      const double rise = who_.rise_sigma > 0 ? 1 + limited(random_, who_.rise_sigma, 3 * who_.rise_sigma) : 1.0;
+      const double rise = walker_.rise_sigma > 0 ? 1 + limited(random_, walker_.rise_sigma, 3 * walker_.rise_sigma) : 1.0;
       plan.steps.push_back({t_, t_ + time, s_, s_ + length, length, mode, rise});
       t_ += time;
       s_ += length;
@@ -104,9 +104,9 @@ class Feet {
 
  private:
   const Route& route_;
-  const Individual& who_;
+  const Individual& walker_;
   Random random_;
-  double speed_, wander_ = 0, t_ = 0, s_ = 0, shuffle_until_ = -1, side_until_ = -1, backwards_until_ = -1;
+  double speed_, speed_variation_ = 0, t_ = 0, s_ = 0, shuffle_until_ = -1, side_until_ = -1, backwards_until_ = -1;
   std::string carry_;
   bool left_ = true, rests_ = true;
 };
@@ -154,8 +154,8 @@ double Individual::step_length(double speed_mps) const {
   return 0.75 * (height_m / 1.75) * std::pow(speed_mps / 1.4, 0.42);
 }
 
-GaitPlan plan_gait(const Scenario& c, const Route& route, const Individual& who, uint64_t seed) {
-  Feet feet(c, route, who, seed);
+GaitPlan plan_gait(const Scenario& c, const Route& route, const Individual& walker, uint64_t seed) {
+  Feet feet(c, route, walker, seed);
   auto events = c.events;
   std::stable_sort(events.begin(), events.end(), [](const auto& a, const auto& b) { return a.at_m < b.at_m; });
   const double finish = std::min(route.length(), c.walk_m);

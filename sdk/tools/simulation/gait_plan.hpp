@@ -53,7 +53,7 @@ struct GaitPlan {
   };
   std::vector<Step> steps;
   std::vector<Stand> stands;
-  std::vector<std::pair<double, std::string>> carries;  ///< valid from this time on
+  std::vector<std::pair<double, std::string>> carry_changes;  ///< valid from this time on
   std::vector<std::pair<double, double>> roads;         ///< crossed from kerb to kerb: from, to
   std::vector<std::pair<double, double>> darknesses;    ///< from, to
   std::vector<std::pair<double, double>> evasions;      ///< middle, duration
@@ -65,6 +65,6 @@ struct GaitPlan {
   double duration_s = 0;
 };
 
-GaitPlan plan_gait(const Scenario& scenario, const Route& route, const Individual& who, uint64_t seed);
+GaitPlan plan_gait(const Scenario& scenario, const Route& route, const Individual& walker, uint64_t seed);
 
 }  // namespace odograph

@@ -88,9 +88,9 @@ Viewpoint viewpoint(Random& random, double distance_m, double oblique_rad, bool 
   return v;
 }
 
-std::vector<Hung> disguise(size_t kind, const Target& target, const cv::Mat& original, uint64_t seed, Random& random,
+std::vector<WallPicture> make_look_alike(size_t kind, const Target& target, const cv::Mat& original, uint64_t seed, Random& random,
                            Viewpoint& v, uint64_t scene) {
-  const auto as_target = [&](cv::Mat grey) { return Hung{std::move(grey), target.width_m, target.height_m, kMiddle}; };
+  const auto as_target = [&](cv::Mat grey) { return WallPicture{std::move(grey), target.width_m, target.height_m, kMiddle}; };
   switch (kind) {
     case 0: {  // another board of the same layout, or another tag
       Target other = target;
@@ -98,7 +98,7 @@ std::vector<Hung> disguise(size_t kind, const Target& target, const cv::Mat& ori
       return {as_target(picture_of(other, seed, 1000 + random.next() % 1000000))};
     }
     case 1: {  // a part of it replaced
-      Hung h = as_target(original.clone());
+      WallPicture h = as_target(original.clone());
       const cv::Mat other = poster_picture(seed, 1000 + random.next() % 1000000, original.size());
       const int cut = static_cast<int>(original.rows * random.uniform(0.4, 0.6));
       const cv::Range rows = random.uniform() < 0.5 ? cv::Range(0, cut) : cv::Range(original.rows - cut, original.rows);
@@ -106,7 +106,7 @@ std::vector<Hung> disguise(size_t kind, const Target& target, const cv::Mat& ori
       return {h};
     }
     case 2: {  // mirrored or upside down
-      Hung h = as_target(cv::Mat());
+      WallPicture h = as_target(cv::Mat());
       cv::flip(original, h.grey, random.uniform() < 0.5 ? 1 : -1);
       return {h};
     }
@@ -114,23 +114,23 @@ std::vector<Hung> disguise(size_t kind, const Target& target, const cv::Mat& ori
       const double direction = random.uniform(0, 2 * kPi), far_m = random.uniform(12, 150);
       const Vector3d away = far_m * Vector3d(std::cos(direction), std::sin(direction), 0);
       v.p_n += away;
-      Hung h = as_target(original);
+      WallPicture h = as_target(original);
       h.at_n += away;
       return {h};
     }
     case 4: {  // a smaller print of it beside its true position
       const double part = random.uniform(0.3, 0.6), aside = (random.uniform() < 0.5 ? -1 : 1) * random.uniform(7, 12);
       v.p_n += Vector3d(0, aside, 0);
-      Hung h{original, part * target.width_m, part * target.height_m, kMiddle + Vector3d(0, aside, 0)};
+      WallPicture h{original, part * target.width_m, part * target.height_m, kMiddle + Vector3d(0, aside, 0)};
       return {h};
     }
     case 5: {  // two copies side by side, one of them in the true position
-      Hung h = as_target(original), second = h;
+      WallPicture h = as_target(original), second = h;
       second.at_n.y() += (random.uniform() < 0.5 ? -1 : 1) * 1.15 * target.width_m;
       return {h, second};
     }
     case kRightOneOutOfView: {  // two copies: the camera sees the displaced one, past the true one
-      Hung h = as_target(original), second = h;
+      WallPicture h = as_target(original), second = h;
       const double side = random.uniform() < 0.5 ? -1 : 1;
       const Vector3d aside = side * random.uniform(1.05, 1.25) * target.width_m * Vector3d::UnitY();
       second.at_n += aside;

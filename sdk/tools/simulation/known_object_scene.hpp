@@ -65,7 +65,7 @@ struct Viewpoint {
 Viewpoint viewpoint(Random& random, double distance_m, double oblique_rad, bool walking);
 
 /// A picture in a scene, in n, facing south.
-struct Hung {
+struct WallPicture {
   cv::Mat grey;
   double width_m, height_m;
   Vector3d at_n;
@@ -83,7 +83,7 @@ constexpr const char* kLookAlikes[] = {"the same layout, another content",
 constexpr size_t kOtherBoards = 6, kRightOneOutOfView = 7;
 
 /// The pictures shown instead of a target; may move the viewpoint.
-std::vector<Hung> disguise(size_t kind, const Target& target, const cv::Mat& original, uint64_t seed, Random& random,
+std::vector<WallPicture> make_look_alike(size_t kind, const Target& target, const cv::Mat& original, uint64_t seed, Random& random,
                            Viewpoint& v, uint64_t scene);
 
 }  // namespace odograph::known_object_scene

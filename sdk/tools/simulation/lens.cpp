@@ -33,7 +33,7 @@ void SimLens::stabilise(const Scenario::Camera& c, const Eigen::Quaterniond& in_
   const auto n = static_cast<size_t>(std::ceil(phone.duration_s() * kRate_hz)) + 1;
   Signal residual[2] = {Signal(n), Signal(n)};
   for (size_t axis = 0; axis < 2; ++axis) {
-    add_wander(residual[axis], Random(seed, 95 + axis), 0.02, 1, kRate_hz);
+    add_gauss_markov(residual[axis], Random(seed, 95 + axis), 0.02, 1, kRate_hz);
     smooth(residual[axis], 0.004, kRate_hz);
     double power = 0;
     for (const double x : residual[axis]) power += x * x;

@@ -96,7 +96,7 @@ cv::Mat poster_picture(uint64_t layout, uint64_t content, cv::Size size_px) {
   return out;
 }
 
-cv::Mat hung_poster(uint64_t number, double aspect) {
+cv::Mat poster_on_wall(uint64_t number, double aspect) {
   constexpr int kLonger = 1024;
   const cv::Size size =
       aspect > 1 ? cv::Size(kLonger, whole(kLonger / aspect)) : cv::Size(whole(kLonger * aspect), kLonger);

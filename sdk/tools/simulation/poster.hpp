@@ -16,7 +16,7 @@ namespace odograph {
 cv::Mat poster_picture(uint64_t layout, uint64_t content, cv::Size size_px);
 
 /// The poster beside a simulated walk; its longer side has 1024 pixels.
-cv::Mat hung_poster(uint64_t number, double aspect);
+cv::Mat poster_on_wall(uint64_t number, double aspect);
 
 /// The tag on a board of the size of its black border (8-bit grey).
 cv::Mat tag_board_picture(uint32_t tag, int side_px);

@@ -75,7 +75,7 @@ Scenario::Imu take_imu(const Value& v, const std::string& profile) {
   set(v["gyro_step"], i.gyro_step), set(v["accel_step"], i.accel_step), set(v["drop"], i.drop);
   set(v["gyro_warming"], i.gyro_warming), set(v["gyro_by_g"], i.gyro_by_g);
   set(v["jitter"], i.jitter_s), set(v["gap"], i.gap_s), set(v["gap_interval"], i.gap_interval_s);
-  set(v["wild_interval"], i.wild_interval_s);
+  set(v["wild_interval"], i.outlier_interval_s);
   i.accelerometer = v["accelerometer"].boolean;
   return i;
 }

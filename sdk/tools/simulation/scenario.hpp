@@ -95,7 +95,7 @@ struct Scenario {
     double accel_scale_error = -1;  // negative: scale_error
     double gyro_warming = 0, gyro_by_g = 0;
     double jitter_s = 0, gap_s = 0, gap_interval_s = 5;
-    double wild_interval_s = 0;  // 0: never
+    double outlier_interval_s = 0;  // 0: never
     bool accelerometer = true;
   } imu;
   struct Magnetometer {

@@ -23,7 +23,7 @@ Eigen::Matrix3d normal33(Random& random, double sigma) {
 }
 
 /// One step of a first-order Gauss-Markov process of unit variance.
-double wander(double value, double dt_s, double constant_s, Random& random) {
+double gauss_markov(double value, double dt_s, double constant_s, Random& random) {
   const double keep = std::exp(-dt_s / constant_s);
   return keep * value + std::sqrt(1 - keep * keep) * random.normal();
 }
@@ -78,15 +78,15 @@ double SimStamps::of(double t) {
   return last_s_ = std::max(stamp, last_s_ + kBurst_s);
 }
 
-SimWildSamples::SimWildSamples(const Scenario::Imu& c, uint64_t seed) : c_(c), random_(seed, 86) {
-  if (c_.wild_interval_s > 0) draw_next(0);
+SimOutliers::SimOutliers(const Scenario::Imu& c, uint64_t seed) : c_(c), random_(seed, 86) {
+  if (c_.outlier_interval_s > 0) draw_next(0);
 }
 
-void SimWildSamples::draw_next(double after_s) {
-  next_s_ = after_s - c_.wild_interval_s * std::log(1 - random_.uniform());
+void SimOutliers::draw_next(double after_s) {
+  next_s_ = after_s - c_.outlier_interval_s * std::log(1 - random_.uniform());
 }
 
-void SimWildSamples::spoil(double t, Vector3d& gyro, Vector3d& accel) {
+void SimOutliers::apply(double t, Vector3d& gyro, Vector3d& accel) {
   if (t < next_s_) return;
   const bool outside = count_++ % 2 == 0;  // far outside the range
   const double part = outside ? 1e3 : 0.9;
@@ -123,7 +123,7 @@ SimBarometer::SimBarometer(const Scenario::Barometer& b, uint64_t seed) : c_(b),
 
 double SimBarometer::measure(double up) {
   drift_ += c_.drift_pa / 60 * random_.normal();  // a random walk reaches its sigma after 3600 steps
-  wind_ = wander(wind_, 1, 4, random_);
+  wind_ = gauss_markov(wind_, 1, 4, random_);
   return pressure_at_pa(up) + drift_ + c_.wind_pa * wind_ + c_.noise_pa * random_.normal();
 }
 
@@ -135,8 +135,8 @@ SimGnss::SimGnss(const Scenario& scenario, uint64_t seed)
       narrow_(random_.normal()) {}
 
 SimGnss::Fix SimGnss::measure(const Vector3d& p) {
-  for (double& e : error_) e = wander(e, 1, c_.correlation_s, random_);
-  narrow_ = wander(narrow_, 1, 40, random_);
+  for (double& e : error_) e = gauss_markov(e, 1, c_.correlation_s, random_);
+  narrow_ = gauss_markov(narrow_, 1, 40, random_);
   const double hidden = 0.5 + 0.5 * std::erf(narrow_ / std::sqrt(2.0));  // uniform between 0 and 1
   const double sigma = c_.sigma_m * std::pow(c_.canyon_sigma_m / c_.sigma_m, hidden);
   // Outages last 12 s on average; their rate follows from the availability.

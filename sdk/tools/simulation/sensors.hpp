@@ -57,11 +57,11 @@ class SimStamps {
 };
 
 /// Outliers: occasional samples far outside the sensor's range, or spikes within it, alternately.
-class SimWildSamples {
+class SimOutliers {
  public:
-  SimWildSamples(const Scenario::Imu& imu, uint64_t seed);
+  SimOutliers(const Scenario::Imu& imu, uint64_t seed);
   /// Replaces the measurements when an outlier is due.
-  void spoil(double t_s, Eigen::Vector3d& gyro_b, Eigen::Vector3d& accel_b);
+  void apply(double t_s, Eigen::Vector3d& gyro_b, Eigen::Vector3d& accel_b);
 
  private:
   void draw_next(double after_s);

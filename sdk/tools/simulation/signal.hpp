@@ -31,7 +31,7 @@ inline void smooth(Signal& signal, double sigma_s, double rate_hz) {
 }
 
 /// Adds a first-order Gauss-Markov process with that time constant and standard deviation.
-inline void add_wander(Signal& signal, Random random, double constant_s, double sigma, double rate_hz) {
+inline void add_gauss_markov(Signal& signal, Random random, double constant_s, double sigma, double rate_hz) {
   const double keep = std::exp(-1 / (constant_s * rate_hz)), kick = sigma * std::sqrt(1 - keep * keep);
   double value = sigma * random.normal();
   for (double& s : signal) {
@@ -42,7 +42,7 @@ inline void add_wander(Signal& signal, Random random, double constant_s, double 
 
 /// Adds narrow-band noise: a damped oscillator of that frequency and damping, driven by white noise, scaled to the
 /// standard deviation.
-inline void add_ring(Signal& signal, Random random, double frequency_hz, double damping, double sigma, double rate_hz) {
+inline void add_narrow_band(Signal& signal, Random random, double frequency_hz, double damping, double sigma, double rate_hz) {
   const double w = 2 * 3.14159265358979323846 * frequency_hz, dt = 1 / rate_hz;
   const double drive = sigma * std::sqrt(4 * damping * w * w * w / dt);  // variance of x is q / (4 zeta w^3)
   double x = 0, v = 0;

@@ -10,7 +10,7 @@
 #include "sdk/math/time.hpp"
 #include "sdk/tools/recording/odo_file.hpp"
 #include "sdk/tools/simulation/drive.hpp"
-#include "sdk/tools/simulation/retrace.hpp"
+#include "sdk/tools/simulation/reconstruct_walk.hpp"
 #include "sdk/tools/simulation/sensors.hpp"
 #include "sdk/tools/simulation/walker.hpp"
 
@@ -73,14 +73,14 @@ Journey travel(const Scenario& c, const Route& route, uint64_t seed) {
 
 class Simulation {
  public:
-  /// `city` and `retraced` may be null.
-  Simulation(const Scenario& c, uint64_t seed, OdoWriter& writer, const CityModel* city, const Retraced* retraced,
+  /// `city` and `reconstructed` may be null.
+  Simulation(const Scenario& c, uint64_t seed, OdoWriter& writer, const CityModel* city, const ReconstructedWalk* reconstructed,
              unsigned threads, bool frames)
       : c_(c),
         writer_(writer),
-        start_ns_(retraced ? retraced->start_ns : kStart_ns),
+        start_ns_(reconstructed ? reconstructed->start_ns : kStart_ns),
         world_(c, seed, city),
-        walk_(retraced ? retraced->journey : travel(c, world_.route(), seed)),
+        walk_(reconstructed ? reconstructed->journey : travel(c, world_.route(), seed)),
         camera_(c.camera, c.world.light, seed, &walk_.phone),
         frames_(frames ? expose(c, walk_.phone.duration_s(), seed) : std::vector<ExposedFrame>()),
         drops_(seed, 91),
@@ -96,7 +96,7 @@ class Simulation {
                c.imu.rate_hz),
         gyro_errors_(c.imu, seed),
         stamps_(c.imu, seed),
-        wild_(c.imu, seed),
+        outliers_(c.imu, seed),
         magnetometer_(c.magnetometer, seed),
         barometer_(c.barometer, seed),
         gnss_(c, seed),
@@ -225,7 +225,7 @@ class Simulation {
     imu.header.flags = ODO_IMU_GYRO | (c_.imu.accelerometer ? ODO_IMU_ACCEL : 0);
     const Vector3d force = state.specific_force_b(), drift = gyro_errors_.at(t, force);
     Vector3d gyro = gyro_.measure(state.angular_velocity_b + drift), accel = accel_.measure(force);
-    wild_.spoil(t, gyro, accel);
+    outliers_.apply(t, gyro, accel);
     Vector3d::Map(imu.gyro_b) = gyro;
     if (c_.imu.accelerometer) Vector3d::Map(imu.accel_b) = accel;
     if (drops_.uniform() >= c_.imu.drop) check(writer_.write(imu.header));
@@ -326,7 +326,7 @@ class Simulation {
   SimTriad gyro_, accel_;
   const SimGyroErrors gyro_errors_;
   SimStamps stamps_;
-  SimWildSamples wild_;
+  SimOutliers outliers_;
   SimMagnetometer magnetometer_;
   SimBarometer barometer_;
   SimGnss gnss_;
@@ -348,18 +348,18 @@ Result<SimulationReport> simulate(const Scenario& scenario, uint64_t seed, const
     city = std::move(*model);
   }
   Scenario c = scenario;
-  std::optional<Retraced> retraced;
+  std::optional<ReconstructedWalk> reconstructed;
   if (options.walk) {
-    auto walk = retrace(*options.walk);
+    auto walk = reconstruct_walk(*options.walk);
     if (!walk) return walk.failure();
-    retraced = std::move(*walk);
-    c.route = retraced->route;
+    reconstructed = std::move(*walk);
+    c.route = reconstructed->route;
     c.events.clear(), c.objects.clear();
     c.record_from_s = 0;
   }
   auto writer = OdoWriter::create(output, c.camera.jpeg_quality);
   if (!writer) return writer.failure();
-  Simulation simulation(c, seed, **writer, city ? &*city : nullptr, retraced ? &*retraced : nullptr, options.threads,
+  Simulation simulation(c, seed, **writer, city ? &*city : nullptr, reconstructed ? &*reconstructed : nullptr, options.threads,
                         options.frames);
   if (const auto blocked = simulation.world().route_blocked_at_m())
     return Failure{ODO_E_CONFIG, scenario.world.model + ": the route leads into a building after " +

@@ -41,7 +41,7 @@ Result<bool> write_known_objects(const Scenario& scenario, uint64_t seed, const 
 /// number of threads.
 ///
 /// With a real walk, the recording contains that walk's sensor samples and waypoints (rotated to its phone's north) and
-/// pictures rendered along it; see retrace().
+/// pictures rendered along it; see reconstruct_walk().
 Result<SimulationReport> simulate(const Scenario& scenario, uint64_t seed, const std::filesystem::path& output,
                                   const SimulationOptions& options = {});
 

@@ -119,10 +119,10 @@ void View::look_along_row() {
   rtcInitIntersectContext(&context);
   context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
   rtcIntersect1M(scene_, &context, hits_.data(), static_cast<unsigned>((width + 1) / 2), 2 * sizeof(RTCRayHit));
-  doubtful_.clear();
+  undecided_.clear();
   for (size_t x = 1; x < width; x += 2) {
     if (x + 1 == width || !same_face(x - 1, x + 1)) {
-      doubtful_.push_back(&hits_[x]);
+      undecided_.push_back(&hits_[x]);
       continue;
     }
     RTCRayHit& hit = hits_[x];
@@ -131,7 +131,7 @@ void View::look_along_row() {
     const Vector3f origin(hit.ray.org_x, hit.ray.org_y, hit.ray.org_z);
     hit.ray.tfar = face.normal.dot(face.origin - origin) / face.normal.dot(direction(hit.ray));
   }
-  if (!doubtful_.empty()) rtcIntersect1Mp(scene_, &context, doubtful_.data(), static_cast<unsigned>(doubtful_.size()));
+  if (!undecided_.empty()) rtcIntersect1Mp(scene_, &context, undecided_.data(), static_cast<unsigned>(undecided_.size()));
 }
 
 /// Removes sunlight from shaded pixels; every second ray first, as above.

@@ -21,7 +21,7 @@ double squared(double x) { return x * x; }
 
 /// One filter step, stored for the backward pass.
 struct Step {
-  Matrix15 transition, covariance, predicted_covariance;  // to the next sample; here; there before its hints
+  Matrix15 transition, covariance, predicted_covariance;  // to the next sample; here; there before its pseudo-measurements
   Vector15 error, predicted_error;
 };
 
@@ -69,7 +69,7 @@ Vector15 noise(const SmootherParameters& p, double dt) {
 }
 
 /// Updates with a measurement `hint` of three components of the state, `nominal`.
-void see(Vector15& error, Matrix15& P, Column column, const Vector3d& nominal, const WalkHint::Vector& hint) {
+void see(Vector15& error, Matrix15& P, Column column, const Vector3d& nominal, const PseudoMeasurement::Vector& hint) {
   const Matrix3d S = P.block<3, 3>(column, column) + Matrix3d(hint.sigma.cwiseAbs2().asDiagonal());
   const Eigen::Matrix<double, 15, 3> PH = P.middleCols<3>(column);
   const Eigen::Matrix<double, 15, 3> K = S.llt().solve(PH.transpose()).transpose();
@@ -80,7 +80,7 @@ void see(Vector15& error, Matrix15& P, Column column, const Vector3d& nominal, c
 
 }  // namespace
 
-std::vector<WalkState> smooth_walk(const std::vector<InertialSample>& samples, const std::vector<WalkHint>& hints,
+std::vector<WalkState> smooth_walk(const std::vector<InertialSample>& samples, const std::vector<PseudoMeasurement>& measurements,
                                    std::vector<WalkState> walk, const SmootherParameters& p) {
   if (samples.empty()) return walk;
   const WalkState first = walk.front();
@@ -93,8 +93,8 @@ std::vector<WalkState> smooth_walk(const std::vector<InertialSample>& samples, c
     Matrix15 P = sigma.cwiseAbs2().asDiagonal();
     size_t next_hint = 0;
     for (size_t i = 0; i < samples.size(); ++i) {
-      for (; next_hint < hints.size() && hints[next_hint].sample <= i; ++next_hint) {
-        const WalkHint& hint = hints[next_hint];
+      for (; next_hint < measurements.size() && measurements[next_hint].sample <= i; ++next_hint) {
+        const PseudoMeasurement& hint = measurements[next_hint];
         if (hint.position) see(error, P, kPosition, walk[i].p_n, *hint.position);
         if (hint.velocity) see(error, P, kVelocity, walk[i].v_n, *hint.velocity);
       }

@@ -17,7 +17,7 @@ struct InertialSample {
 };
 
 /// Pseudo-measurement at the sample of that index: position, velocity, or both.
-struct WalkHint {
+struct PseudoMeasurement {
   struct Vector {
     Eigen::Vector3d value_n, sigma;
   };
@@ -48,10 +48,10 @@ struct SmootherParameters {
   int iterations = 6;         ///< Gauss-Newton; four suffice on the 80 walks
 };
 
-/// Maximum a posteriori motion given the inertial samples and the hints: an iterated extended Rauch-Tung-Striebel
+/// Maximum a posteriori motion given the inertial samples and the pseudo-measurements: an iterated extended Rauch-Tung-Striebel
 /// smoother over orientation (left error), position, velocity and both biases (Bell 1994: equivalent to Gauss-Newton on
 /// the whole walk). `start` is the initial guess, one state per sample. Returns the improved states.
-std::vector<WalkState> smooth_walk(const std::vector<InertialSample>& samples, const std::vector<WalkHint>& hints,
+std::vector<WalkState> smooth_walk(const std::vector<InertialSample>& samples, const std::vector<PseudoMeasurement>& measurements,
                                    std::vector<WalkState> start, const SmootherParameters& parameters = {});
 
 }  // namespace odograph

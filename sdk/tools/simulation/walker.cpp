@@ -21,10 +21,10 @@ constexpr double kPi = 3.14159265358979323846, kKerb_m = 0.12;
 /// Motion components of body and hand, sampled at kRate_hz.
 class Body {
  public:
-  Body(const Scenario& c, const Route& route, const Individual& who, const GaitPlan& plan, uint64_t seed)
+  Body(const Scenario& c, const Route& route, const Individual& walker, const GaitPlan& plan, uint64_t seed)
       : c_(c),
         route_(route),
-        who_(who),
+        walker_(walker),
         plan_(plan),
         seed_(seed),
         n_(static_cast<size_t>(std::ceil(plan.duration_s * kRate_hz)) + 1) {}
@@ -37,10 +37,10 @@ class Body {
     walk.phone = Motion(kRate_hz, std::move(p_), std::move(q_));
     for (const auto& s : plan_.steps) walk.steps.push_back({s.t0, s.t1, s.length_m, s.mode});
     walk.modes = modes();
-    for (size_t k = 0; k < plan_.carries.size(); ++k)
-      if (is_covered(plan_.carries[k].second))
+    for (size_t k = 0; k < plan_.carry_changes.size(); ++k)
+      if (is_covered(plan_.carry_changes[k].second))
         walk.covers.push_back(
-            {plan_.carries[k].first, k + 1 < plan_.carries.size() ? plan_.carries[k + 1].first : plan_.duration_s + 1});
+            {plan_.carry_changes[k].first, k + 1 < plan_.carry_changes.size() ? plan_.carry_changes[k + 1].first : plan_.duration_s + 1});
     for (const auto& [from, to] : plan_.darknesses) walk.covers.push_back({from, to});
     for (const auto& [t, s] : plan_.marks) {
       const auto place = route_.at(s);
@@ -60,7 +60,7 @@ class Body {
     distance_ = Signal(n_), phase_ = Signal(n_), bounce_ = Signal(n_), vigour_ = Signal(n_);
     double s = 0, phase = 0;
     size_t done = 0;
-    double limp = who_.limp;
+    double limp = walker_.limp;
     const auto fill = [&](double to) {
       for (; done < n_ && time(done) < to; ++done) distance_[done] = s, phase_[done] = phase;
     };
@@ -70,10 +70,10 @@ class Body {
         const double x = (time(done) - step.t0) / (step.t1 - step.t0);
         distance_[done] = step.s0 + x * (step.s1 - step.s0);
         phase_[done] = phase + x;
-        const double leg = 0.53 * who_.height_m, half = std::min(0.5 * step.length_m, 0.6 * leg);
-        const double pendulum = who_.bounce * (leg - std::sqrt(leg * leg - half * half));
+        const double leg = 0.53 * walker_.height_m, half = std::min(0.5 * step.length_m, 0.6 * leg);
+        const double pendulum = walker_.bounce * (leg - std::sqrt(leg * leg - half * half));
         bounce_[done] =
-            (1 + limp) * step.rise * (step.mode == ODO_MODE_RUNNING ? 0.05 : std::max(who_.min_rise_m, pendulum));
+            (1 + limp) * step.rise * (step.mode == ODO_MODE_RUNNING ? 0.05 : std::max(walker_.min_rise_m, pendulum));
         vigour_[done] = step.length_m / 0.7;
       }
       s = step.s1;
@@ -99,7 +99,7 @@ class Body {
     ride(up);
     smooth(north, 0.25, kRate_hz), smooth(east, 0.25, kRate_hz), smooth(up, 0.12, kRate_hz);
     smooth(heading_, 0.30, kRate_hz);
-    add_wander(lateral_, Random(seed_, 21), 8.0, 0.18, kRate_hz);
+    add_gauss_markov(lateral_, Random(seed_, 21), 8.0, 0.18, kRate_hz);
     for (size_t i = 0; i < n_; ++i) lateral_[i] *= c_.walker.weave * std::min(1.0, distance_[i] / 4.0);
     Random side(seed_, 22);
     for (const auto& [middle, duration] : plan_.evasions) {
@@ -110,17 +110,17 @@ class Body {
     smooth(lateral_, 0.4, kRate_hz);
     looks();
     Signal aside(n_), sway_noise(n_), nod(n_);
-    add_wander(sway_noise, Random(seed_, 23), 1.2, 0.004, kRate_hz);
-    add_wander(nod, Random(seed_, 24), 1.2, 0.004, kRate_hz);
+    add_gauss_markov(sway_noise, Random(seed_, 23), 1.2, 0.004, kRate_hz);
+    add_gauss_markov(nod, Random(seed_, 24), 1.2, 0.004, kRate_hz);
     smooth(sway_noise, 0.12, kRate_hz),
         smooth(nod, 0.12, kRate_hz);  // a Gauss-Markov process alone has no finite acceleration
     base_.resize(n_);
     for (size_t i = 0; i < n_; ++i) {
       const double h = heading_[i], ph = phase_[i], sway = c_.walker.sway;
-      const double forward = sway * who_.surge_m * vigour_[i] * std::sin(2 * kPi * ph + 0.8) + nod[i];
+      const double forward = sway * walker_.surge_m * vigour_[i] * std::sin(2 * kPi * ph + 0.8) + nod[i];
       const double right =
-          lateral_[i] + sway_noise[i] + sway * who_.sway_m * std::min(vigour_[i], 1.2) * std::sin(kPi * ph);
-      const double rise = -0.5 * bounce_[i] * (std::cos(2 * kPi * ph) + 0.18 * std::cos(4 * kPi * ph + who_.phases[0]));
+          lateral_[i] + sway_noise[i] + sway * walker_.sway_m * std::min(vigour_[i], 1.2) * std::sin(kPi * ph);
+      const double rise = -0.5 * bounce_[i] * (std::cos(2 * kPi * ph) + 0.18 * std::cos(4 * kPi * ph + walker_.phases[0]));
       base_[i] = {north[i] + forward * std::cos(h) - right * std::sin(h),
                   east[i] + forward * std::sin(h) + right * std::cos(h), -(up[i] + rise)};
     }
@@ -153,7 +153,7 @@ class Body {
     Random random(seed_, 25);
     for (const auto& step : plan_.steps) {
       const double f = random.uniform(14, 22), w = 2 * kPi * f, decay = 0.035;
-      const double strength = (step.mode == ODO_MODE_RUNNING ? 3.0 : 1.0) * who_.shock * random.uniform(0.7, 1.3) *
+      const double strength = (step.mode == ODO_MODE_RUNNING ? 3.0 : 1.0) * walker_.shock * random.uniform(0.7, 1.3) *
                               step.length_m / std::max(0.2, step.t1 - step.t0) / 1.35;
       const Vector3d direction(-0.35 * std::cos(heading_[sample(step.t0)]), -0.35 * std::sin(heading_[sample(step.t0)]),
                                -1.0);
@@ -188,7 +188,7 @@ class Body {
     }
     for (const auto& f : plan_.facings)
       for (size_t i = sample(f.t0); i < sample(f.t1); ++i) look_yaw_[i] += f.yaw_rad;
-    if (who_.scans) scan();
+    if (walker_.scans) scan();
     smooth(look_yaw_, 0.35, kRate_hz), smooth(look_pitch_, 0.35, kRate_hz), smooth(gesture_, 0.3, kRate_hz);
   }
 
@@ -206,21 +206,21 @@ class Body {
   /// Pose of the phone relative to the trunk, and hand motion.
   void hand() {
     Signal swing(n_), pocket(n_), leg(n_), bag(n_);
-    for (size_t k = 0; k < plan_.carries.size(); ++k) {
-      const size_t to = k + 1 < plan_.carries.size() ? sample(plan_.carries[k + 1].first) : n_;
-      for (size_t i = sample(plan_.carries[k].first); i < to; ++i) {
-        swing[i] = plan_.carries[k].second == "swinging";
-        pocket[i] = plan_.carries[k].second == "pocket";
-        leg[i] = plan_.carries[k].second == "leg", bag[i] = plan_.carries[k].second == "bag";
+    for (size_t k = 0; k < plan_.carry_changes.size(); ++k) {
+      const size_t to = k + 1 < plan_.carry_changes.size() ? sample(plan_.carry_changes[k + 1].first) : n_;
+      for (size_t i = sample(plan_.carry_changes[k].first); i < to; ++i) {
+        swing[i] = plan_.carry_changes[k].second == "swinging";
+        pocket[i] = plan_.carry_changes[k].second == "pocket";
+        leg[i] = plan_.carry_changes[k].second == "leg", bag[i] = plan_.carry_changes[k].second == "bag";
       }
     }
     for (Signal* part : {&swing, &pocket, &leg, &bag}) smooth(*part, 0.4, kRate_hz);
     Signal drift[6], shake[6], wave[6];
     for (size_t k = 0; k < 6; ++k) {
       drift[k] = Signal(n_), shake[k] = Signal(n_), wave[k] = Signal(n_);
-      add_wander(drift[k], Random(seed_, 30 + k), 2.5, k < 3 ? 0.006 : 0.016, kRate_hz);
-      add_ring(shake[k], Random(seed_, 40 + k), 8.5, 0.25, who_.tremor * (k < 3 ? 6e-5 : 9e-4), kRate_hz);
-      add_ring(wave[k], Random(seed_, 50 + k), 1.3, 0.5, k < 3 ? 0.02 : 0.09, kRate_hz);
+      add_gauss_markov(drift[k], Random(seed_, 30 + k), 2.5, k < 3 ? 0.006 : 0.016, kRate_hz);
+      add_narrow_band(shake[k], Random(seed_, 40 + k), 8.5, 0.25, walker_.tremor * (k < 3 ? 6e-5 : 9e-4), kRate_hz);
+      add_narrow_band(wave[k], Random(seed_, 50 + k), 1.3, 0.5, k < 3 ? 0.02 : 0.09, kRate_hz);
       smooth(drift[k], 0.15, kRate_hz), smooth(wave[k], 0.06, kRate_hz), smooth(shake[k], 0.012, kRate_hz);
     }
     hang();
@@ -233,26 +233,26 @@ class Body {
     const Bag swaying(base_, heading_, strap_m, damping, kRate_hz);
     p_.resize(n_), q_.resize(n_);
     for (size_t i = 0; i < n_; ++i) {
-      const double v = std::min(vigour_[i], 1.3), ph = phase_[i], rocking = c_.walker.rocking * who_.rocking * v;
+      const double v = std::min(vigour_[i], 1.3), ph = phase_[i], rocking = c_.walker.rocking * walker_.rocking * v;
       const auto other = [&](size_t k) { return drift[k][i] + shake[k][i] + gesture_[i] * wave[k][i]; };
-      const double arm = 0.38 * who_.height_m, angle = 0.35 * v * std::sin(kPi * ph + 0.3) - 0.05;
-      const Vector3d text(who_.hold_forward_m, 0, -who_.hold_height_m);
-      const Vector3d swung(arm * std::sin(angle), 0.22, -0.80 * who_.height_m + arm * std::cos(angle));
-      const Vector3d pocketed(0.10 + 0.06 * v * std::sin(kPi * ph), 0.18, -0.48 * who_.height_m);
+      const double arm = 0.38 * walker_.height_m, angle = 0.35 * v * std::sin(kPi * ph + 0.3) - 0.05;
+      const Vector3d text(walker_.hold_forward_m, 0, -walker_.hold_height_m);
+      const Vector3d swung(arm * std::sin(angle), 0.22, -0.80 * walker_.height_m + arm * std::cos(angle));
+      const Vector3d pocketed(0.10 + 0.06 * v * std::sin(kPi * ph), 0.18, -0.48 * walker_.height_m);
       const double s = swing[i], k = pocket[i], held = std::max(0.0, 1 - s - k - leg[i] - bag[i]);
-      const Carried thigh = on_leg(ph, v, who_.height_m), bagged = swaying.at(i, who_.height_m);
+      const CarriedPose thigh = on_leg(ph, v, walker_.height_m), bagged = swaying.at(i, walker_.height_m);
       const double facing = heading_[i] + look_yaw_[i];
       Vector3d offset = held * text + s * swung + k * pocketed + leg[i] * thigh.offset + bag[i] * bagged.offset;
       offset += Vector3d(other(0), other(1), other(2));
       p_[i] = base_[i] + Eigen::AngleAxisd(facing, Vector3d::UnitZ()) * offset;
-      const double yaw = facing + who_.yaw_rad * rocking * std::sin(kPi * ph + who_.phases[1]) + other(3);
+      const double yaw = facing + walker_.yaw_rad * rocking * std::sin(kPi * ph + walker_.phases[1]) + other(3);
       const double pitch = held * (c_.camera.pitch_rad + look_pitch_[i]) + s * (-1.1 + angle) +
                            k * (0.1 + 0.35 * v * std::sin(kPi * ph)) +  // the thigh
                            leg[i] * thigh.pitch_rad + bag[i] * bagged.pitch_rad +
-                           who_.pitch_rad * rocking * std::sin(2 * kPi * ph + who_.phases[2]) + other(4);
+                           walker_.pitch_rad * rocking * std::sin(2 * kPi * ph + walker_.phases[2]) + other(4);
       const double roll = s * 0.4 + k * 2.8 +  // top down in the pocket
                           leg[i] * thigh.roll_rad + bag[i] * bagged.roll_rad +
-                          who_.roll_rad * rocking * std::sin(kPi * ph + who_.phases[3]) + other(5);
+                          walker_.roll_rad * rocking * std::sin(kPi * ph + walker_.phases[3]) + other(5);
       q_[i] = Eigen::AngleAxisd(yaw, Vector3d::UnitZ()) * Eigen::AngleAxisd(pitch, Vector3d::UnitY()) *
               Eigen::AngleAxisd(roll, Vector3d::UnitX()) * upright;
       if (i > 0 && q_[i].dot(q_[i - 1]) < 0) q_[i].coeffs() *= -1;
@@ -292,7 +292,7 @@ class Body {
 
   const Scenario& c_;
   const Route& route_;
-  const Individual& who_;
+  const Individual& walker_;
   const GaitPlan& plan_;
   const uint64_t seed_;
   const size_t n_;
@@ -308,9 +308,9 @@ Journey make_walk(const Scenario& scenario, uint64_t seed) {
 }
 
 Journey make_walk(const Scenario& scenario, const Route& route, uint64_t seed) {
-  const Individual who(scenario, seed);
-  const GaitPlan plan = plan_gait(scenario, route, who, seed);
-  return Body(scenario, route, who, plan, seed).walk();
+  const Individual walker(scenario, seed);
+  const GaitPlan plan = plan_gait(scenario, route, walker, seed);
+  return Body(scenario, route, walker, plan, seed).walk();
 }
 
 }  // namespace odograph

@@ -52,7 +52,7 @@ World::World(const Scenario& c, uint64_t seed, const CityModel* city)
   else if (c.world.type == "corridor")
     build_corridor();
   else if (city)
-    lay_route_on(*city), build_city(*city, seed), plant(c.world.planted, seed);
+    project_route_onto(*city), build_city(*city, seed), plant(c.world.planted, seed);
   else
     clear_places(c), build_street(c, seed);
   add_known_objects(c, seed);
@@ -122,7 +122,7 @@ void World::add_known_objects(const Scenario& c, uint64_t seed) {
     const auto number = static_cast<uint32_t>(known_objects_.size());
     if (o.kind == "poster") {
       const double width_m = o.aspect * o.side_m;
-      cv::Mat poster = hung_poster(seed * 1000 + number, o.aspect);
+      cv::Mat poster = poster_on_wall(seed * 1000 + number, o.aspect);
       hang(middle, width_m * right, o.side_m * down,
            poster_texture(poster, static_cast<float>(std::max(width_m, o.side_m))));
       survey(middle, 0.5 * width_m * right, 0.5 * o.side_m * down, std::move(poster));

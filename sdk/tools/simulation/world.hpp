@@ -96,7 +96,7 @@ class World {
   void add_house(const Eigen::Vector3d& corner, const Eigen::Vector3d& front, const Eigen::Vector3d& back,
                  double height_m, uint32_t facade, float tone);
   void build_city(const CityModel& city, uint64_t seed);
-  void lay_route_on(const CityModel& city);
+  void project_route_onto(const CityModel& city);
   void plant(const std::vector<Scenario::World::Planted>& planted, uint64_t seed);
   void build_hall(uint64_t seed);
   void build_corridor();

@@ -27,18 +27,18 @@ void put_at(Json& row, const std::string& key, Json value) {
     put_at(row[key.substr(0, end)], key.substr(end + 1), std::move(value));
 }
 
-Json over(const As& as, const std::vector<double>& values) {
+Json aggregate(const Format& format, const std::vector<double>& values) {
   double sum = 0, whole = 0;
-  for (size_t i = 0; i < values.size(); ++i) (as.over == Over::share && i % 2 == 1 ? whole : sum) += values[i];
-  switch (as.over) {
-    case Over::sum: return sum;
-    case Over::mean: return sum / static_cast<double>(values.size());
-    case Over::first: return values.empty() ? std::nan("") : values.front();
-    case Over::share: return whole > 0 ? 100 * sum / whole : 0.0;
-    case Over::all: return values;
-    case Over::percentile: break;
+  for (size_t i = 0; i < values.size(); ++i) (format.aggregate == Aggregate::share && i % 2 == 1 ? whole : sum) += values[i];
+  switch (format.aggregate) {
+    case Aggregate::sum: return sum;
+    case Aggregate::mean: return sum / static_cast<double>(values.size());
+    case Aggregate::first: return values.empty() ? std::nan("") : values.front();
+    case Aggregate::share: return whole > 0 ? 100 * sum / whole : 0.0;
+    case Aggregate::all: return values;
+    case Aggregate::percentile: break;
   }
-  return part_of(values, as.part);
+  return percentile_or_nan(values, format.part);
 }
 
 /// Suffix of a figure's key and heading for a percentile column.
@@ -57,7 +57,7 @@ std::string cell(const Json& row, const Column& column) {
   if (value && value->is_string()) return value->get<std::string>();
   const double x = number_at(row, column.key);
   if (!std::isfinite(x)) return "-";
-  return text(column.as.sign ? "%+.*f" : "%.*f", column.digits, x);
+  return text(column.format.sign ? "%+.*f" : "%.*f", column.digits, x);
 }
 
 std::string cell(const Json& row, const Label& label) {
@@ -98,13 +98,13 @@ std::vector<double> numbers_at(const Rows& rows, const std::string& key, bool ab
 }
 
 double percentile_at(const Rows& rows, const std::string& key, double part, bool absolute) {
-  return part_of(numbers_at(rows, key, absolute), part);
+  return percentile_or_nan(numbers_at(rows, key, absolute), part);
 }
 
 Json summary_of(Json labels, const Rows& rows, const std::vector<Column>& columns) {
   for (const Column& column : columns)
     put_at(labels, column.key,
-           over(column.as, numbers_at(rows, column.from.empty() ? column.key : column.from, column.as.absolute)));
+           aggregate(column.format, numbers_at(rows, column.from.empty() ? column.key : column.from, column.format.absolute)));
   return labels;
 }
 
@@ -136,15 +136,15 @@ Rows summaries_of(const Rows& rows, const std::string& by, const std::vector<Col
 Json row_of(const std::vector<Figure>& figures, const std::string& table) {
   Json row, columns = Json::array();
   for (const Figure& f : figures) {
-    const std::string from = f.as.parts.empty() ? f.key : '_' + f.key;
+    const std::string from = f.format.parts.empty() ? f.key : '_' + f.key;
     put_at(row, from, f.value);
     const auto add = [&](const std::string& unit, const std::string& key, double part) {
-      columns.push_back({f.head, unit, key, f.digits, f.as.sign, f.as.over, part, f.as.absolute, from});
+      columns.push_back({f.head, unit, key, f.digits, f.format.sign, f.format.aggregate, part, f.format.absolute, from});
     };
-    if (f.as.parts.empty()) add(f.unit, f.key, f.as.part);
-    for (const double part : f.as.parts)
-      add((part == f.as.parts.front() && !f.unit.empty() ? f.unit + ' ' : "") + part_head(part, f.as.sign),
-          f.key + '/' + part_key(part, f.as.sign), part);
+    if (f.format.parts.empty()) add(f.unit, f.key, f.format.part);
+    for (const double part : f.format.parts)
+      add((part == f.format.parts.front() && !f.unit.empty() ? f.unit + ' ' : "") + part_head(part, f.format.sign),
+          f.key + '/' + part_key(part, f.format.sign), part);
   }
   row['_' + table] = columns;
   return row;
@@ -191,11 +191,11 @@ std::string table_text(const Table& given, const Rows& rows) {
   return out;
 }
 
-double part_of(const std::vector<double>& values, double part) {
+double percentile_or_nan(const std::vector<double>& values, double part) {
   return values.empty() ? std::nan("") : percentile(values, part);
 }
 
-Json printed(const Rows& rows) {
+Json visible_rows(const Rows& rows) {
   Json out = Json::array();
   for (Json row : rows) {
     for (auto it = row.begin(); it != row.end();) it = it.key()[0] == '_' ? row.erase(it) : std::next(it);

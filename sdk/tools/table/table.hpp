@@ -14,25 +14,25 @@ using Rows = std::vector<Json>;  ///< keys that begin with '_' are not printed a
 
 /// Aggregation of the rows' values in a summary. Values are numbers or lists of numbers, which are concatenated; for
 /// `share`, pairs of part and whole, whose sums give a percentage (0 for none). `all`: the values themselves.
-enum class Over { percentile, mean, sum, first, share, all };
+enum class Aggregate { percentile, mean, sum, first, share, all };
 
 /// Format of a figure in tables and summaries.
-struct As {
+struct Format {
   bool sign = false;
-  Over over = Over::percentile;
+  Aggregate aggregate = Aggregate::percentile;
   double part = 0.5;            ///< of a percentile: 0.5 the median, 1 the worst
   bool absolute = false;        ///< aggregates absolute values
   std::vector<double> parts{};  ///< a column for each of these percentiles: KEY/median, KEY/p90, KEY/worst
 };
-inline const As kSigned{.sign = true}, kMean{.over = Over::mean}, kSum{.over = Over::sum}, kFirst{.over = Over::first},
-    kShare{.over = Over::share}, kAll{.over = Over::all}, kWorst{.part = 1};
+inline const Format kSigned{.sign = true}, kMean{.aggregate = Aggregate::mean}, kSum{.aggregate = Aggregate::sum}, kFirst{.aggregate = Aggregate::first},
+    kShare{.aggregate = Aggregate::share}, kAll{.aggregate = Aggregate::all}, kWorst{.part = 1};
 
 /// A named figure of a table. `key` and `from` may be nested: "count_percent/median". With negative digits, it appears
 /// only in summaries and JSON.
 struct Column {
   std::string head, unit, key;
   int digits = 2;
-  As as{};
+  Format format{};
   std::string from{};  ///< source in a row, for summaries; empty: `key`
 };
 
@@ -41,7 +41,7 @@ struct Figure {
   std::string head, unit, key;
   int digits;
   Json value;
-  As as{};
+  Format format{};
 };
 /// The figures' values by key, and in `_TABLE` their columns in that table.
 Json row_of(const std::vector<Figure>& figures, const std::string& table = "figures");
@@ -78,9 +78,9 @@ std::vector<std::pair<Json, Rows>> groups_of(const Rows& rows, const std::string
 std::string table_text(const Table& table, const Rows& rows);
 
 /// percentile(), or NaN for no values.
-double part_of(const std::vector<double>& values, double part);
+double percentile_or_nan(const std::vector<double>& values, double part);
 
 /// The rows without keys that begin with '_'.
-Json printed(const Rows& rows);
+Json visible_rows(const Rows& rows);
 
 }  // namespace odograph

@@ -7,20 +7,20 @@
 #include "sdk/host/base/json_text.hpp"
 #include "sdk/host/base/nearest.hpp"
 #include "sdk/host/plugin_host/instance.hpp"
-#include "sdk/tools/validator/bench.hpp"
+#include "sdk/tools/validator/case_fixture.hpp"
 #include "sdk/tools/validator/child.hpp"
 #include "sdk/tools/validator/recording_check.hpp"
 
 namespace odograph {
 
-Bench::Bench(std::filesystem::path library_path, std::vector<std::pair<std::string, std::string>> settings,
+CaseFixture::CaseFixture(std::filesystem::path library_path, std::vector<std::pair<std::string, std::string>> settings,
              double input_s)
     : path(std::move(library_path)),
       host(1, {std::filesystem::current_path()}, [this](const Report& report) { reports.push_back(report.text); }),
       all_input(input_s),
       settings_(std::move(settings)) {}
 
-std::string Bench::load() {
+std::string CaseFixture::load() {
   note_phase("loading");
   const auto loaded = PluginLibrary::load(path, &host);
   if (!loaded) return loaded.failure().text;
@@ -43,22 +43,22 @@ std::string Bench::load() {
   return "";
 }
 
-std::unique_ptr<Subject> Bench::started() const {
-  auto made = subject();
+std::unique_ptr<PluginDriver> CaseFixture::started() const {
+  auto made = driver();
   const int32_t status = made->start(values);
   if (status >= 0) return made;
   throw Verdict("it does not start: status " + std::to_string(status) + (reports.empty() ? "" : ", " + reports.back()));
 }
 
-std::vector<std::vector<unsigned char>> Bench::run(const std::vector<AnyMessage>& messages,
-                                                   const Handling& handling) const {
+std::vector<std::vector<unsigned char>> CaseFixture::run(const std::vector<AnyMessage>& messages,
+                                                   const MessageLayout& layout) const {
   const auto made = started();
-  if (const int32_t status = made->process(messages, handling); status < 0)
+  if (const int32_t status = made->process(messages, layout); status < 0)
     throw Verdict("process failed with status " + std::to_string(status));
   return made->bytes();
 }
 
-const Subject* Bench::walked() {
+const PluginDriver* CaseFixture::walked_instance() {
   if (walked_) return walked_.get();
   walked_ = started();
   if (!recording_) {
@@ -95,9 +95,9 @@ std::vector<Case> all_cases() {
   return all;
 }
 
-Verdict Case::run(Bench& bench) const {
+Verdict Case::run(CaseFixture& fixture) const {
   try {
-    return test(bench);
+    return test(fixture);
   } catch (const Verdict& verdict) {
     return verdict;
   }
@@ -119,11 +119,11 @@ namespace {
 PluginCheck run_case(const Case& one, const std::filesystem::path& library, const CheckOptions& options) {
   const ChildResult result =
       run_in_child(options.limit_s > 0 ? std::min(options.limit_s, one.limit_s) : one.limit_s, [&]() -> std::string {
-        Bench bench(library, options.settings, one.input_s);
-        bench.signer = options.signer;
+        CaseFixture fixture(library, options.settings, one.input_s);
+        fixture.signer = options.signer;
         if (one.loaded)
-          if (const std::string fault = bench.load(); !fault.empty()) return encoded(fault);
-        return encoded(one.run(bench));
+          if (const std::string fault = fixture.load(); !fault.empty()) return encoded(fault);
+        return encoded(one.run(fixture));
       });
   const Verdict verdict = result.finished ? decoded(result.text) : Verdict(PluginCheck::Outcome::failed, result.text);
   return {one.id, one.what, verdict.outcome, verdict.detail, result.seconds};

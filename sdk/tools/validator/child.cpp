@@ -38,7 +38,7 @@ std::string how_it_ended(int status) {
   return "the plugin ended the process with status " + std::to_string(WEXITSTATUS(status));
 }
 
-[[noreturn]] void work_and_leave(int fd, const std::function<std::string()>& work) {
+[[noreturn]] void run_and_exit(int fd, const std::function<std::string()>& work) {
   std::string text;
   try {
     text = work();
@@ -81,7 +81,7 @@ Child begin(size_t number, const std::function<std::string(size_t)>& work) {
   if (child.pid == 0) {
     for (const int fatal : {SIGABRT, SIGBUS, SIGFPE, SIGILL, SIGSEGV, SIGTERM}) signal(fatal, SIG_DFL);
     close(ends[0]);
-    work_and_leave(ends[1], [&] { return work(number); });
+    run_and_exit(ends[1], [&] { return work(number); });
   }
   close(ends[1]);
   child.pipe = ends[0];

@@ -12,7 +12,7 @@
 #include "sdk/host/base/printable.hpp"
 #include "sdk/host/config/signature.hpp"
 #include "sdk/host/plugin_host/instance.hpp"
-#include "sdk/tools/validator/bench.hpp"
+#include "sdk/tools/validator/case_fixture.hpp"
 #include "sdk/tools/validator/child.hpp"
 
 namespace odograph {
@@ -37,9 +37,9 @@ fs::path manifest_of(const fs::path& library) {
 }
 
 /// Throws a Verdict if there is none.
-odo_plugin_entry entry_of(const Bench& bench) {
+odo_plugin_entry entry_of(const CaseFixture& fixture) {
   note_phase("loading");
-  void* handle = dlopen(bench.path.c_str(), RTLD_NOW | RTLD_LOCAL);
+  void* handle = dlopen(fixture.path.c_str(), RTLD_NOW | RTLD_LOCAL);
   if (!handle) throw Verdict(dlerror());
   const auto entry = reinterpret_cast<odo_plugin_entry>(dlsym(handle, ODO_PLUGIN_ENTRY_SYMBOL));
   if (!entry) throw Verdict("symbol missing: " ODO_PLUGIN_ENTRY_SYMBOL);
@@ -56,47 +56,47 @@ struct Answer {
     return std::all_of(storage + size, storage + sizeof storage, [](unsigned char c) { return c == 0x5A; });
   }
 };
-Answer ask(const Bench& bench, const odo_host* host, uint32_t size) {
+Answer ask(const CaseFixture& fixture, const odo_host* host, uint32_t size) {
   Answer answer;
   std::memset(answer.storage, 0x5A, sizeof answer.storage);
   std::memset(answer.storage, 0, std::min<size_t>(size, sizeof answer.storage));
   answer.table().struct_size = size;
-  answer.status = entry_of(bench)(host, &answer.table());
+  answer.status = entry_of(fixture)(host, &answer.table());
   return answer;
 }
 
-Verdict file_is_library(Bench& bench) {
-  const auto file = check_shared_library(bench.path, bench.path);
+Verdict file_is_library(CaseFixture& fixture) {
+  const auto file = check_shared_library(fixture.path, fixture.path);
   return file ? "" : file.failure().text;
 }
 
-Verdict manifest_is_there(Bench& bench) {
-  const auto path = manifest_of(bench.path);
+Verdict manifest_is_there(CaseFixture& fixture) {
+  const auto path = manifest_of(fixture.path);
   std::error_code error;
   if (!fs::exists(path, error)) return path.filename().string() + " is missing: `odograph plugin manifest` writes it";
   const auto manifest = read_manifest(path);
   return manifest ? "" : manifest.failure().text;
 }
 
-Verdict manifest_has_hash(Bench& bench) {
-  const auto manifest = read_manifest(manifest_of(bench.path));
+Verdict manifest_has_hash(CaseFixture& fixture) {
+  const auto manifest = read_manifest(manifest_of(fixture.path));
   if (!manifest) return not_applicable("there is no manifest to compare with");
-  const auto hash = sha256_of(bench.path);
+  const auto hash = sha256_of(fixture.path);
   return hash && *hash == manifest->sha256 ? "" : "the library is not the one of the manifest: write a new manifest";
 }
 
-Verdict is_signed(Bench& bench) {
-  if (bench.signer.empty()) return not_applicable("no --signer is given");
-  const auto manifest = read_manifest(manifest_of(bench.path));
+Verdict is_signed(CaseFixture& fixture) {
+  if (fixture.signer.empty()) return not_applicable("no --signer is given");
+  const auto manifest = read_manifest(manifest_of(fixture.path));
   if (!manifest) return manifest.failure().text;
-  const auto verified = verify_signature(*manifest, {bench.signer});
+  const auto verified = verify_signature(*manifest, {fixture.signer});
   return verified ? "" : verified.failure().text;
 }
 
-Verdict manifest_says_the_same(Bench& bench) {
-  const auto manifest = read_manifest(manifest_of(bench.path));
+Verdict manifest_agrees(CaseFixture& fixture) {
+  const auto manifest = read_manifest(manifest_of(fixture.path));
   if (!manifest) return not_applicable("there is no manifest to compare with");
-  const odo_plugin& t = bench.table();
+  const odo_plugin& t = fixture.table();
   if (manifest->id != text(t.id)) return "id is '" + text(t.id) + "', the manifest says '" + manifest->id + "'";
   if (manifest->version != text(t.version))
     return "version is '" + text(t.version) + "', the manifest says '" + manifest->version + "'";
@@ -105,58 +105,58 @@ Verdict manifest_says_the_same(Bench& bench) {
   if (manifest->parameters.size() != t.parameter_count)
     return "it has another number of parameters than the manifest states";
   for (uint32_t i = 0; i < t.parameter_count; ++i)
-    if (manifest->parameters[i].name != bench.choice.manifest.parameters[i].name)
+    if (manifest->parameters[i].name != fixture.choice.manifest.parameters[i].name)
       return "parameter " + std::to_string(i) + " has another name than in the manifest";
   return "";
 }
 
-Verdict loads(Bench& bench) {
-  entry_of(bench);
+Verdict loads(CaseFixture& fixture) {
+  entry_of(fixture);
   return {};
 }
 
-Verdict fills_table(Bench& bench) { return bench.load(); }
+Verdict fills_table(CaseFixture& fixture) { return fixture.load(); }
 
-Verdict is_quick(Bench& bench) {
+Verdict is_quick(CaseFixture& fixture) {
   const auto before = std::chrono::steady_clock::now();
-  ask(bench, &bench.host, sizeof(odo_plugin));
+  ask(fixture, &fixture.host, sizeof(odo_plugin));
   const double s = std::chrono::duration<double>(std::chrono::steady_clock::now() - before).count();
   return s < 2 ? "" : "loading and the entry took " + std::to_string(s) + " s; expected less than 2 s";
 }
 
-Verdict refuses_other_major(Bench& bench) {
-  odo_host future = bench.host;
+Verdict refuses_other_major(CaseFixture& fixture) {
+  odo_host future = fixture.host;
   future.abi_major_min = future.abi_major_max = ODO_ABI_MAJOR + 7;
-  Answer answer = ask(bench, &future, sizeof(odo_plugin));
+  Answer answer = ask(fixture, &future, sizeof(odo_plugin));
   if (answer.status >= 0) return "it accepted a host of ABI major " + std::to_string(ODO_ABI_MAJOR + 7);
   return answer.table().refusal.size ? "" : "it refused without a reason (odo_plugin.refusal)";
 }
 
-Verdict refuses_other_draft(Bench& bench) {
+Verdict refuses_other_draft(CaseFixture& fixture) {
   if (ODO_ABI_MAJOR != 0) return not_applicable("the ABI is no longer a draft");
-  odo_host other = bench.host;
+  odo_host other = fixture.host;
   other.abi_minor = ODO_ABI_MINOR + 1;
-  const Answer answer = ask(bench, &other, sizeof(odo_plugin));
+  const Answer answer = ask(fixture, &other, sizeof(odo_plugin));
   return answer.status < 0 ? "" : "it accepted a host of another draft of the ABI";
 }
 
-Verdict survives_null(Bench& bench) {
-  const auto entry = entry_of(bench);
+Verdict survives_null(CaseFixture& fixture) {
+  const auto entry = entry_of(fixture);
   odo_plugin table{};
   table.struct_size = sizeof table;
   if (entry(nullptr, &table) >= 0) return "it accepted a null host";
-  return entry(&bench.host, nullptr) < 0 ? "" : "it accepted a null table";
+  return entry(&fixture.host, nullptr) < 0 ? "" : "it accepted a null table";
 }
 
-Verdict refuses_small_table(Bench& bench) {
-  const Answer answer = ask(bench, &bench.host, 32);
+Verdict refuses_small_table(CaseFixture& fixture) {
+  const Answer answer = ask(fixture, &fixture.host, 32);
   if (answer.status >= 0) return "it filled a table of 32 bytes; expected ODO_E_STRUCT_SIZE";
   return answer.untouched_from(32) ? "" : "it wrote beyond a table of 32 bytes";
 }
 
-Verdict keeps_to_table(Bench& bench) {
+Verdict fills_only_its_table(CaseFixture& fixture) {
   for (const uint32_t size : {ODO_PLUGIN_SIZE_MIN, static_cast<uint32_t>(sizeof(odo_plugin)), 1024u}) {
-    Answer answer = ask(bench, &bench.host, size);
+    Answer answer = ask(fixture, &fixture.host, size);
     if (answer.status < 0) return "it refused a table of " + std::to_string(size) + " bytes";
     if (!answer.untouched_from(size)) return "it wrote behind a table of " + std::to_string(size) + " bytes";
     if (answer.table().struct_size > size)
@@ -165,8 +165,8 @@ Verdict keeps_to_table(Bench& bench) {
   return "";
 }
 
-Verdict same_twice(Bench& bench) {
-  Answer one = ask(bench, &bench.host, sizeof(odo_plugin)), other = ask(bench, &bench.host, sizeof(odo_plugin));
+Verdict same_twice(CaseFixture& fixture) {
+  Answer one = ask(fixture, &fixture.host, sizeof(odo_plugin)), other = ask(fixture, &fixture.host, sizeof(odo_plugin));
   if (one.status != other.status) return "the second call returned another status";
   return text(one.table().id) == text(other.table().id) && one.table().create == other.table().create
              ? ""
@@ -174,18 +174,18 @@ Verdict same_twice(Bench& bench) {
 }
 
 /// Only this library is checked: its dependencies may have side effects when loaded.
-Verdict starts_nothing(Bench& bench) {
-  entry_of(bench);
+Verdict starts_nothing(CaseFixture& fixture) {
+  entry_of(fixture);
   const size_t files = entries_of("/proc/self/fd"), threads = entries_of("/proc/self/task"), here = entries_of(".");
-  ask(bench, &bench.host, sizeof(odo_plugin));
+  ask(fixture, &fixture.host, sizeof(odo_plugin));
   if (entries_of("/proc/self/task") > threads) return "it started a thread";
   if (entries_of("/proc/self/fd") > files) return "it left a file open";
   if (entries_of(".") > here) return "it wrote a file";
   return {};
 }
 
-Verdict id_is_good(Bench& bench) {
-  const std::string id = text(bench.table().id);
+Verdict id_is_valid(CaseFixture& fixture) {
+  const std::string id = text(fixture.table().id);
   const auto slash = id.find('/');
   const bool good =
       slash != std::string::npos && slash > 0 && slash + 1 < id.size() && std::all_of(id.begin(), id.end(), [](char c) {
@@ -195,8 +195,8 @@ Verdict id_is_good(Bench& bench) {
   return good ? "" : "id = '" + id + "'; expected group/name in lower case";
 }
 
-Verdict version_is_good(Bench& bench) {
-  const std::string version = text(bench.table().version);
+Verdict version_is_valid(CaseFixture& fixture) {
+  const std::string version = text(fixture.table().version);
   int major, minor, patch, end = 0;
   const bool good = std::sscanf(version.c_str(), "%d.%d.%d%n", &major, &minor, &patch, &end) == 3 && end > 0;
   return good ? "" : "version = '" + version + "'; expected major.minor.patch";
@@ -210,19 +210,19 @@ bool is_plain_utf8(std::string_view text) {
   return text.empty();
 }
 
-Verdict texts_are_good(Bench& bench) {
-  const odo_plugin& t = bench.table();
+Verdict texts_are_valid(CaseFixture& fixture) {
+  const odo_plugin& t = fixture.table();
   if (text(t.summary).empty()) return "summary is empty; expected one sentence";
   std::vector<std::string> all = {text(t.id), text(t.version), text(t.summary)};
-  for (const Spec& spec : bench.choice.manifest.parameters)
+  for (const Spec& spec : fixture.choice.manifest.parameters)
     all.insert(all.end(), {spec.name, spec.help, spec.unit, spec.fallback, spec.choices});
   for (const std::string& one : all)
     if (!is_plain_utf8(one)) return "a text is not UTF-8 or has control characters: '" + one.substr(0, 40) + "'";
   return "";
 }
 
-Verdict kinds_are_known(Bench& bench) {
-  const odo_plugin& t = bench.table();
+Verdict kinds_are_known(CaseFixture& fixture) {
+  const odo_plugin& t = fixture.table();
   std::vector<std::string> seen;
   for (uint32_t i = 0; i < t.interface_count; ++i) {
     const std::string kind = text(t.interfaces[i]);
@@ -234,8 +234,8 @@ Verdict kinds_are_known(Bench& bench) {
   return "";
 }
 
-Verdict types_are_good(Bench& bench) {
-  const odo_plugin& t = bench.table();
+Verdict types_are_valid(CaseFixture& fixture) {
+  const odo_plugin& t = fixture.table();
   const auto judge = [&](const uint32_t* types, uint32_t count, const char* list, bool output) -> std::string {
     for (uint32_t i = 0; i < count; ++i) {
       const std::string name = std::string(list) + "[" + std::to_string(i) + "] = " + message_name(types[i]);
@@ -267,15 +267,15 @@ std::vector<Case> entry_cases() {
       {"entry.small_table", "refuses a table that is too small, and writes nothing beyond it", 10, 0, false,
        refuses_small_table},
       {"entry.table_end", "fills older and newer hosts' tables, and writes nothing beyond them", 10, 0, false,
-       keeps_to_table},
+       fills_only_its_table},
       {"entry.twice", "returns the same table again", 10, 0, false, same_twice},
       {"entry.no_side_effects", "starts no thread and leaves no file when it is loaded", 10, 0, false, starts_nothing},
-      {"file.manifest_agrees", "agrees with its manifest", 10, 0, true, manifest_says_the_same},
-      {"table.id", "has an id group/name", 10, 0, true, id_is_good},
-      {"table.version", "has a version major.minor.patch", 10, 0, true, version_is_good},
-      {"table.texts", "has texts in UTF-8 and a summary", 10, 0, true, texts_are_good},
+      {"file.manifest_agrees", "agrees with its manifest", 10, 0, true, manifest_agrees},
+      {"table.id", "has an id group/name", 10, 0, true, id_is_valid},
+      {"table.version", "has a version major.minor.patch", 10, 0, true, version_is_valid},
+      {"table.texts", "has texts in UTF-8 and a summary", 10, 0, true, texts_are_valid},
       {"table.kinds", "serves kinds of this ABI, each listed once", 10, 0, true, kinds_are_known},
-      {"table.types", "declares valid message types", 10, 0, true, types_are_good},
+      {"table.types", "declares valid message types", 10, 0, true, types_are_valid},
   };
 }
 

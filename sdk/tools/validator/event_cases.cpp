@@ -8,27 +8,27 @@
 #include <odograph/absolute_fixer.h>
 #include <odograph/scale_source.h>
 
-#include "sdk/tools/validator/bench.hpp"
+#include "sdk/tools/validator/case_fixture.hpp"
 
 namespace odograph {
 namespace {
 
-Verdict no_breach(Bench& bench, const char* beginning) {
-  const auto subject = bench.walked();
-  for (const std::string& breach : subject->breaches)
-    if (breach.starts_with(beginning)) return breach;
+Verdict no_violation(CaseFixture& fixture, const char* beginning) {
+  const auto driver = fixture.walked_instance();
+  for (const std::string& violation : driver->violations)
+    if (violation.starts_with(beginning)) return violation;
   return "";
 }
-Verdict type(Bench& bench) { return no_breach(bench, "type"); }
-Verdict size(Bench& bench) { return no_breach(bench, "size"); }
-Verdict numbers(Bench& bench) { return no_breach(bench, "numbers"); }
-Verdict count(Bench& bench) { return no_breach(bench, "count"); }
+Verdict type(CaseFixture& fixture) { return no_violation(fixture, "type"); }
+Verdict size(CaseFixture& fixture) { return no_violation(fixture, "size"); }
+Verdict numbers(CaseFixture& fixture) { return no_violation(fixture, "numbers"); }
+Verdict count(CaseFixture& fixture) { return no_violation(fixture, "count"); }
 
 /// Checks each event; returns the first non-empty result.
 template <class Ask>
-Verdict of_each(Bench& bench, Ask&& ask) {
-  const auto subject = bench.walked();
-  for (const SeenEvent& event : subject->events) {
+Verdict of_each(CaseFixture& fixture, Ask&& ask) {
+  const auto driver = fixture.walked_instance();
+  for (const SeenEvent& event : driver->events) {
     const odo_header& header = event.message.header();
     if (const std::string found = ask(event, header); !found.empty())
       return "a " + message_name(header.type) + " at t_ns = " + std::to_string(header.t_ns) + " " + found;
@@ -36,31 +36,31 @@ Verdict of_each(Bench& bench, Ask&& ask) {
   return "";
 }
 
-Verdict works(Bench& bench) {
-  const auto subject = bench.walked();
-  for (const auto& [status, times] : subject->statuses)
+Verdict works(CaseFixture& fixture) {
+  const auto driver = fixture.walked_instance();
+  for (const auto& [status, times] : driver->statuses)
     if (status <= ODO_E_MEMORY || status == ODO_E_STATE || status == ODO_E_ARGUMENT)
       return std::to_string(times) + " times status " + std::to_string(status) + " on good input" +
-             (bench.reports.empty() ? "" : ", it reported: " + bench.reports.back());
+             (fixture.reports.empty() ? "" : ", it reported: " + fixture.reports.back());
   return "";
 }
 
-Verdict known_status(Bench& bench) {
-  const auto subject = bench.walked();
-  for (const auto& [status, times] : subject->statuses)
+Verdict known_status(CaseFixture& fixture) {
+  const auto driver = fixture.walked_instance();
+  for (const auto& [status, times] : driver->statuses)
     if (status > ODO_NOT_READY || status < ODO_E_FATAL)
       return "process returned the status " + std::to_string(status) + ", which is not defined";
   return "";
 }
 
-Verdict reserved(Bench& bench) {
-  return of_each(bench, [](const SeenEvent&, const odo_header& h) -> std::string {
+Verdict reserved(CaseFixture& fixture) {
+  return of_each(fixture, [](const SeenEvent&, const odo_header& h) -> std::string {
     return h.reserved == 0 ? "" : "has header.reserved = " + std::to_string(h.reserved) + "; expected 0";
   });
 }
 
 /// The flags of each type, from its header; a plugin must not set the host's own.
-Verdict flags(Bench& bench) {
+Verdict flags(CaseFixture& fixture) {
   static const std::map<uint32_t, uint32_t> known = {
       {ODO_TYPE_ATTITUDE, 2 * ODO_ATTITUDE_GYRO_BIAS - 1},
       {ODO_TYPE_STEP, 2 * ODO_STEP_HEADING_SIGMA - 1},
@@ -71,7 +71,7 @@ Verdict flags(Bench& bench) {
       {ODO_TYPE_REFINED, 2 * ODO_REFINED_LINE_TIME - 1},
       {ODO_TYPE_RELATIVE_POSE, 2 * ODO_RELATIVE_POSE_ROTATION - 1},
   };
-  return of_each(bench, [](const SeenEvent&, const odo_header& h) -> std::string {
+  return of_each(fixture, [](const SeenEvent&, const odo_header& h) -> std::string {
     if (const uint32_t of_host = h.flags & ODO_FLAG_HOST_MASK)
       return "has a flag set that only the host may set: " + std::to_string(of_host);
     const auto found = known.find(h.type);
@@ -81,9 +81,9 @@ Verdict flags(Bench& bench) {
   });
 }
 
-Verdict time_order(Bench& bench) {
+Verdict time_order(CaseFixture& fixture) {
   std::map<uint32_t, int64_t> latest;
-  return of_each(bench, [&](const SeenEvent&, const odo_header& h) -> std::string {
+  return of_each(fixture, [&](const SeenEvent&, const odo_header& h) -> std::string {
     const auto [entry, is_new] = latest.try_emplace(h.type, h.t_ns);
     if (!is_new && h.t_ns < entry->second) return "is before the one before it";
     entry->second = h.t_ns;
@@ -92,14 +92,14 @@ Verdict time_order(Bench& bench) {
 }
 
 /// A plugin can only know times up to the newest of its input.
-Verdict time_known(Bench& bench) {
-  if (bench.input.empty()) return not_applicable("it receives no input");
+Verdict time_known(CaseFixture& fixture) {
+  if (fixture.input.empty()) return not_applicable("it receives no input");
   int64_t first = INT64_MAX;  // of the samples; sensor descriptions may have any time
-  for (const AnyMessage& message : bench.input)
+  for (const AnyMessage& message : fixture.input)
     if (message.header().type != ODO_TYPE_CALIBRATION && message.header().type != ODO_TYPE_IMU_NOISE)
       first = std::min(first, message.header().t_ns);
   if (first != INT64_MAX) first -= 2'000'000'000;
-  return of_each(bench, [&](const SeenEvent& e, const odo_header& h) -> std::string {
+  return of_each(fixture, [&](const SeenEvent& e, const odo_header& h) -> std::string {
     if (h.t_ns > e.input_ns) return "is " + std::to_string(h.t_ns - e.input_ns) + " ns ahead of all its input";
     if (h.t_ns < first && h.type != ODO_TYPE_CALIBRATION)
       return "is before the first sample: is it on the sensor clock?";
@@ -108,8 +108,8 @@ Verdict time_known(Bench& bench) {
 }
 
 /// A variance of zero in a component stated as known claims an exactness that no estimate has.
-Verdict uncertainties(Bench& bench) {
-  return of_each(bench, [](const SeenEvent&, const odo_header& h) -> std::string {
+Verdict uncertainties(CaseFixture& fixture) {
+  return of_each(fixture, [](const SeenEvent&, const odo_header& h) -> std::string {
     if (h.type == ODO_TYPE_STEP && as<odo_step>(h).sigma_m <= 0)
       return "has sigma_m = 0; expected the standard deviation of the length";
     if (h.type == ODO_TYPE_VO_MOTION && (h.flags & ODO_VO_COVARIANCE) && (h.flags & ODO_VO_ROTATION) &&
@@ -120,8 +120,8 @@ Verdict uncertainties(Bench& bench) {
   });
 }
 
-Verdict lists(Bench& bench) {
-  return of_each(bench, [](const SeenEvent&, const odo_header& h) -> std::string {
+Verdict lists(CaseFixture& fixture) {
+  return of_each(fixture, [](const SeenEvent&, const odo_header& h) -> std::string {
     const auto out_of = [](const char* field, uint32_t value) {
       return std::string("has ") + field + " = " + std::to_string(value) + ", which is not in the list";
     };
@@ -136,10 +136,10 @@ Verdict lists(Bench& bench) {
   });
 }
 
-Verdict some(Bench& bench) {
-  const auto subject = bench.walked();
-  if (!subject->events.empty()) return "";
-  if (bench.serves(ODO_INTERFACE_ABSOLUTE_FIXER) || bench.serves(ODO_INTERFACE_SCALE_SOURCE))
+Verdict some(CaseFixture& fixture) {
+  const auto driver = fixture.walked_instance();
+  if (!driver->events.empty()) return "";
+  if (fixture.serves(ODO_INTERFACE_ABSOLUTE_FIXER) || fixture.serves(ODO_INTERFACE_SCALE_SOURCE))
     return not_applicable("a fix plugin or a scale source need not emit anything here");
   return "it emits nothing in a walk of 10 s";
 }

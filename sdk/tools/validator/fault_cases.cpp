@@ -12,7 +12,7 @@
 #include <unistd.h>
 
 #include "sdk/host/core/sample_gate.hpp"
-#include "sdk/tools/validator/bench.hpp"
+#include "sdk/tools/validator/case_fixture.hpp"
 
 namespace odograph {
 namespace {
@@ -22,16 +22,16 @@ constexpr double kImuCall_s = 5e-3, kFrameCall_s = 33e-3;
 constexpr double kMemory_mb = 512;
 
 /// Passes modified input: no crash, no fatal status, no non-finite number.
-Verdict survives(Bench& bench, const std::vector<AnyMessage>& messages,
+Verdict survives(CaseFixture& fixture, const std::vector<AnyMessage>& messages,
                  const std::function<void(AnyMessage&)>& change = {}) {
-  const auto subject = bench.started();
-  Handling handling;
-  handling.change = change;
-  subject->process(messages, handling);
-  for (const auto& [status, times] : subject->statuses)
+  const auto driver = fixture.started();
+  MessageLayout layout;
+  layout.change = change;
+  driver->process(messages, layout);
+  for (const auto& [status, times] : driver->statuses)
     if (status == ODO_E_FATAL) return "it returned ODO_E_FATAL";
-  for (const std::string& breach : subject->breaches)
-    if (breach.starts_with("numbers") || breach.starts_with("count")) return breach;
+  for (const std::string& violation : driver->violations)
+    if (violation.starts_with("numbers") || violation.starts_with("count")) return violation;
   return "";
 }
 
@@ -57,44 +57,44 @@ void change_numbers(AnyMessage& message, Change&& change) {
 }
 
 /// Every tenth message, so that good ones lie between.
-Handling every_tenth(double value) {
-  Handling handling;
+MessageLayout every_tenth(double value) {
+  MessageLayout layout;
   auto count = std::make_shared<int>(0);
-  handling.change = [=](AnyMessage& message) {
+  layout.change = [=](AnyMessage& message) {
     if (++*count % 10 == 0) change_numbers(message, [=](double& x) { x = value; });
   };
-  return handling;
+  return layout;
 }
-Verdict zeros(Bench& bench) { return survives(bench, bench.input, every_tenth(0.0).change); }
-Verdict subnormal(Bench& bench) {
-  return survives(bench, bench.input, every_tenth(std::numeric_limits<double>::denorm_min()).change);
+Verdict zeros(CaseFixture& fixture) { return survives(fixture, fixture.input, every_tenth(0.0).change); }
+Verdict subnormal(CaseFixture& fixture) {
+  return survives(fixture, fixture.input, every_tenth(std::numeric_limits<double>::denorm_min()).change);
 }
 
-Verdict huge(Bench& bench) { return survives(bench, bench.input, every_tenth(1e300).change); }
-Verdict not_a_number(Bench& bench) { return survives(bench, bench.input, every_tenth(std::nan("")).change); }
+Verdict huge(CaseFixture& fixture) { return survives(fixture, fixture.input, every_tenth(1e300).change); }
+Verdict not_a_number(CaseFixture& fixture) { return survives(fixture, fixture.input, every_tenth(std::nan("")).change); }
 
-Verdict long_steps(Bench& bench) {
-  if (!bench.wants(ODO_TYPE_STEP)) return not_applicable("it receives no steps");
-  return survives(bench, bench.input, [](AnyMessage& message) {
+Verdict long_steps(CaseFixture& fixture) {
+  if (!fixture.accepts(ODO_TYPE_STEP)) return not_applicable("it receives no steps");
+  return survives(fixture, fixture.input, [](AnyMessage& message) {
     if (message.header().type == ODO_TYPE_STEP) reinterpret_cast<odo_step&>(message.header()).length_m = 700;
   });
 }
 
-Verdict only(Bench& bench, uint32_t type) {
-  if (!bench.wants(type)) return not_applicable("it is given no " + message_name(type));
+Verdict only(CaseFixture& fixture, uint32_t type) {
+  if (!fixture.accepts(type)) return not_applicable("it is given no " + message_name(type));
   std::vector<AnyMessage> some;
-  for (const AnyMessage& message : bench.input)
+  for (const AnyMessage& message : fixture.input)
     if (message.header().type == type) some.push_back(message);
-  return survives(bench, some);
+  return survives(fixture, some);
 }
-Verdict only_imu(Bench& bench) { return only(bench, ODO_TYPE_IMU); }
+Verdict only_imu(CaseFixture& fixture) { return only(fixture, ODO_TYPE_IMU); }
 
-Verdict without_imu(Bench& bench) {
-  if (!bench.wants(ODO_TYPE_IMU)) return not_applicable("it receives no imu");
+Verdict without_imu(CaseFixture& fixture) {
+  if (!fixture.accepts(ODO_TYPE_IMU)) return not_applicable("it receives no imu");
   std::vector<AnyMessage> some;
-  for (const AnyMessage& message : bench.input)
+  for (const AnyMessage& message : fixture.input)
     if (message.header().type != ODO_TYPE_IMU) some.push_back(message);
-  return survives(bench, some);
+  return survives(fixture, some);
 }
 
 void shift(AnyMessage& message, int64_t by_ns) {
@@ -106,38 +106,38 @@ void shift(AnyMessage& message, int64_t by_ns) {
   reinterpret_cast<odo_step&>(message.header()).t_end_ns += by_ns;
 }
 
-Verdict gap(Bench& bench, int64_t gap_ns) {
+Verdict gap(CaseFixture& fixture, int64_t gap_ns) {
   const int64_t middle = TestInput::kStart_ns + 2'000'000'000;
-  return survives(bench, bench.input, [=](AnyMessage& message) {
+  return survives(fixture, fixture.input, [=](AnyMessage& message) {
     if (message.header().t_ns > middle) shift(message, gap_ns);
   });
 }
-Verdict short_gap(Bench& bench) { return gap(bench, 10'000'000'000); }
-Verdict long_gap(Bench& bench) { return gap(bench, 3'600'000'000'000); }
-Verdict late_clock(Bench& bench) {
-  return survives(bench, bench.input, [](AnyMessage& message) { shift(message, INT64_MAX / 2 - 60'000'000'000); });
+Verdict short_gap(CaseFixture& fixture) { return gap(fixture, 10'000'000'000); }
+Verdict long_gap(CaseFixture& fixture) { return gap(fixture, 3'600'000'000'000); }
+Verdict late_clock(CaseFixture& fixture) {
+  return survives(fixture, fixture.input, [](AnyMessage& message) { shift(message, INT64_MAX / 2 - 60'000'000'000); });
 }
-Verdict early_clock(Bench& bench) {
-  return survives(bench, bench.input, [](AnyMessage& message) { shift(message, INT64_MIN / 2); });
+Verdict early_clock(CaseFixture& fixture) {
+  return survives(fixture, fixture.input, [](AnyMessage& message) { shift(message, INT64_MIN / 2); });
 }
 
-Verdict twice(Bench& bench) {
+Verdict twice(CaseFixture& fixture) {
   std::vector<AnyMessage> doubled;
-  for (const AnyMessage& message : bench.input) doubled.push_back(message), doubled.push_back(message);
-  return survives(bench, doubled);
+  for (const AnyMessage& message : fixture.input) doubled.push_back(message), doubled.push_back(message);
+  return survives(fixture, doubled);
 }
 
-Verdict backwards(Bench& bench) {
-  auto reversed = bench.input;
+Verdict backwards(CaseFixture& fixture) {
+  auto reversed = fixture.input;
   std::reverse(reversed.begin(), reversed.end());
-  return survives(bench, reversed);
+  return survives(fixture, reversed);
 }
 
 /// Flips bits anywhere after the header except in pointers; makes numbers finite again, as a host would.
-Verdict fuzzed(Bench& bench) {
+Verdict fuzzed(CaseFixture& fixture) {
   uint32_t random = 99;
   const SampleGate gate;
-  return survives(bench, bench.input, [&](AnyMessage& message) {
+  return survives(fixture, fixture.input, [&](AnyMessage& message) {
     random = random * 1664525u + 1013904223u;
     if (random >> 30 || message.header().type == ODO_TYPE_FRAME) return;
     auto* bytes = reinterpret_cast<unsigned char*>(&message.header());
@@ -152,40 +152,40 @@ Verdict fuzzed(Bench& bench) {
 }
 
 /// The host knows only the size of a vendor's message: a plugin that declares the type must check the rest.
-Verdict vendors(Bench& bench) {
+Verdict vendors(CaseFixture& fixture) {
   constexpr uint32_t sizes[] = {32, 40, 48, 64, 96, 200, 4096};
   std::vector<AnyMessage> mixed;
   uint32_t random = 7, made = 0;
-  for (const AnyMessage& message : bench.input) {
+  for (const AnyMessage& message : fixture.input) {
     mixed.push_back(message);
-    for (uint32_t k = 0; k < bench.table().input_count; ++k) {
-      if (!ODO_IS_VENDOR(bench.table().inputs[k])) continue;
+    for (uint32_t k = 0; k < fixture.table().input_count; ++k) {
+      if (!ODO_IS_VENDOR(fixture.table().inputs[k])) continue;
       alignas(8) unsigned char bytes[4096];
       for (unsigned char& byte : bytes)
         byte = static_cast<unsigned char>((random = random * 1664525u + 1013904223u) >> 24);
       odo_header header{};
       header.struct_size = sizes[made++ % std::size(sizes)];
-      header.type = bench.table().inputs[k], header.t_ns = message.header().t_ns;
+      header.type = fixture.table().inputs[k], header.t_ns = message.header().t_ns;
       std::memcpy(bytes, &header, sizeof header);
       mixed.emplace_back(*reinterpret_cast<const odo_header*>(bytes));
     }
   }
-  return made == 0 ? not_applicable("it declares no vendor messages") : survives(bench, mixed);
+  return made == 0 ? not_applicable("it declares no vendor messages") : survives(fixture, mixed);
 }
 
-Verdict unknown_flags(Bench& bench) {
-  return survives(bench, bench.input, [](AnyMessage& message) { message.header().flags |= 0xFFFF0000; });
+Verdict unknown_flags(CaseFixture& fixture) {
+  return survives(fixture, fixture.input, [](AnyMessage& message) { message.header().flags |= 0xFFFF0000; });
 }
 
-Verdict no_flags(Bench& bench) {
+Verdict no_flags(CaseFixture& fixture) {
   int count = 0;
-  return survives(bench, bench.input, [&](AnyMessage& message) {
+  return survives(fixture, fixture.input, [&](AnyMessage& message) {
     if (++count % 5 == 0) message.header().flags = 0;
   });
 }
 
-Verdict later_lists(Bench& bench) {
-  return survives(bench, bench.input, [](AnyMessage& message) {
+Verdict later_lists(CaseFixture& fixture) {
+  return survives(fixture, fixture.input, [](AnyMessage& message) {
     odo_header& h = message.header();
     if (h.type == ODO_TYPE_STEP) reinterpret_cast<odo_step&>(h).mode = 4711;
     if (h.type == ODO_TYPE_VO_MOTION)
@@ -198,16 +198,16 @@ Verdict later_lists(Bench& bench) {
 // ---- what it costs -------------------------------------------------------------------------------------------------
 
 /// The median of the best of three runs, so that a busy machine does not fail a good plugin.
-Verdict fast_enough(Bench& bench, uint32_t type, double limit_s) {
-  if (!bench.wants(type)) return not_applicable("it is given no " + message_name(type));
+Verdict fast_enough(CaseFixture& fixture, uint32_t type, double limit_s) {
+  if (!fixture.accepts(type)) return not_applicable("it is given no " + message_name(type));
   double best = 1e9;
   for (int run = 0; run < 3 && best > limit_s; ++run) {
-    const auto subject = bench.started();
+    const auto driver = fixture.started();
     std::vector<double> of_type;
-    for (const AnyMessage& message : bench.input) {
+    for (const AnyMessage& message : fixture.input) {
       if (of_type.size() >= 30) break;
-      subject->process({message});
-      if (message.header().type == type) of_type.push_back(subject->call_s.back());
+      driver->process({message});
+      if (message.header().type == type) of_type.push_back(driver->call_s.back());
     }
     std::sort(of_type.begin(), of_type.end());
     if (!of_type.empty()) best = std::min(best, of_type[of_type.size() / 2]);
@@ -216,12 +216,12 @@ Verdict fast_enough(Bench& bench, uint32_t type, double limit_s) {
   return "a call takes " + std::to_string(best * 1e3) + " ms in the median; expected less than " +
          std::to_string(limit_s * 1e3);
 }
-Verdict imu_time(Bench& bench) { return fast_enough(bench, ODO_TYPE_IMU, kImuCall_s); }
-Verdict frame_time(Bench& bench) { return fast_enough(bench, ODO_TYPE_FRAME, kFrameCall_s); }
-Verdict motion_time(Bench& bench) { return fast_enough(bench, ODO_TYPE_VO_MOTION, kImuCall_s); }
+Verdict imu_time(CaseFixture& fixture) { return fast_enough(fixture, ODO_TYPE_IMU, kImuCall_s); }
+Verdict frame_time(CaseFixture& fixture) { return fast_enough(fixture, ODO_TYPE_FRAME, kFrameCall_s); }
+Verdict motion_time(CaseFixture& fixture) { return fast_enough(fixture, ODO_TYPE_VO_MOTION, kImuCall_s); }
 
-Verdict memory(Bench& bench) {
-  bench.run(bench.input, {});
+Verdict memory(CaseFixture& fixture) {
+  fixture.run(fixture.input, {});
   std::ifstream file("/proc/self/statm");
   double all = 0, resident = 0;
   file >> all >> resident;

@@ -6,7 +6,7 @@
 
 #include <odograph/vo_frontend.h>
 
-#include "sdk/tools/validator/bench.hpp"
+#include "sdk/tools/validator/case_fixture.hpp"
 #include "sdk/tools/validator/child.hpp"
 
 namespace odograph {
@@ -136,29 +136,29 @@ void clear_invalid(std::vector<unsigned char>& event) {
 }
 
 /// The events if no message has the flag, with the fields as they are or changed.
-std::vector<std::vector<unsigned char>> events_without(Bench& bench, const Optional& row, bool changed) {
-  const auto subject = bench.started();
-  Handling handling;
-  handling.change = [&](AnyMessage& message) {
+std::vector<std::vector<unsigned char>> events_without(CaseFixture& fixture, const Optional& row, bool changed) {
+  const auto subject = fixture.started();
+  MessageLayout layout;
+  layout.change = [&](AnyMessage& message) {
     odo_header& header = message.header();
     if (header.type != row.type) return;
     header.flags &= ~(row.flag | row.needed_by);
     if (changed) each_number(row, reinterpret_cast<unsigned char*>(&header), change);
   };
-  subject->process(bench.input, handling);
+  subject->process(fixture.input, layout);
   auto events = subject->bytes();
   for (auto& event : events) clear_invalid(event);
   return events;
 }
 
-Verdict validity_flags(Bench& bench) {
+Verdict validity_flags(CaseFixture& fixture) {
   size_t asked = 0;
   for (const Optional& row : kOptional) {
-    const bool always_valid = row.type == ODO_TYPE_IMU && !bench.serves(ODO_INTERFACE_VO_FRONTEND);  // vo_frontend.h
-    if (!bench.wants(row.type) || always_valid) continue;
+    const bool always_valid = row.type == ODO_TYPE_IMU && !fixture.serves(ODO_INTERFACE_VO_FRONTEND);  // vo_frontend.h
+    if (!fixture.accepts(row.type) || always_valid) continue;
     ++asked;
     note_phase(row.name);
-    const auto as_is = events_without(bench, row, false), other = events_without(bench, row, true);
+    const auto as_is = events_without(fixture, row, false), other = events_without(fixture, row, true);
     if (const std::string found = difference(as_is, other); !found.empty())
       return "it uses what is valid only with " + std::string(row.name) + " without that flag: " + found +
              " when the values change";

@@ -3,7 +3,7 @@
 // Pictures: borrowed, retained, in any format, of any size.
 #include <cstring>
 
-#include "sdk/tools/validator/bench.hpp"
+#include "sdk/tools/validator/case_fixture.hpp"
 #include "sdk/tools/validator/child.hpp"
 
 namespace odograph {
@@ -15,84 +15,84 @@ odo_frame& frame_of(AnyMessage& message) { return reinterpret_cast<odo_frame&>(m
 bool is_frame(const AnyMessage& message) { return message.header().type == ODO_TYPE_FRAME; }
 
 /// Runs the walk with each frame modified and returns the instance. Throws a Verdict on failure.
-std::unique_ptr<Subject> walked(Bench& bench, const std::function<void(AnyMessage&)>& change) {
-  if (!bench.wants(ODO_TYPE_FRAME)) throw not_applicable("it is given no frames");
-  auto subject = bench.started();
-  if (!subject) return nullptr;
-  Handling handling;
-  handling.change = [&](AnyMessage& message) {
+std::unique_ptr<PluginDriver> walked(CaseFixture& fixture, const std::function<void(AnyMessage&)>& change) {
+  if (!fixture.accepts(ODO_TYPE_FRAME)) throw not_applicable("it is given no frames");
+  auto driver = fixture.started();
+  if (!driver) return nullptr;
+  MessageLayout layout;
+  layout.change = [&](AnyMessage& message) {
     if (is_frame(message)) change(message);
   };
-  const int32_t status = subject->process(bench.input, handling);
+  const int32_t status = driver->process(fixture.input, layout);
   if (status < 0) throw Verdict("process failed with status " + std::to_string(status));
-  for (const std::string& breach : subject->breaches)
-    if (breach.starts_with("numbers")) throw Verdict(breach);
-  return subject;
+  for (const std::string& violation : driver->violations)
+    if (violation.starts_with("numbers")) throw Verdict(violation);
+  return driver;
 }
 
-Verdict survives(Bench& bench, const std::function<void(AnyMessage&)>& change) {
-  walked(bench, change);
+Verdict survives(CaseFixture& fixture, const std::function<void(AnyMessage&)>& change) {
+  walked(fixture, change);
   return {};
 }
 
-void lend(AnyMessage& message, FrameLedger& ledger) {
+void lend(AnyMessage& message, LoanCounter& loans) {
   odo_frame& frame = frame_of(message);
-  frame.loan.owner = &ledger;
-  frame.loan.retain = FrameLedger::retain;
-  frame.loan.release = FrameLedger::release;
+  frame.loan.owner = &loans;
+  frame.loan.retain = LoanCounter::retain;
+  frame.loan.release = LoanCounter::release;
 }
 
 /// Every retained frame must be released by destroy. Pixels stay valid while retained.
-Verdict balance(Bench& bench) {
-  FrameLedger ledger;
-  auto subject = walked(bench, [&](AnyMessage& message) { lend(message, ledger); });
-  if (ledger.released > ledger.retained) return "released more often than retained";
-  subject->destroy();
-  if (ledger.released == ledger.retained) return "";
-  return "retained " + std::to_string(ledger.retained) + " times, released " + std::to_string(ledger.released) +
+Verdict balance(CaseFixture& fixture) {
+  LoanCounter loans;
+  auto driver = walked(fixture, [&](AnyMessage& message) { lend(message, loans); });
+  if (loans.released > loans.retained) return "released more often than retained";
+  driver->destroy();
+  if (loans.released == loans.retained) return "";
+  return "retained " + std::to_string(loans.retained) + " times, released " + std::to_string(loans.released) +
          " times";
 }
 
-Verdict quota(Bench& bench) {
-  FrameLedger ledger;
+Verdict quota(CaseFixture& fixture) {
+  LoanCounter loans;
   int most = 0;
-  const auto subject = walked(bench, [&](AnyMessage& message) {
-    most = std::max(most, ledger.retained - ledger.released);
-    lend(message, ledger);
+  const auto driver = walked(fixture, [&](AnyMessage& message) {
+    most = std::max(most, loans.retained - loans.released);
+    lend(message, loans);
   });
   return most <= 7 ? ""
                    : "it holds " + std::to_string(most) +
                          " frames at once; a host provides 8, one of them for the next frame";
 }
 
-Verdict exhausted(Bench& bench) {
-  FrameLedger ledger;
-  ledger.refuse = true;
-  const auto subject = walked(bench, [&](AnyMessage& message) { lend(message, ledger); });
-  return ledger.released == 0 ? "" : "it released a frame that it could not retain";
+Verdict exhausted(CaseFixture& fixture) {
+  LoanCounter loans;
+  loans.refuse = true;
+  const auto driver = walked(fixture, [&](AnyMessage& message) { lend(message, loans); });
+  return loans.released == 0 ? "" : "it released a frame that it could not retain";
 }
 
 /// Read-only pixels at the end of a page that is unmapped after the call.
-Verdict gone(Bench& bench) {
-  if (!bench.wants(ODO_TYPE_FRAME)) return not_applicable("it is given no frames");
-  Handling handling;
-  handling.guarded = true;
-  const auto plain = bench.run(bench.input, {}), other = bench.run(bench.input, handling);
+Verdict gone(CaseFixture& fixture) {
+  if (!fixture.accepts(ODO_TYPE_FRAME)) return not_applicable("it is given no frames");
+  MessageLayout layout;
+  layout.guarded = true;
+  const auto plain = fixture.run(fixture.input, {}), other = fixture.run(fixture.input, layout);
   return difference(plain, other);
 }
 
 /// Larger strides: the padding between rows is not part of the picture.
-Verdict strides(Bench& bench) {
+Verdict strides(CaseFixture& fixture) {
   std::vector<std::vector<uint8_t>> kept;
-  const auto plain = bench.run(bench.input, {});
-  const auto subject = walked(bench, [&](AnyMessage& message) {
+  const auto plain = fixture.run(fixture.input, {});
+  const auto driver = walked(fixture, [&](AnyMessage& message) {
     auto& wide = kept.emplace_back((kW + 24) * kH, uint8_t(0xEE));
     odo_frame& frame = frame_of(message);
     for (uint32_t y = 0; y < kH; ++y) std::memcpy(&wide[y * (kW + 24)], frame.planes[0].data + y * kW, kW);
     frame.planes[0].data = wide.data();
     frame.planes[0].row_stride = kW + 24;
   });
-  return difference(plain, subject->bytes());
+  return difference(plain, driver->bytes());
 }
 
 /// The same grey picture with chroma planes, or as grey RGB.
@@ -115,65 +115,65 @@ void as_format(AnyMessage& message, uint32_t format, std::vector<uint8_t>& pixel
   }
 }
 
-Verdict format_as_grey(Bench& bench, uint32_t format) {
+Verdict format_as_grey(CaseFixture& fixture, uint32_t format) {
   std::vector<std::vector<uint8_t>> kept;
-  const auto plain = bench.run(bench.input, {});
-  const auto subject = walked(bench, [&](AnyMessage& message) { as_format(message, format, kept.emplace_back()); });
-  return difference(plain, subject->bytes());
+  const auto plain = fixture.run(fixture.input, {});
+  const auto driver = walked(fixture, [&](AnyMessage& message) { as_format(message, format, kept.emplace_back()); });
+  return difference(plain, driver->bytes());
 }
-Verdict nv12(Bench& bench) { return format_as_grey(bench, ODO_FORMAT_NV12); }
-Verdict nv21(Bench& bench) { return format_as_grey(bench, ODO_FORMAT_NV21); }
-Verdict yuv420(Bench& bench) { return format_as_grey(bench, ODO_FORMAT_YUV420); }
-Verdict rgb(Bench& bench) { return format_as_grey(bench, ODO_FORMAT_RGB8); }
-Verdict rgba(Bench& bench) { return format_as_grey(bench, ODO_FORMAT_RGBA8); }
-Verdict bgra(Bench& bench) { return format_as_grey(bench, ODO_FORMAT_BGRA8); }
+Verdict nv12(CaseFixture& fixture) { return format_as_grey(fixture, ODO_FORMAT_NV12); }
+Verdict nv21(CaseFixture& fixture) { return format_as_grey(fixture, ODO_FORMAT_NV21); }
+Verdict yuv420(CaseFixture& fixture) { return format_as_grey(fixture, ODO_FORMAT_YUV420); }
+Verdict rgb(CaseFixture& fixture) { return format_as_grey(fixture, ODO_FORMAT_RGB8); }
+Verdict rgba(CaseFixture& fixture) { return format_as_grey(fixture, ODO_FORMAT_RGBA8); }
+Verdict bgra(CaseFixture& fixture) { return format_as_grey(fixture, ODO_FORMAT_BGRA8); }
 
-Verdict later_format(Bench& bench) {
-  return survives(bench, [](AnyMessage& message) { frame_of(message).format = 99; });
+Verdict later_format(CaseFixture& fixture) {
+  return survives(fixture, [](AnyMessage& message) { frame_of(message).format = 99; });
 }
 
-Verdict other_size(Bench& bench) {
+Verdict other_size(CaseFixture& fixture) {
   int count = 0;
-  return survives(bench, [&](AnyMessage& message) {
+  return survives(fixture, [&](AnyMessage& message) {
     if (++count % 3 == 0) frame_of(message).width = kW / 2, frame_of(message).height = kH / 2;
   });
 }
 
-Verdict tiny(Bench& bench) {
-  return survives(bench, [](AnyMessage& message) { frame_of(message).width = frame_of(message).height = 1; });
+Verdict tiny(CaseFixture& fixture) {
+  return survives(fixture, [](AnyMessage& message) { frame_of(message).width = frame_of(message).height = 1; });
 }
 
-Verdict black(Bench& bench) {
+Verdict black(CaseFixture& fixture) {
   static const std::vector<uint8_t> pixels(kW * kH, 0);
-  return survives(bench, [](AnyMessage& message) { frame_of(message).planes[0].data = pixels.data(); });
+  return survives(fixture, [](AnyMessage& message) { frame_of(message).planes[0].data = pixels.data(); });
 }
 
-Verdict noise(Bench& bench) {
+Verdict noise(CaseFixture& fixture) {
   std::vector<std::vector<uint8_t>> kept;
   uint32_t random = 1;
-  return survives(bench, [&](AnyMessage& message) {
+  return survives(fixture, [&](AnyMessage& message) {
     auto& pixels = kept.emplace_back(kW * kH);
     for (uint8_t& pixel : pixels) random = random * 1664525u + 1013904223u, pixel = static_cast<uint8_t>(random >> 24);
     frame_of(message).planes[0].data = pixels.data();
   });
 }
 
-Verdict masked(Bench& bench) {
+Verdict masked(CaseFixture& fixture) {
   static const std::vector<uint8_t> mask(kW * kH, 0);
-  return survives(bench, [](AnyMessage& message) {
+  return survives(fixture, [](AnyMessage& message) {
     frame_of(message).mask = {mask.data(), kW, 1, 0};
     message.header().flags |= ODO_FRAME_MASK;
   });
 }
 
-Verdict unknown_camera(Bench& bench) {
-  return survives(bench, [](AnyMessage& message) { message.header().source = 7; });
+Verdict unknown_camera(CaseFixture& fixture) {
+  return survives(fixture, [](AnyMessage& message) { message.header().source = 7; });
 }
 
 /// Varies the focal length by 3 % and back, like autofocus.
-Verdict autofocus(Bench& bench) {
+Verdict autofocus(CaseFixture& fixture) {
   int count = 0;
-  return survives(bench, [&](AnyMessage& message) {
+  return survives(fixture, [&](AnyMessage& message) {
     odo_frame& frame = frame_of(message);
     message.header().flags |= ODO_FRAME_INTRINSICS;
     frame.fx = frame.fy = 60 * (1 + 0.03 * ((++count / 5) % 2));
@@ -181,13 +181,13 @@ Verdict autofocus(Bench& bench) {
   });
 }
 
-Verdict no_calibration(Bench& bench) {
-  if (!bench.wants(ODO_TYPE_FRAME)) return not_applicable("it is given no frames");
+Verdict no_calibration(CaseFixture& fixture) {
+  if (!fixture.accepts(ODO_TYPE_FRAME)) return not_applicable("it is given no frames");
   std::vector<AnyMessage> without;
-  for (const AnyMessage& message : bench.input)
+  for (const AnyMessage& message : fixture.input)
     if (message.header().type != ODO_TYPE_CALIBRATION) without.push_back(message);
-  const auto subject = bench.started();
-  const int32_t status = subject->process(without);
+  const auto driver = fixture.started();
+  const int32_t status = driver->process(without);
   return status >= 0 ? "" : "process failed with status " + std::to_string(status) + " without a camera description";
 }
 

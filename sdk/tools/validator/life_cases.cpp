@@ -12,7 +12,7 @@
 #endif
 #include <unistd.h>
 
-#include "sdk/tools/validator/bench.hpp"
+#include "sdk/tools/validator/case_fixture.hpp"
 #include "sdk/tools/validator/child.hpp"
 
 namespace odograph {
@@ -38,60 +38,60 @@ double resident_mb() {
   return resident * static_cast<double>(sysconf(_SC_PAGESIZE)) / 1e6;
 }
 
-Verdict create_and_destroy(Bench& bench) {
-  const auto subject = bench.subject();
-  const int32_t status = subject->create();
+Verdict create_and_destroy(CaseFixture& fixture) {
+  const auto driver = fixture.driver();
+  const int32_t status = driver->create();
   return status >= 0 ? "" : status_text("create", status);
 }
 
-Verdict starts(Bench& bench) {
-  bench.started();
+Verdict starts(CaseFixture& fixture) {
+  fixture.started();
   return {};
 }
 
-Verdict destroyed_before_activate(Bench& bench) {
-  const auto subject = bench.subject();
-  int32_t status = subject->create();
-  if (status >= 0) status = subject->configure(bench.values);
+Verdict destroyed_before_activate(CaseFixture& fixture) {
+  const auto driver = fixture.driver();
+  int32_t status = driver->create();
+  if (status >= 0) status = driver->configure(fixture.values);
   return status >= 0 ? "" : status_text("configure", status);
 }
 
-Verdict other_kind(Bench& bench) {
+Verdict other_kind(CaseFixture& fixture) {
   note_phase("create");
   odo_instance* instance = nullptr;
-  const std::string strange = "odo.of_a_later_version/7";
-  const odo_string id{strange.data(), strange.size()};
-  const int32_t status = bench.table().create(&bench.host, 1, &id, &instance);
-  if (status >= 0) return "it created an instance of '" + strange + "'; expected ODO_E_UNSUPPORTED";
+  const std::string unknown_id = "odo.of_a_later_version/7";
+  const odo_string id{unknown_id.data(), unknown_id.size()};
+  const int32_t status = fixture.table().create(&fixture.host, 1, &id, &instance);
+  if (status >= 0) return "it created an instance of '" + unknown_id + "'; expected ODO_E_UNSUPPORTED";
   return instance ? "it refused and left an instance behind" : "";
 }
 
-Verdict every_kind(Bench& bench) {
-  for (uint32_t i = 0; i < bench.table().interface_count; ++i) {
-    const odo_string& kind = bench.table().interfaces[i];
-    Subject subject(bench.table(), bench.host, {kind.data, static_cast<size_t>(kind.size)});
-    if (const int32_t status = subject.start(bench.values); status < 0)
+Verdict every_kind(CaseFixture& fixture) {
+  for (uint32_t i = 0; i < fixture.table().interface_count; ++i) {
+    const odo_string& kind = fixture.table().interfaces[i];
+    PluginDriver driver(fixture.table(), fixture.host, {kind.data, static_cast<size_t>(kind.size)});
+    if (const int32_t status = driver.start(fixture.values); status < 0)
       return "interfaces[" + std::to_string(i) + "]: " + status_text("starting", status);
   }
   return "";
 }
 
-Verdict no_services(Bench& bench) {
-  odo_host bare = bench.host;
+Verdict no_services(CaseFixture& fixture) {
+  odo_host bare = fixture.host;
   bare.get_service = [](const odo_host*, const char*, uint64_t) -> const void* { return nullptr; };
-  Subject subject(bench.table(), bare, bench.interface_id);
-  const int32_t status = subject.start(bench.values);
+  PluginDriver driver(fixture.table(), bare, fixture.interface_id);
+  const int32_t status = driver.start(fixture.values);
   if (status == ODO_E_CONFIG || status == ODO_E_NOT_FOUND) return "";  // it needs a file and cannot ask for it
   if (status < 0) return status_text("starting", status);
-  const int32_t worst = subject.process(bench.input);
+  const int32_t worst = driver.process(fixture.input);
   return worst >= 0 ? "" : status_text("process", worst);
 }
 
 /// Sequentially and in parallel: the output of one instance must not depend on others.
-Verdict independent(Bench& bench) {
-  const auto alone = bench.run(bench.input, {});
-  const auto one = bench.started(), other = bench.started();
-  for (const AnyMessage& message : bench.input) {
+Verdict independent(CaseFixture& fixture) {
+  const auto alone = fixture.run(fixture.input, {});
+  const auto one = fixture.started(), other = fixture.started();
+  for (const AnyMessage& message : fixture.input) {
     one->process({message});
     AnyMessage later = message;
     later.header().t_ns += 123'456'789;
@@ -101,44 +101,44 @@ Verdict independent(Bench& bench) {
   return difference(alone, one->bytes());
 }
 
-Verdict many(Bench& bench) {
-  std::vector<std::unique_ptr<Subject>> all;
-  for (int i = 0; i < 20; ++i) all.push_back(bench.started());
+Verdict many(CaseFixture& fixture) {
+  std::vector<std::unique_ptr<PluginDriver>> all;
+  for (int i = 0; i < 20; ++i) all.push_back(fixture.started());
   return {};
 }
 
-Verdict other_thread(Bench& bench) {
-  const auto here = bench.run(bench.input, {});
-  const auto subject = bench.started();
-  std::thread([&] { subject->process(bench.input); }).join();
-  return difference(here, subject->bytes());
+Verdict other_thread(CaseFixture& fixture) {
+  const auto here = fixture.run(fixture.input, {});
+  const auto driver = fixture.started();
+  std::thread([&] { driver->process(fixture.input); }).join();
+  return difference(here, driver->bytes());
 }
 
-Verdict no_breach_about(Bench& bench, const char* beginning) {
-  const auto subject = bench.started();
-  subject->process(bench.input);
-  if (bench.table().reset) subject->reset();
-  subject->destroy();
+Verdict no_violation_of(CaseFixture& fixture, const char* beginning) {
+  const auto driver = fixture.started();
+  driver->process(fixture.input);
+  if (fixture.table().reset) driver->reset();
+  driver->destroy();
   usleep(20'000);  // for its own threads
-  for (const std::string& breach : subject->breaches)
-    if (breach.starts_with(beginning)) return breach;
+  for (const std::string& violation : driver->violations)
+    if (violation.starts_with(beginning)) return violation;
   return "";
 }
-Verdict emits_in_process(Bench& bench) { return no_breach_about(bench, "phase"); }
-Verdict emits_on_thread(Bench& bench) { return no_breach_about(bench, "thread"); }
+Verdict emits_in_process(CaseFixture& fixture) { return no_violation_of(fixture, "phase"); }
+Verdict emits_on_thread(CaseFixture& fixture) { return no_violation_of(fixture, "thread"); }
 
-Verdict leaves_no_thread(Bench& bench) {
-  bench.run(bench.input, {});  // excludes what a library starts once for all instances
+Verdict leaves_no_thread(CaseFixture& fixture) {
+  fixture.run(fixture.input, {});  // excludes what a library starts once for all instances
   const size_t before = entries_of("/proc/self/task");
-  for (int i = 0; i < 5; ++i) bench.run(bench.input, {});
+  for (int i = 0; i < 5; ++i) fixture.run(fixture.input, {});
   const size_t after = entries_of("/proc/self/task");
   return after <= before ? "" : std::to_string(after - before) + " threads more after five instances";
 }
 
-Verdict leaves_no_file(Bench& bench) {
-  bench.run(bench.input, {});
+Verdict leaves_no_file(CaseFixture& fixture) {
+  fixture.run(fixture.input, {});
   const size_t before = entries_of("/proc/self/fd");
-  for (int i = 0; i < 5; ++i) bench.run(bench.input, {});
+  for (int i = 0; i < 5; ++i) fixture.run(fixture.input, {});
   const size_t after = entries_of("/proc/self/fd");
   return after <= before ? "" : std::to_string(after - before) + " files more are open after five instances";
 }
@@ -152,10 +152,10 @@ void trim_heap() {
 
 /// A hundred instances to warm up, then four times 250. A leak grows in each round, the allocator's pools only
 /// occasionally; so the smallest growth counts, times four. A leak of 2 kB per instance shows as 2 MB.
-Verdict does_not_leak(Bench& bench) {
+Verdict does_not_leak(CaseFixture& fixture) {
   constexpr int rounds = 4, instances = 250;
   const auto cycle = [&](int count) {
-    for (int i = 0; i < count; ++i) bench.run({}, {});
+    for (int i = 0; i < count; ++i) fixture.run({}, {});
     trim_heap();
     return resident_mb();
   };
@@ -168,10 +168,10 @@ Verdict does_not_leak(Bench& bench) {
   return more < 2.0 ? "" : std::to_string(more) + " MB more after 1000 instances; expected less than 2";
 }
 
-Verdict does_not_grow(Bench& bench) {
-  const auto subject = bench.started();
+Verdict does_not_grow(CaseFixture& fixture) {
+  const auto driver = fixture.started();
   const auto walk = [&](int round) {
-    Handling later;
+    MessageLayout later;
     later.change = [=](AnyMessage& message) {
       const int64_t shift = round * 20'000'000'000;
       message.header().t_ns += shift;
@@ -182,10 +182,10 @@ Verdict does_not_grow(Bench& bench) {
         step.t_start_ns += shift, step.t_end_ns += shift;
       }
     };
-    subject->process(bench.input, later);
-    subject->events.clear();
-    subject->events.shrink_to_fit();
-    subject->call_s.clear();
+    driver->process(fixture.input, later);
+    driver->events.clear();
+    driver->events.shrink_to_fit();
+    driver->call_s.clear();
   };
   for (int round = 0; round < 3; ++round) walk(round);
   const double before = resident_mb();
@@ -194,25 +194,25 @@ Verdict does_not_grow(Bench& bench) {
   return more < 16.0 ? "" : std::to_string(more) + " MB more after six walks of 5 s; expected less than 16";
 }
 
-Verdict unknown_extension(Bench& bench) {
-  if (!bench.table().get_interface) return not_applicable("it has no get_interface");
-  const auto subject = bench.started();
+Verdict unknown_extension(CaseFixture& fixture) {
+  if (!fixture.table().get_interface) return not_applicable("it has no get_interface");
+  const auto driver = fixture.started();
   note_phase("get_interface");
-  return bench.table().get_interface(subject->instance(), "vendor.none/1", 13) ? "it returned a table for an unknown id"
+  return fixture.table().get_interface(driver->instance(), "vendor.none/1", 13) ? "it returned a table for an unknown id"
                                                                                : "";
 }
 
 // ---- save and load -------------------------------------------------------------------------------------------------
 
 /// Throws a Verdict if saving fails.
-std::vector<uint8_t> saved(const Bench& bench, const Subject& subject) {
+std::vector<uint8_t> saved(const CaseFixture& fixture, const PluginDriver& driver) {
   note_phase("save");
-  const auto save = bench.table().save;
-  const int64_t needed = save(subject.instance(), nullptr, 0);
+  const auto save = fixture.table().save;
+  const int64_t needed = save(driver.instance(), nullptr, 0);
   if (needed < 0 || needed > int64_t{ODO_LARGEST_STATE})
     throw Verdict(status_text("save", static_cast<int32_t>(needed)));
   std::vector<uint8_t> bytes(static_cast<size_t>(needed) + 64, 0x5A);
-  if (save(subject.instance(), bytes.data(), static_cast<uint64_t>(needed)) != needed)
+  if (save(driver.instance(), bytes.data(), static_cast<uint64_t>(needed)) != needed)
     throw Verdict("save returned another size when called again");
   for (size_t i = static_cast<size_t>(needed); i < bytes.size(); ++i)
     if (bytes[i] != 0x5A) throw Verdict("save wrote beyond the capacity");
@@ -220,35 +220,35 @@ std::vector<uint8_t> saved(const Bench& bench, const Subject& subject) {
   return bytes;
 }
 
-Verdict save_keeps_to_capacity(Bench& bench) {
-  if (!bench.table().save) return not_applicable("it saves nothing");
-  const auto subject = bench.started();
-  subject->process(bench.input);
-  const auto bytes = saved(bench, *subject);
+Verdict save_keeps_to_capacity(CaseFixture& fixture) {
+  if (!fixture.table().save) return not_applicable("it saves nothing");
+  const auto driver = fixture.started();
+  driver->process(fixture.input);
+  const auto bytes = saved(fixture, *driver);
   if (bytes.empty()) return {};
   std::vector<uint8_t> small(bytes.size(), 0x5A);
-  bench.table().save(subject->instance(), small.data(), bytes.size() - 1);
+  fixture.table().save(driver->instance(), small.data(), bytes.size() - 1);
   return std::all_of(small.begin(), small.end(), [](uint8_t b) { return b == 0x5A; })
              ? ""
              : "save wrote although the capacity was too small";
 }
 
-Verdict round_trip(Bench& bench) {
-  if (!bench.table().save || !bench.table().load) return not_applicable("it saves nothing");
-  const auto one = bench.started(), other = bench.started();
-  one->process(bench.input);
-  const auto bytes = saved(bench, *one);
+Verdict round_trip(CaseFixture& fixture) {
+  if (!fixture.table().save || !fixture.table().load) return not_applicable("it saves nothing");
+  const auto one = fixture.started(), other = fixture.started();
+  one->process(fixture.input);
+  const auto bytes = saved(fixture, *one);
   if (bytes.empty()) return not_applicable("it has nothing to save");
   note_phase("load");
-  if (const int32_t status = bench.table().load(other->instance(), bytes.data(), bytes.size()); status < 0)
+  if (const int32_t status = fixture.table().load(other->instance(), bytes.data(), bytes.size()); status < 0)
     return status_text("loading what it saved", status);
-  return saved(bench, *other) == bytes ? "" : "after loading, it saves a different state";
+  return saved(fixture, *other) == bytes ? "" : "after loading, it saves a different state";
 }
 
-Verdict damaged_state(Bench& bench) {
-  if (!bench.table().load) return not_applicable("it loads nothing");
-  const auto subject = bench.started();
-  auto bytes = bench.table().save ? saved(bench, *subject) : std::vector<uint8_t>();
+Verdict damaged_state(CaseFixture& fixture) {
+  if (!fixture.table().load) return not_applicable("it loads nothing");
+  const auto driver = fixture.started();
+  auto bytes = fixture.table().save ? saved(fixture, *driver) : std::vector<uint8_t>();
   uint32_t random = 12345;
   for (int i = 0; i < 300; ++i) {
     auto bad = bytes;
@@ -257,22 +257,22 @@ Verdict damaged_state(Bench& bench) {
     for (uint32_t k = 0; k <= random % 4 && !bad.empty(); ++k)
       bad[(random >> 8 ^ k * 7919) % bad.size()] ^= static_cast<uint8_t>(1 + i);
     note_phase("load of a damaged state");
-    bench.table().load(subject->instance(), bad.data(), bad.size());
+    fixture.table().load(driver->instance(), bad.data(), bad.size());
   }
-  const int32_t status = subject->process(bench.input);
+  const int32_t status = driver->process(fixture.input);
   if (status <= ODO_E_ERROR) return status_text("after damaged states process", status);
-  for (const std::string& breach : subject->breaches)
-    if (breach.starts_with("numbers")) return "after damaged states it " + breach.substr(9);
+  for (const std::string& violation : driver->violations)
+    if (violation.starts_with("numbers")) return "after damaged states it " + violation.substr(9);
   return {};
 }
 
-Verdict foreign_state(Bench& bench) {
-  if (!bench.table().load || !bench.table().save) return not_applicable("it saves nothing");
-  const auto subject = bench.started();
-  if (saved(bench, *subject).empty()) return not_applicable("it has nothing to save");
+Verdict foreign_state(CaseFixture& fixture) {
+  if (!fixture.table().load || !fixture.table().save) return not_applicable("it saves nothing");
+  const auto driver = fixture.started();
+  if (saved(fixture, *driver).empty()) return not_applicable("it has nothing to save");
   const char text[] = "this was saved by somebody else, long ago and in another format";
   note_phase("load");
-  return bench.table().load(subject->instance(), text, sizeof text) < 0 ? "" : "it accepted a text as a saved state";
+  return fixture.table().load(driver->instance(), text, sizeof text) < 0 ? "" : "it accepted a text as a saved state";
 }
 
 }  // namespace

@@ -14,7 +14,7 @@
 
 #include "sdk/math/rotation.hpp"
 #include "sdk/math/time.hpp"
-#include "sdk/tools/validator/bench.hpp"
+#include "sdk/tools/validator/case_fixture.hpp"
 
 namespace odograph {
 namespace {
@@ -30,30 +30,30 @@ constexpr int64_t kPause_ns = 1'500'000'000;                   // longer than an
 constexpr int64_t kSecond_ns = 1'000'000'000;
 
 template <class Event>
-std::vector<std::pair<const SeenEvent*, const Event*>> all_of(const Subject& subject, uint32_t type) {
+std::vector<std::pair<const SeenEvent*, const Event*>> all_of(const PluginDriver& driver, uint32_t type) {
   std::vector<std::pair<const SeenEvent*, const Event*>> found;
-  for (const SeenEvent& event : subject.events)
+  for (const SeenEvent& event : driver.events)
     if (event.message.header().type == type) found.emplace_back(&event, &as<Event>(event.message.header()));
   return found;
 }
 
 /// Runs the walk and checks all events of a type; not applicable if the plugin does not emit it.
 template <class Event, class Ask>
-Verdict of_all(Bench& bench, uint32_t type, Ask&& ask) {
-  if (!bench.gives(type)) return not_applicable("it emits no " + message_name(type));
-  const Subject* subject = bench.walked();
-  return ask(all_of<Event>(*subject, type));
+Verdict of_all(CaseFixture& fixture, uint32_t type, Ask&& ask) {
+  if (!fixture.emits(type)) return not_applicable("it emits no " + message_name(type));
+  const PluginDriver* driver = fixture.walked_instance();
+  return ask(all_of<Event>(*driver, type));
 }
 std::string at(const odo_header& h) { return " (t_ns = " + std::to_string(h.t_ns) + ")"; }
 
 // ---- attitude ------------------------------------------------------------------------------------------------------
 
-Verdict attitude_each(Bench& bench) {
-  if (!bench.serves(ODO_INTERFACE_ATTITUDE)) return not_applicable("it is not an attitude plugin");
-  return of_all<odo_attitude>(bench, ODO_TYPE_ATTITUDE, [&](const auto& all) -> std::string {
+Verdict attitude_each(CaseFixture& fixture) {
+  if (!fixture.serves(ODO_INTERFACE_ATTITUDE)) return not_applicable("it is not an attitude plugin");
+  return of_all<odo_attitude>(fixture, ODO_TYPE_ATTITUDE, [&](const auto& all) -> std::string {
     size_t next = 0;
     bool begun = false;
-    for (const AnyMessage& message : bench.input) {
+    for (const AnyMessage& message : fixture.input) {
       if (message.header().type != ODO_TYPE_IMU) continue;
       const bool answered = next < all.size() && all[next].second->header.t_ns == message.header().t_ns;
       if (!answered && begun) return "no attitude for the sample" + at(message.header()) + " although it had started";
@@ -63,8 +63,8 @@ Verdict attitude_each(Bench& bench) {
   });
 }
 
-Verdict attitude_up(Bench& bench) {
-  return of_all<odo_attitude>(bench, ODO_TYPE_ATTITUDE, [](const auto& all) -> std::string {
+Verdict attitude_up(CaseFixture& fixture) {
+  return of_all<odo_attitude>(fixture, ODO_TYPE_ATTITUDE, [](const auto& all) -> std::string {
     if (all.empty()) return "it emitted no attitude";
     const Eigen::Vector3d up_n = raw_quaternion(all.back().second->q_n_b) * Eigen::Vector3d::UnitZ();
     const double off = std::acos(std::clamp(-up_n.z(), -1.0, 1.0));
@@ -76,8 +76,8 @@ Verdict attitude_up(Bench& bench) {
 
 // ---- steps ---------------------------------------------------------------------------------------------------------
 
-Verdict step_length(Bench& bench) {
-  return of_all<odo_step>(bench, ODO_TYPE_STEP, [](const auto& all) -> std::string {
+Verdict step_length(CaseFixture& fixture) {
+  return of_all<odo_step>(fixture, ODO_TYPE_STEP, [](const auto& all) -> std::string {
     for (const auto& [seen, step] : all)
       if (step->length_m < kShortestStep_m || step->length_m > kLongestStep_m)
         return "length_m = " + std::to_string(step->length_m) + at(step->header) + "; people step 0.1 to 2.6 m";
@@ -85,8 +85,8 @@ Verdict step_length(Bench& bench) {
   });
 }
 
-Verdict step_frequency(Bench& bench) {
-  return of_all<odo_step>(bench, ODO_TYPE_STEP, [](const auto& all) -> std::string {
+Verdict step_frequency(CaseFixture& fixture) {
+  return of_all<odo_step>(fixture, ODO_TYPE_STEP, [](const auto& all) -> std::string {
     for (const auto& [seen, step] : all)
       if (step->frequency_hz <= 0 || step->frequency_hz > kFastestStep_hz)
         return "frequency_hz = " + std::to_string(step->frequency_hz) + at(step->header) + "; expected steps a second";
@@ -94,8 +94,8 @@ Verdict step_frequency(Bench& bench) {
   });
 }
 
-Verdict step_order(Bench& bench) {
-  return of_all<odo_step>(bench, ODO_TYPE_STEP, [](const auto& all) -> std::string {
+Verdict step_order(CaseFixture& fixture) {
+  return of_all<odo_step>(fixture, ODO_TYPE_STEP, [](const auto& all) -> std::string {
     for (size_t i = 1; i < all.size(); ++i)
       if (all[i].second->t_start_ns < all[i - 1].second->t_end_ns)
         return "two steps overlap" + at(all[i].second->header);
@@ -103,8 +103,8 @@ Verdict step_order(Bench& bench) {
   });
 }
 
-Verdict step_times(Bench& bench) {
-  return of_all<odo_step>(bench, ODO_TYPE_STEP, [](const auto& all) -> std::string {
+Verdict step_times(CaseFixture& fixture) {
+  return of_all<odo_step>(fixture, ODO_TYPE_STEP, [](const auto& all) -> std::string {
     for (const auto& [seen, step] : all) {
       if (step->t_end_ns > step->header.t_ns) return "t_end_ns is after the step's own time" + at(step->header);
       if (step->t_end_ns - step->t_start_ns > 5 * kSecond_ns) return "a step lasts more than 5 s" + at(step->header);
@@ -115,8 +115,8 @@ Verdict step_times(Bench& bench) {
 
 /// The first steps of a walk may be held back until the walk is confirmed: they arrive together with a timely one, long
 /// after the previous walk's last step.
-Verdict step_late(Bench& bench) {
-  return of_all<odo_step>(bench, ODO_TYPE_STEP, [](const auto& all) -> std::string {
+Verdict step_late(CaseFixture& fixture) {
+  return of_all<odo_step>(fixture, ODO_TYPE_STEP, [](const auto& all) -> std::string {
     int64_t last_end_ns = INT64_MIN;  // of the earlier calls
     for (size_t i = 0; i < all.size();) {
       size_t end = i;
@@ -138,8 +138,8 @@ Verdict step_late(Bench& bench) {
   });
 }
 
-Verdict step_index(Bench& bench) {
-  return of_all<odo_step>(bench, ODO_TYPE_STEP, [](const auto& all) -> std::string {
+Verdict step_index(CaseFixture& fixture) {
+  return of_all<odo_step>(fixture, ODO_TYPE_STEP, [](const auto& all) -> std::string {
     for (size_t i = 0; i < all.size(); ++i)
       if (all[i].second->index != i)
         return "the step number " + std::to_string(i) + " has index = " + std::to_string(all[i].second->index);
@@ -147,8 +147,8 @@ Verdict step_index(Bench& bench) {
   });
 }
 
-Verdict mode_changes(Bench& bench) {
-  return of_all<odo_motion_mode>(bench, ODO_TYPE_MOTION_MODE, [](const auto& all) -> std::string {
+Verdict mode_changes(CaseFixture& fixture) {
+  return of_all<odo_motion_mode>(fixture, ODO_TYPE_MOTION_MODE, [](const auto& all) -> std::string {
     for (size_t i = 1; i < all.size(); ++i)
       if (all[i].second->mode == all[i - 1].second->mode)
         return "it reports the same mode twice" + at(all[i].second->header);
@@ -158,11 +158,11 @@ Verdict mode_changes(Bench& bench) {
 
 // ---- odometry ------------------------------------------------------------------------------------------------------
 
-Verdict motion_each(Bench& bench) {
-  if (!bench.serves(ODO_INTERFACE_VO_FRONTEND)) return not_applicable("it is no front-end");
-  return of_all<odo_vo_motion>(bench, ODO_TYPE_VO_MOTION, [&](const auto& all) -> std::string {
+Verdict motion_each(CaseFixture& fixture) {
+  if (!fixture.serves(ODO_INTERFACE_VO_FRONTEND)) return not_applicable("it is no front-end");
+  return of_all<odo_vo_motion>(fixture, ODO_TYPE_VO_MOTION, [&](const auto& all) -> std::string {
     std::vector<int64_t> frames;
-    for (const AnyMessage& message : bench.input)
+    for (const AnyMessage& message : fixture.input)
       if (message.header().type == ODO_TYPE_FRAME) frames.push_back(message.header().t_ns);
     if (all.size() + 2 < frames.size())
       return std::to_string(frames.size()) + " frames, " + std::to_string(all.size()) + " motions";
@@ -177,8 +177,8 @@ Verdict motion_each(Bench& bench) {
   });
 }
 
-Verdict motion_reason(Bench& bench) {
-  return of_all<odo_vo_motion>(bench, ODO_TYPE_VO_MOTION, [](const auto& all) -> std::string {
+Verdict motion_reason(CaseFixture& fixture) {
+  return of_all<odo_vo_motion>(fixture, ODO_TYPE_VO_MOTION, [](const auto& all) -> std::string {
     for (const auto& [seen, motion] : all) {
       if (motion->state == ODO_LOST && motion->reason == ODO_REASON_NONE)
         return "it is lost without a reason" + at(motion->header);
@@ -190,8 +190,8 @@ Verdict motion_reason(Bench& bench) {
   });
 }
 
-Verdict motion_speed(Bench& bench) {
-  return of_all<odo_vo_motion>(bench, ODO_TYPE_VO_MOTION, [](const auto& all) -> std::string {
+Verdict motion_speed(CaseFixture& fixture) {
+  return of_all<odo_vo_motion>(fixture, ODO_TYPE_VO_MOTION, [](const auto& all) -> std::string {
     for (const auto& [seen, motion] : all) {
       if (!(motion->header.flags & ODO_VO_METRIC)) continue;
       const double distance = Eigen::Vector3d(motion->p_c0_c1).norm();
@@ -202,8 +202,8 @@ Verdict motion_speed(Bench& bench) {
   });
 }
 
-Verdict motion_camera(Bench& bench) {
-  return of_all<odo_vo_motion>(bench, ODO_TYPE_VO_MOTION, [](const auto& all) -> std::string {
+Verdict motion_camera(CaseFixture& fixture) {
+  return of_all<odo_vo_motion>(fixture, ODO_TYPE_VO_MOTION, [](const auto& all) -> std::string {
     for (const auto& [seen, motion] : all)
       if (motion->camera != 0)
         return "camera = " + std::to_string(motion->camera) + at(motion->header) + "; the only camera is 0";
@@ -211,9 +211,9 @@ Verdict motion_camera(Bench& bench) {
   });
 }
 
-Verdict refined(Bench& bench) {
-  if (!bench.serves(ODO_INTERFACE_VO_FRONTEND)) return not_applicable("it is no front-end");
-  return of_all<odo_refined>(bench, ODO_TYPE_REFINED, [](const auto& all) -> std::string {
+Verdict refined(CaseFixture& fixture) {
+  if (!fixture.serves(ODO_INTERFACE_VO_FRONTEND)) return not_applicable("it is no front-end");
+  return of_all<odo_refined>(fixture, ODO_TYPE_REFINED, [](const auto& all) -> std::string {
     int64_t last_ns = INT64_MIN / 2;
     for (const auto& [seen, c] : all) {
       if (c->camera != 0) return "it refined a camera that does not exist: " + std::to_string(c->camera);
@@ -227,8 +227,8 @@ Verdict refined(Bench& bench) {
 
 // ---- scales and fixes ----------------------------------------------------------------------------------------------
 
-Verdict scale_unit(Bench& bench) {
-  return of_all<odo_scale>(bench, ODO_TYPE_SCALE, [](const auto& all) -> std::string {
+Verdict scale_unit(CaseFixture& fixture) {
+  return of_all<odo_scale>(fixture, ODO_TYPE_SCALE, [](const auto& all) -> std::string {
     for (const auto& [seen, scale] : all) {
       const double times = scale->scale / (TestInput::kSpeed_mps / TestInput::kUnit_mps);
       if (times > kWrongScale || times < 1 / kWrongScale)
@@ -238,8 +238,8 @@ Verdict scale_unit(Bench& bench) {
   });
 }
 
-Verdict scale_group(Bench& bench) {
-  return of_all<odo_scale>(bench, ODO_TYPE_SCALE, [](const auto& all) -> std::string {
+Verdict scale_group(CaseFixture& fixture) {
+  return of_all<odo_scale>(fixture, ODO_TYPE_SCALE, [](const auto& all) -> std::string {
     for (const auto& [seen, scale] : all)
       if (scale->scale_group != 3)
         return "scale_group = " + std::to_string(scale->scale_group) + at(scale->header) +
@@ -248,15 +248,15 @@ Verdict scale_group(Bench& bench) {
   });
 }
 
-Verdict scale_interval(Bench& bench) {
-  return of_all<odo_scale>(bench, ODO_TYPE_SCALE, [&](const auto& all) -> std::string {
+Verdict scale_interval(CaseFixture& fixture) {
+  return of_all<odo_scale>(fixture, ODO_TYPE_SCALE, [&](const auto& all) -> std::string {
     for (const auto& [seen, scale] : all)
       if (scale->valid_from_ns >= scale->valid_to_ns)
         return "valid_from_ns is not before valid_to_ns" + at(scale->header);
     // An answer to a motion applies to that motion; a scale stated on a step or a fix applies to later motions.
     for (const auto& [seen, scale] : all) {
       int64_t past_ns = INT64_MIN;
-      for (const AnyMessage& message : bench.input)
+      for (const AnyMessage& message : fixture.input)
         if (message.header().type == ODO_TYPE_VO_MOTION && message.header().t_ns < seen->input_ns)
           past_ns = std::max(past_ns, message.header().t_ns);
       if (scale->valid_to_ns <= past_ns)
@@ -267,8 +267,8 @@ Verdict scale_interval(Bench& bench) {
   });
 }
 
-Verdict scale_sigma(Bench& bench) {
-  return of_all<odo_scale>(bench, ODO_TYPE_SCALE, [](const auto& all) -> std::string {
+Verdict scale_sigma(CaseFixture& fixture) {
+  return of_all<odo_scale>(fixture, ODO_TYPE_SCALE, [](const auto& all) -> std::string {
     for (const auto& [seen, scale] : all)
       if (scale->sigma < 0 || scale->sigma > 1e3 * std::max(scale->scale, 1e-9))
         return "sigma = " + std::to_string(scale->sigma) + at(scale->header);
@@ -276,16 +276,16 @@ Verdict scale_sigma(Bench& bench) {
   });
 }
 
-Verdict fix_says(Bench& bench) {
-  return of_all<odo_fix>(bench, ODO_TYPE_FIX, [](const auto& all) -> std::string {
+Verdict fix_has_content(CaseFixture& fixture) {
+  return of_all<odo_fix>(fixture, ODO_TYPE_FIX, [](const auto& all) -> std::string {
     for (const auto& [seen, fix] : all)
       if ((fix->header.flags & 127) == 0) return "a fix without a valid component" + at(fix->header);
     return "";
   });
 }
 
-Verdict fix_place(Bench& bench) {
-  return of_all<odo_fix>(bench, ODO_TYPE_FIX, [](const auto& all) -> std::string {
+Verdict fix_place(CaseFixture& fixture) {
+  return of_all<odo_fix>(fixture, ODO_TYPE_FIX, [](const auto& all) -> std::string {
     for (const auto& [seen, fix] : all) {
       for (int i = 0; i < 3; ++i)
         if ((fix->header.flags >> i & 1) && std::abs(fix->p_n[i]) > kFarthest_m)
@@ -298,8 +298,8 @@ Verdict fix_place(Bench& bench) {
 }
 
 /// A terrain height below a pose is new information; a position derived from a pose is not.
-Verdict fix_echo(Bench& bench) {
-  return of_all<odo_fix>(bench, ODO_TYPE_FIX, [&](const auto& all) -> std::string {
+Verdict fix_echo(CaseFixture& fixture) {
+  return of_all<odo_fix>(fixture, ODO_TYPE_FIX, [&](const auto& all) -> std::string {
     constexpr uint32_t place = ODO_FIX_NORTH | ODO_FIX_EAST;
     size_t echoes = 0;
     for (const auto& [seen, fix] : all)
@@ -336,7 +336,7 @@ std::vector<Case> meaning_cases() {
       {"scale.group", "refers to the motions' scale group", 20, 10, true, scale_group},
       {"scale.interval", "states for which motions it is valid", 20, 10, true, scale_interval, true},
       {"scale.sigma", "has a plausible sigma", 20, 10, true, scale_sigma, true},
-      {"fix.says_something", "emits fixes with at least one valid component", 20, 10, true, fix_says, true},
+      {"fix.says_something", "emits fixes with at least one valid component", 20, 10, true, fix_has_content, true},
       {"fix.place", "emits fixes on the Earth, near the local frame", 20, 10, true, fix_place, true},
       {"fix.no_echo", "does not derive positions from poses", 20, 10, true, fix_echo, true},
   };

@@ -8,16 +8,16 @@
 
 #include "sdk/host/base/nearest.hpp"
 #include "sdk/host/plugin_host/instance.hpp"
-#include "sdk/tools/validator/bench.hpp"
+#include "sdk/tools/validator/case_fixture.hpp"
 
 namespace odograph {
 namespace {
 
 /// Checks each row; returns the first non-empty result, preceded by the parameter's name.
 template <class Ask>
-Verdict of_each(Bench& bench, Ask&& ask) {
-  if (bench.choice.manifest.parameters.empty()) return not_applicable("it has no parameters");
-  for (const Spec& spec : bench.choice.manifest.parameters)
+Verdict of_each(CaseFixture& fixture, Ask&& ask) {
+  if (fixture.choice.manifest.parameters.empty()) return not_applicable("it has no parameters");
+  for (const Spec& spec : fixture.choice.manifest.parameters)
     if (const std::string found = ask(spec); !found.empty()) return "'" + spec.name + "' " + found;
   return "";
 }
@@ -39,9 +39,9 @@ std::string refusal_of(const Spec& spec, const std::string& text) {
   return checked ? "" : checked.failure().text;
 }
 
-Verdict names(Bench& bench) {
-  const auto& all = bench.choice.manifest.parameters;
-  return of_each(bench, [&](const Spec& spec) -> std::string {
+Verdict names(CaseFixture& fixture) {
+  const auto& all = fixture.choice.manifest.parameters;
+  return of_each(fixture, [&](const Spec& spec) -> std::string {
     const bool good = !spec.name.empty() && std::all_of(spec.name.begin(), spec.name.end(), [](char c) {
       return std::islower(static_cast<unsigned char>(c)) || std::isdigit(static_cast<unsigned char>(c)) || c == '_';
     });
@@ -79,8 +79,8 @@ bool is_si_unit(std::string_view text) {
   return text.empty();
 }
 
-Verdict units(Bench& bench) {
-  return of_each(bench, [](const Spec& spec) -> std::string {
+Verdict units(CaseFixture& fixture) {
+  return of_each(fixture, [](const Spec& spec) -> std::string {
     if (spec.unit.empty() || !is_number(spec)) return "";
     return !is_si_unit(spec.unit)
                ? "has the unit '" + spec.unit + "'; expected one of the SI, such as m, rad, m/s^2, m^(3/4)*s^(1/2)"
@@ -88,27 +88,27 @@ Verdict units(Bench& bench) {
   });
 }
 
-Verdict helps(Bench& bench) {
-  return of_each(bench, [](const Spec& spec) -> std::string { return spec.help.empty() ? "has no help" : ""; });
+Verdict helps(CaseFixture& fixture) {
+  return of_each(fixture, [](const Spec& spec) -> std::string { return spec.help.empty() ? "has no help" : ""; });
 }
 
-Verdict ranges(Bench& bench) {
-  return of_each(bench, [](const Spec& spec) -> std::string {
+Verdict ranges(CaseFixture& fixture) {
+  return of_each(fixture, [](const Spec& spec) -> std::string {
     if (!std::isfinite(spec.min) || !std::isfinite(spec.max)) return "has a bound that is not finite";
     return spec.min <= spec.max ? ""
                                 : "has min = " + std::to_string(spec.min) + " above max = " + std::to_string(spec.max);
   });
 }
 
-Verdict defaults(Bench& bench) {
-  return of_each(bench, [](const Spec& spec) -> std::string {
+Verdict defaults(CaseFixture& fixture) {
+  return of_each(fixture, [](const Spec& spec) -> std::string {
     if (spec.fallback.empty() && !is_number(spec)) return "";
     return refusal_of(spec, spec.fallback);
   });
 }
 
-Verdict choices(Bench& bench) {
-  return of_each(bench, [](const Spec& spec) -> std::string {
+Verdict choices(CaseFixture& fixture) {
+  return of_each(fixture, [](const Spec& spec) -> std::string {
     if (spec.type != SpecType::choice) return "";
     const auto all = split(spec.choices, '|');
     if (all.empty()) return "is a choice without choices";
@@ -118,29 +118,29 @@ Verdict choices(Bench& bench) {
   });
 }
 
-Verdict counts(Bench& bench) {
-  return of_each(bench, [](const Spec& spec) -> std::string {
+Verdict counts(CaseFixture& fixture) {
+  return of_each(fixture, [](const Spec& spec) -> std::string {
     const bool good = spec.type != SpecType::reals || (spec.count >= 1 && spec.count <= 64);
     return good ? "" : "has count = " + std::to_string(spec.count) + "; expected 1 to 64";
   });
 }
 
 /// Starts with a value at an end of its range; refusal with ODO_E_CONFIG and a report is also good.
-Verdict at_ends(Bench& bench) {
+Verdict at_ends(CaseFixture& fixture) {
   bool any = false;
-  for (size_t i = 0; i < bench.choice.parameters.size(); ++i) {
-    const auto& [spec, value] = bench.choice.parameters[i];
+  for (size_t i = 0; i < fixture.choice.parameters.size(); ++i) {
+    const auto& [spec, value] = fixture.choice.parameters[i];
     if ((spec.type != SpecType::real && spec.type != SpecType::integer) || !spec.bounded()) continue;
     any = true;
     for (const double end : {spec.min, spec.max}) {
-      const Value kept = bench.choice.parameters[i].second;
-      bench.choice.parameters[i].second.real = end;
-      bench.choice.parameters[i].second.integer = static_cast<int64_t>(end);
-      auto subject = bench.subject();
-      const size_t told = bench.reports.size();
-      const int32_t status = subject->start(values_of(bench.choice));
-      bench.choice.parameters[i].second = kept;
-      if (status >= 0 || (status == ODO_E_CONFIG && bench.reports.size() > told)) continue;
+      const Value kept = fixture.choice.parameters[i].second;
+      fixture.choice.parameters[i].second.real = end;
+      fixture.choice.parameters[i].second.integer = static_cast<int64_t>(end);
+      auto driver = fixture.driver();
+      const size_t told = fixture.reports.size();
+      const int32_t status = driver->start(values_of(fixture.choice));
+      fixture.choice.parameters[i].second = kept;
+      if (status >= 0 || (status == ODO_E_CONFIG && fixture.reports.size() > told)) continue;
       return "'" + spec.name + "' = " + std::to_string(end) + ": status " + std::to_string(status) +
              "; expected ODO_OK, or ODO_E_CONFIG after a report";
     }
@@ -148,55 +148,55 @@ Verdict at_ends(Bench& bench) {
   return any ? Verdict() : not_applicable("none of its numbers has bounds");
 }
 
-Verdict unknown_name(Bench& bench) {
-  auto values = bench.values;
-  odo_value strange{};
-  strange.struct_size = sizeof strange;
-  strange.type = ODO_PARAMETER_BOOL;
-  strange.name = {"of_a_later_version", 18};
-  values.push_back(strange);
-  const auto subject = bench.subject();
-  subject->start(values);
+Verdict unknown_name(CaseFixture& fixture) {
+  auto values = fixture.values;
+  odo_value unknown_row{};
+  unknown_row.struct_size = sizeof unknown_row;
+  unknown_row.type = ODO_PARAMETER_BOOL;
+  unknown_row.name = {"of_a_later_version", 18};
+  values.push_back(unknown_row);
+  const auto driver = fixture.driver();
+  driver->start(values);
   return "";
 }
 
-Verdict any_order(Bench& bench) {
-  if (bench.values.size() < 2) return not_applicable("it has less than two parameters");
-  const auto straight = bench.run(bench.input, {});
-  std::reverse(bench.values.begin(), bench.values.end());
-  const auto reversed = bench.run(bench.input, {});
+Verdict any_order(CaseFixture& fixture) {
+  if (fixture.values.size() < 2) return not_applicable("it has less than two parameters");
+  const auto straight = fixture.run(fixture.input, {});
+  std::reverse(fixture.values.begin(), fixture.values.end());
+  const auto reversed = fixture.run(fixture.input, {});
   return difference(straight, reversed);
 }
 
 /// Values from a newer host, whose rows are longer.
-Verdict larger_rows(Bench& bench) {
+Verdict larger_rows(CaseFixture& fixture) {
   struct Later {
     odo_value value;
     uint64_t more[3];
   };
   std::vector<Later> rows;
-  for (const odo_value& value : bench.values) rows.push_back({value, {~0ull, ~0ull, ~0ull}});
+  for (const odo_value& value : fixture.values) rows.push_back({value, {~0ull, ~0ull, ~0ull}});
   for (Later& row : rows) row.value.struct_size = sizeof(Later);
-  const auto plain = bench.run(bench.input, {});
-  const auto subject = bench.subject();
-  int32_t status = subject->create();
+  const auto plain = fixture.run(fixture.input, {});
+  const auto driver = fixture.driver();
+  int32_t status = driver->create();
   if (status >= 0)
-    status = bench.table().configure(subject->instance(), rows.empty() ? nullptr : &rows[0].value,
+    status = fixture.table().configure(driver->instance(), rows.empty() ? nullptr : &rows[0].value,
                                      static_cast<uint32_t>(rows.size()), sizeof(Later));
-  if (status >= 0) status = subject->activate();
+  if (status >= 0) status = driver->activate();
   if (status < 0) return "status " + std::to_string(status);
-  subject->process(bench.input);
-  return difference(plain, subject->bytes());
+  driver->process(fixture.input);
+  return difference(plain, driver->bytes());
 }
 
 /// The values are unmapped after the call.
-Verdict keeps_no_pointer(Bench& bench) {
-  const auto plain = bench.run(bench.input, {});
-  const auto subject = bench.subject();
+Verdict keeps_no_pointer(CaseFixture& fixture) {
+  const auto plain = fixture.run(fixture.input, {});
+  const auto driver = fixture.driver();
   {
     std::vector<std::string> texts;
     std::vector<std::vector<double>> reals;
-    auto values = bench.values;
+    auto values = fixture.values;
     for (odo_value& value : values) {
       texts.emplace_back(value.text.data ? std::string(value.text.data, value.text.size) : std::string());
       reals.emplace_back(value.reals, value.reals + value.count);
@@ -205,16 +205,16 @@ Verdict keeps_no_pointer(Bench& bench) {
       values[i].text = {texts[i].data(), texts[i].size()};
       values[i].reals = reals[i].data();
     }
-    int32_t status = subject->create();
-    if (status >= 0) status = subject->configure(values);
+    int32_t status = driver->create();
+    if (status >= 0) status = driver->configure(values);
     if (status < 0) return "status " + std::to_string(status);
     for (std::string& text : texts) std::fill(text.begin(), text.end(), '?');
     for (auto& list : reals) std::fill(list.begin(), list.end(), 1e30);
     std::memset(static_cast<void*>(values.data()), 0xA5, values.size() * sizeof(odo_value));
   }
-  if (const int32_t status = subject->activate(); status < 0) return "status " + std::to_string(status);
-  subject->process(bench.input);
-  return difference(plain, subject->bytes());
+  if (const int32_t status = driver->activate(); status < 0) return "status " + std::to_string(status);
+  driver->process(fixture.input);
+  return difference(plain, driver->bytes());
 }
 
 }  // namespace

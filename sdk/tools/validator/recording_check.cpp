@@ -3,7 +3,7 @@
 
 #include <map>
 
-#include "sdk/tools/validator/bench.hpp"
+#include "sdk/tools/validator/case_fixture.hpp"
 #include "sdk/tools/validator/child.hpp"
 
 namespace odograph {
@@ -30,13 +30,13 @@ Verdict counted(const Range& messages, Header&& header) {
   return text.empty() ? not_applicable("nothing") : Verdict(PluginCheck::Outcome::passed, text);
 }
 
-std::string verdicts(Bench& bench) try {
-  const Subject* subject = bench.walked();
-  std::string text = encoded(counted(bench.input, [](const AnyMessage& m) -> const odo_header& { return m.header(); }));
+std::string verdicts(CaseFixture& fixture) try {
+  const PluginDriver* driver = fixture.walked_instance();
+  std::string text = encoded(counted(fixture.input, [](const AnyMessage& m) -> const odo_header& { return m.header(); }));
   text += kBetween;
-  text += encoded(counted(subject->events, [](const SeenEvent& e) -> const odo_header& { return e.message.header(); }));
+  text += encoded(counted(driver->events, [](const SeenEvent& e) -> const odo_header& { return e.message.header(); }));
   for (const Case& one : rows())
-    if (one.test) text += kBetween + encoded(one.run(bench));
+    if (one.test) text += kBetween + encoded(one.run(fixture));
   return text;
 } catch (const Verdict& verdict) {
   return encoded(verdict);
@@ -46,10 +46,10 @@ std::string verdicts(Bench& bench) try {
 
 std::vector<PluginCheck> check_on_recording(const std::filesystem::path& library, const CheckOptions& options) {
   const ChildResult result = run_in_child(options.limit_s > 0 ? options.limit_s : kLimit_s, [&]() -> std::string {
-    Bench bench(library, options.settings, 0);
-    if (const std::string fault = bench.load(); !fault.empty()) return encoded(fault);
-    bench.replay(options.recording);
-    return verdicts(bench);
+    CaseFixture fixture(library, options.settings, 0);
+    if (const std::string fault = fixture.load(); !fault.empty()) return encoded(fault);
+    fixture.replay(options.recording);
+    return verdicts(fixture);
   });
   std::vector<PluginCheck> checks;
   std::string left = result.text;

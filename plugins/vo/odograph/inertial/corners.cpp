@@ -49,8 +49,8 @@ const FrameCorners& GuidedCorners::follow(const cv::Mat& grey, const cv::Mat& ma
   if (!before_.empty() && !tracks_.empty()) {
     std::vector<cv::Point2f> to;
     predict(q_c0_c1, shift_px, before, dt_s, to);
-    const double ratio = light_ratio(to);
-    track_forward(std::abs(ratio - 1) > p_.light_change ? relit(ratio) : now_, to);
+    const double ratio = brightness_ratio(to);
+    track_forward(std::abs(ratio - 1) > p_.light_change ? correct_brightness(ratio) : now_, to);
     refine_by_patch(now_[0], q_c0_c1);
     drop_outliers(q_c0_c1, shift_px);
     for (Track& t : tracks_)
@@ -58,7 +58,7 @@ const FrameCorners& GuidedCorners::follow(const cv::Mat& grey, const cv::Mat& ma
   }
   std::swap(before_, now_);
   followed_ = tracks_.size();
-  if (static_cast<double>(followed_) < p_.refill_below * p_.most) refill(smooth_, mask);
+  if (static_cast<double>(followed_) < p_.refill_below * p_.max_corners) refill(smooth_, mask);
   for (const Track& t : tracks_) corners_.corners.push_back({t.id, Vector2d(t.pixel.x, t.pixel.y), t.pixel.y});
   return corners_;
 }
@@ -92,7 +92,7 @@ void GuidedCorners::predict(const Eigen::Quaterniond& q_c0_c1, const Vector2d& s
 }
 
 /// Median ratio of the brightness around the corners to that in the previous frame. One if there is nothing to compare.
-double GuidedCorners::light_ratio(const std::vector<cv::Point2f>& to) const {
+double GuidedCorners::brightness_ratio(const std::vector<cv::Point2f>& to) const {
   const int half = p_.light_px / 2;
   const auto mean_at = [&](const cv::Mat& picture, const cv::Point2f& at) {
     const cv::Rect window(cvRound(at.x) - half, cvRound(at.y) - half, p_.light_px, p_.light_px);
@@ -108,12 +108,12 @@ double GuidedCorners::light_ratio(const std::vector<cv::Point2f>& to) const {
 }
 
 /// The present picture with the brightness of the previous one.
-const GuidedCorners::Pyramid& GuidedCorners::relit(double ratio) {
+const GuidedCorners::Pyramid& GuidedCorners::correct_brightness(double ratio) {
   cv::Mat picture;
   smooth_.convertTo(picture, CV_8U, 1 / ratio);
-  cv::buildOpticalFlowPyramid(picture, relit_, {p_.window_px, p_.window_px}, p_.levels, true, cv::BORDER_REFLECT_101,
+  cv::buildOpticalFlowPyramid(picture, brightness_corrected_, {p_.window_px, p_.window_px}, p_.levels, true, cv::BORDER_REFLECT_101,
                               cv::BORDER_CONSTANT, false);
-  return relit_;
+  return brightness_corrected_;
 }
 
 void GuidedCorners::track_forward(const Pyramid& now, std::vector<cv::Point2f>& to) {
@@ -153,7 +153,7 @@ void GuidedCorners::refine_by_patch(const cv::Mat& picture, const Eigen::Quatern
       keep[i] = match->difference < p_.reference_error;
     } else {
       t.map = {pixel, Eigen::Matrix2d::Identity()};
-      t.known = patches_[t.patch].remember(picture, pixel, p_.patch);
+      t.known = patches_[t.patch].store(picture, pixel, p_.patch);
     }
   }
   keep_only(keep);
@@ -192,7 +192,7 @@ void GuidedCorners::refill(const cv::Mat& picture, const cv::Mat& mask) {
     return static_cast<size_t>(static_cast<int>(p.y) / p_.cell_px * columns + static_cast<int>(p.x) / p_.cell_px);
   };
   for (const Track& t : tracks_) taken[cell(t.pixel)] = 1;
-  const auto wanted = static_cast<size_t>(std::max(0, p_.most - static_cast<int>(tracks_.size())));
+  const auto wanted = static_cast<size_t>(std::max(0, p_.max_corners - static_cast<int>(tracks_.size())));
   std::vector<cv::Point2f> corners, chosen;
   // At half resolution: a quarter of the work, and corners that exist at both scales are tracked better.
   constexpr size_t kHalf = 2;           // the pyramid alternates pictures and their derivatives
@@ -200,7 +200,7 @@ void GuidedCorners::refill(const cv::Mat& picture, const cv::Mat& mask) {
   const cv::Mat& half = before_[kHalf];
   cv::Mat half_mask;
   if (!mask.empty()) cv::resize(mask, half_mask, half.size(), 0, 0, cv::INTER_NEAREST);
-  cv::goodFeaturesToTrack(half, corners, 4 * p_.most, p_.quality, p_.min_distance_px / 2, half_mask, p_.block_px);
+  cv::goodFeaturesToTrack(half, corners, 4 * p_.max_corners, p_.quality, p_.min_distance_px / 2, half_mask, p_.block_px);
   for (cv::Point2f& corner : corners) corner *= 2;
   for (const cv::Point2f& corner : corners) {
     if (chosen.size() >= wanted) break;
@@ -220,7 +220,7 @@ void GuidedCorners::refill(const cv::Mat& picture, const cv::Mat& mask) {
       t.patch = free_patches_.back();
       free_patches_.pop_back();
     }
-    t.known = patches_[t.patch].remember(picture, t.map.at, p_.patch);
+    t.known = patches_[t.patch].store(picture, t.map.at, p_.patch);
     tracks_.push_back(t);
   }
 }

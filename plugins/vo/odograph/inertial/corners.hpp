@@ -18,7 +18,7 @@ namespace odograph::vio {
 class GuidedCorners {
  public:
   struct Parameters {
-    int most = 220;               ///< max corners
+    int max_corners = 220;               ///< max corners
     int cell_px = 28;             ///< at most one new corner per cell
     double min_distance_px = 10;  ///< between new corners
     double quality = 0.01;        ///< relative to the best corner
@@ -34,7 +34,7 @@ class GuidedCorners {
     double reference_error = 6;   ///< grey levels, mean: a corner whose patch differs by more is dropped
     double reference_px = 1.5;    ///< max correction of a corner by its patch
     double min_growth = 0.5, max_growth = 3;  ///< of the area, before a new patch is taken
-    double refill_below = 0.7;                ///< of `most`
+    double refill_below = 0.7;                ///< of `max_corners`
     double epipolar_px = 2.0;                 ///< max distance of an inlier from the epipolar line
     int trials = 40;                          ///< of RANSAC: 0.9999 with half of the corners wrong
     size_t min_for_ransac = 10;               ///< corners
@@ -54,7 +54,7 @@ class GuidedCorners {
   const FrameCorners& corners() const { return corners_; }
   /// Number of corners of the previous frame that are still tracked.
   size_t followed() const { return followed_; }
-  bool too_dark() const { return !content_.shows_something(p_.content); }
+  bool too_dark() const { return !content_.has_content(p_.content); }
 
  private:
   struct Track {
@@ -71,8 +71,8 @@ class GuidedCorners {
 
   void predict(const Eigen::Quaterniond& q_c0_c1, const Eigen::Vector2d& shift_px, const CameraModel& before,
                double dt_s, std::vector<cv::Point2f>& to);
-  double light_ratio(const std::vector<cv::Point2f>& to) const;
-  const Pyramid& relit(double ratio);
+  double brightness_ratio(const std::vector<cv::Point2f>& to) const;
+  const Pyramid& correct_brightness(double ratio);
   void track_forward(const Pyramid& now, std::vector<cv::Point2f>& to);
   void refine_by_patch(const cv::Mat& picture, const Eigen::Quaterniond& q_c0_c1);
   void drop_outliers(const Eigen::Quaterniond& q_c0_c1, const Eigen::Vector2d& shift_px);
@@ -80,7 +80,7 @@ class GuidedCorners {
   void keep_only(const std::vector<char>& keep);
 
   Parameters p_;
-  Pyramid before_, now_, relit_;
+  Pyramid before_, now_, brightness_corrected_;
   std::vector<Track> tracks_;
   std::vector<Patch> patches_;
   std::vector<size_t> free_patches_;

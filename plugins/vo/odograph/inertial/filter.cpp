@@ -45,7 +45,7 @@ Filter::Filter(const FilterParameters& parameters, const Camera& camera, const S
   set(block::line_time, 1,
       line > 0 ? p_.priors.line_time_relative * line : p_.priors.readout_s / (2 * camera.middle_row + 1));
   set(block::shift, 2, p_.stabiliser.shift_sigma_px);
-  set(block::follow, 1, p_.stabiliser.follow_sigma);
+  set(block::gain, 1, p_.stabiliser.gain_sigma);
   set(block::leak, 1, p_.stabiliser.leak_sigma);
   set(block::focus, 1, p_.focus_sigma);
   set(block::scale, 1, start.scale);
@@ -68,18 +68,18 @@ FrameReport Filter::process(const FrameCorners& frame, const ImuBuffer& imu) {
   FrameReport report;
   const int64_t t_ns = frame.t_ns + nanoseconds(state_.camera.time_offset_s);
   report.imu_whole = propagate(state_, std::max(t_ns, state_.t_ns), imu, p_);
-  if (!recent_.empty()) let_corners_walk(seconds(frame.t_ns - recent_.back().t_ns));
-  report.standing = !gets_somewhere(frame.t_ns) && stands(frame, imu);
-  if (state_.clones.size() > 2 && ((report.standing && stood_) || without_parallax()))
-    forget_clone(state_.clones.size() - 1);
-  stood_ = report.standing;
+  if (!recent_.empty()) inflate_landmark_noise(seconds(frame.t_ns - recent_.back().t_ns));
+  report.standing = !is_translating(frame.t_ns) && is_standing(frame, imu);
+  if (state_.clones.size() > 2 && ((report.standing && was_standing_) || without_parallax()))
+    marginalise_clone(state_.clones.size() - 1);
+  was_standing_ = report.standing;
   augment(state_, next_id_++, frame.t_ns, imu, p_);
   for (const Corner& corner : frame.corners) tracks_[corner.track].push_back({newest().id, corner.pixel, corner.row});
   if (report.standing) update_zero_velocity(state_, p_.stand.sigma_mps(newest().rate_c.norm()));
   update_landmarks(frame, report);
   update_tracks(report);
   marginalise();
-  settle_lens();
+  detect_fixed_lens();
   update_scale_sigma();
   if (!recent_.empty()) update_pixel_sigma(report, seconds(frame.t_ns - recent_.back().t_ns));
   recent_.push_back(frame);
@@ -87,7 +87,7 @@ FrameReport Filter::process(const FrameCorners& frame, const ImuBuffer& imu) {
   return report;
 }
 
-void Filter::let_corners_walk(double dt_s) {
+void Filter::inflate_landmark_noise(double dt_s) {
   const double walk = p_.corner_walk_px / state_.camera.lens.focal();
   for (size_t j = 0; j < state_.landmarks.size(); ++j)
     state_.P.diagonal().segment<2>(state_.landmark_at(j)).array() += walk * walk * dt_s;
@@ -95,7 +95,7 @@ void Filter::let_corners_walk(double dt_s) {
 
 /// True if the mean velocity exceeds that of a person who stands, or rotates on the spot with the phone at arm's
 /// length.
-bool Filter::gets_somewhere(int64_t t_ns) {
+bool Filter::is_translating(int64_t t_ns) {
   motions_.push_back({t_ns, state_.nav.v_w, state_.nav.q_w_b});
   while (seconds(t_ns - motions_.front().t_ns) > p_.stand.mean_s) motions_.pop_front();
   Vector3d mean = Vector3d::Zero();
@@ -108,7 +108,7 @@ bool Filter::gets_somewhere(int64_t t_ns) {
 }
 
 /// True if a rotation explains the picture and the specific force is nearly constant.
-bool Filter::stands(const FrameCorners& frame, const ImuBuffer& imu) const {
+bool Filter::is_standing(const FrameCorners& frame, const ImuBuffer& imu) const {
   const auto before = std::find_if(recent_.rbegin(), recent_.rend(), [&](const FrameCorners& f) {
     return seconds(frame.t_ns - f.t_ns) > p_.stand.window_s;
   });
@@ -129,7 +129,7 @@ bool Filter::stands(const FrameCorners& frame, const ImuBuffer& imu) const {
   const double norm_variance = norm_squares / n - norms * norms / (n * n);
   const double rate_hz = n / seconds(frame.t_ns - before->t_ns);
   if (std::min(variance, 2 * norm_variance) > p_.stand.max_force_variance(p_.noise, rate_hz)) return false;
-  const auto flow_px = flow_beside_rotation(*before, frame, state_.camera, p_.stand.min_corners);
+  const auto flow_px = residual_flow(*before, frame, state_.camera, p_.stand.min_corners);
   return flow_px && *flow_px < p_.stand.flow_px;
 }
 
@@ -145,7 +145,7 @@ bool Filter::without_parallax() const {
          p_.min_clone_parallax_px;
 }
 
-void Filter::forget_clone(size_t i) {
+void Filter::marginalise_clone(size_t i) {
   const uint32_t id = state_.clones[i].id;
   const size_t other = i + 1 < state_.clones.size() ? state_.clones.size() - 1 : i - 1;
   for (size_t j = 0; j < state_.landmarks.size(); ++j)
@@ -213,24 +213,24 @@ void Filter::update_tracks(FrameReport& report) {
 }
 
 void Filter::marginalise() {
-  while (state_.clones.size() > p_.clones) forget_clone(0);
+  while (state_.clones.size() > p_.clones) marginalise_clone(0);
 }
 
 /// A stabiliser takes out most of the rotation. A lens that follows clearly less is therefore fixed, and its small
 /// gain, which cannot be told apart from a slow drift of the principal point, is set to zero.
-void Filter::settle_lens() {
+void Filter::detect_fixed_lens() {
   if (fixed_lens_) return;
   const StabiliserParameters& s = p_.stabiliser;
-  const double sigma = std::sqrt(state_.P(block::follow, block::follow));
+  const double sigma = std::sqrt(state_.P(block::gain, block::gain));
   const int64_t now_ns = newest().frame_ns;
-  if (state_.camera.follow + s.fixed_sigmas * sigma > s.min_follow) {
-    unfollowed_ns_.reset();
+  if (state_.camera.gain + s.fixed_sigmas * sigma > s.min_gain) {
+    fixed_since_ns_.reset();
     return;
   }
-  if (!unfollowed_ns_) unfollowed_ns_ = now_ns;
-  if (seconds(now_ns - *unfollowed_ns_) < s.fixed_s) return;
+  if (!fixed_since_ns_) fixed_since_ns_ = now_ns;
+  if (seconds(now_ns - *fixed_since_ns_) < s.fixed_s) return;
   fixed_lens_ = true;
-  hold_lens(state_);
+  disable_stabiliser(state_);
 }
 
 /// The noise of tracked corners depends on light, blur and compression. It is estimated from the median of the
@@ -246,7 +246,7 @@ void Filter::update_pixel_sigma(const FrameReport& report, double dt_s) {
     p_.pixel_sigma = std::max(p_.gate_sigma, p_.min_pixel_sigma);
   }
   if (report.rms_px.size() >= p_.min_for_noise)
-    p_.plain_residual_px = std::max(p_.min_residual_px, towards(p_.plain_residual_px, median(report.rms_px)));
+    p_.typical_residual_px = std::max(p_.min_residual_px, towards(p_.typical_residual_px, median(report.rms_px)));
 }
 
 /// Without the heading error, on which the velocity depends as well.
@@ -258,7 +258,7 @@ Matrix3d Filter::velocity_covariance() const {
   return state_.P.block<3, 3>(block::nu, block::nu) + cross + cross.transpose();
 }
 
-double Filter::camera_pull() const {
+double Filter::calibration_chi2() const {
   const Camera& now = state_.camera;
   const auto squared = [](double difference, double sigma) { return difference * difference / (sigma * sigma); };
   const Priors& prior = p_.priors;

@@ -53,7 +53,7 @@ class Filter {
   double velocity_sigma() const { return std::sqrt(velocity_covariance().trace()); }
   /// Deviation of the camera from its calibration: sum of squares of time offset, focal length, principal point and, if
   /// given, row time, each over the sigma of its prior. A wrong scale shows in the camera parameters first.
-  double camera_pull() const;
+  double calibration_chi2() const;
   /// Corner noise as estimated from the innovations, px.
   double gate_sigma() const { return p_.gate_sigma; }
 
@@ -61,15 +61,15 @@ class Filter {
   using Track = std::vector<Observation>;
 
   Eigen::Matrix3d velocity_covariance() const;
-  bool gets_somewhere(int64_t t_ns);
-  bool stands(const FrameCorners& frame, const ImuBuffer& imu) const;
+  bool is_translating(int64_t t_ns);
+  bool is_standing(const FrameCorners& frame, const ImuBuffer& imu) const;
   bool without_parallax() const;
-  void forget_clone(size_t i);
-  void let_corners_walk(double dt_s);
+  void marginalise_clone(size_t i);
+  void inflate_landmark_noise(double dt_s);
   void update_landmarks(const FrameCorners& frame, FrameReport& report);
   void update_tracks(FrameReport& report);
   void marginalise();
-  void settle_lens();
+  void detect_fixed_lens();
   void update_scale_sigma();
   void update_pixel_sigma(const FrameReport& report, double dt_s);
   static void count(const Outcome& outcome, FrameReport& report);
@@ -80,7 +80,7 @@ class Filter {
   std::map<uint64_t, Track> tracks_;  // ordered: the same updates in the same order each time
   std::deque<FrameCorners> recent_;   // over the last half second
   uint32_t next_id_ = 0;
-  bool stood_ = false;
+  bool was_standing_ = false;
   struct Motion {
     int64_t t_ns;
     Eigen::Vector3d v_w;
@@ -88,7 +88,7 @@ class Filter {
   };
   std::deque<Motion> motions_;            // over the last mean_s
   bool fixed_lens_ = false;               // the lens is known to have no stabiliser
-  std::optional<int64_t> unfollowed_ns_;  // time since which the lens appears fixed
+  std::optional<int64_t> fixed_since_ns_;  // time since which the lens appears fixed
   double scale_sigma_ = 1;
 };
 

@@ -33,10 +33,10 @@ double lasts_s(bool holds, int64_t t_ns, std::optional<int64_t>& since_ns) {
 }  // namespace
 
 InertialOdometry::InertialOdometry(const Parameters& parameters, const Camera& camera)
-    : p_(parameters), camera_(camera), lens_told_(camera.lens), corners_(parameters.corners), phase_(begin_anew()) {}
+    : p_(parameters), camera_(camera), frame_lens_(camera.lens), corners_(parameters.corners), phase_(initial_phase()) {}
 
-InertialOdometry::Initialising InertialOdometry::begin_anew() const {
-  return {std::make_unique<vo::Odometry>(vo::Odometry::Parameters{}, lens_told_), {}, Isometry3d::Identity(), 0, {}};
+InertialOdometry::Initialising InertialOdometry::initial_phase() const {
+  return {std::make_unique<vo::Odometry>(vo::Odometry::Parameters{}, frame_lens_), {}, Isometry3d::Identity(), 0, {}};
 }
 
 const Filter* InertialOdometry::filter() const {
@@ -82,7 +82,7 @@ InertialOdometry::Outcome InertialOdometry::advance(Initialising& phase, const P
     if (has_accelerometer(frame.t_ns))
       if (auto started = try_start(phase, frame.t_ns)) {
         ++group_;
-        const InertialMotion motion = tell(*started, frame.t_ns, started->filter.state().nav, true);
+        const InertialMotion motion = make_motion(*started, frame.t_ns, started->filter.state().nav, true);
         return {motion, std::move(*started)};
       }
   }
@@ -94,14 +94,14 @@ InertialOdometry::Outcome InertialOdometry::advance(Initialising& phase, const P
 /// Reports the filter's motion until the filter is lost or wrong.
 InertialOdometry::Outcome InertialOdometry::advance(Filtering& phase, const Pending& frame) {
   Filter& filter = phase.filter;
-  if (!frame.estimate) return {tell(phase, frame.t_ns, navigation_at(filter, frame.t_ns), false), std::nullopt};
+  if (!frame.estimate) return {make_motion(phase, frame.t_ns, navigation_at(filter, frame.t_ns), false), std::nullopt};
   const int64_t before_ns = filter.state().t_ns;
   const FrameReport seen = filter.process(frame.corners, imu_);
   if (!seen.standing) phase.moved_s += seconds(filter.state().t_ns - before_ns);
   phase.tracked = static_cast<unsigned>(corners_.followed());
   phase.accepted = static_cast<unsigned>(seen.accepted);
-  const bool wrong = is_wrong(phase, seen, frame.t_ns);
-  InertialMotion out = tell(phase, frame.t_ns, filter.state().nav, true);
+  const bool wrong = has_diverged(phase, seen, frame.t_ns);
+  InertialMotion out = make_motion(phase, frame.t_ns, filter.state().nav, true);
   if (!wrong && filter.velocity_sigma() <= p_.lost_sigma_mps) return {out, std::nullopt};
   ++group_;
   out.metric = false;
@@ -109,7 +109,7 @@ InertialOdometry::Outcome InertialOdometry::advance(Filtering& phase, const Pend
   out.motion.rotation_valid = out.motion.q_c0_c1.coeffs().allFinite();
   out.motion.state = Tracking::lost;
   out.motion.failure = dark_or_few_features();
-  return {out, begin_anew()};
+  return {out, initial_phase()};
 }
 
 /// Tracks the corners of a frame from the positions predicted by IMU rotation and lens shift. Pixels of the calibrated
@@ -119,10 +119,10 @@ FrameCorners InertialOdometry::follow(const vo::Frame& frame) {
   Eigen::Vector2d shift = Eigen::Vector2d::Zero();
   if (previous_ns_) rotation = rotation_between(*previous_ns_, frame.t_ns);
   if (filter() && previous_ns_)
-    shift = lens_moves(filter()->state(), frame.t_ns + imu_offset_ns(camera()), imu_, p_.filter);
+    shift = predict_lens_shift(filter()->state(), frame.t_ns + imu_offset_ns(camera()), imu_, p_.filter);
   const double dt_s = previous_ns_ ? seconds(frame.t_ns - *previous_ns_) : 0;
   FrameCorners seen = corners_.follow(frame.grey, frame.mask, frame.t_ns, dt_s, rotation, shift, lens());
-  for (Corner& corner : seen.corners) corner.pixel = vio::change_lens(corner.pixel, lens_told_, camera_.lens);
+  for (Corner& corner : seen.corners) corner.pixel = vio::change_lens(corner.pixel, frame_lens_, camera_.lens);
   return seen;
 }
 
@@ -182,15 +182,15 @@ bool InertialOdometry::confirm(Initialising& phase, Filter next) const {
 }
 
 /// Checks the filter: implausible estimates, or measurements that contradict it for too long.
-bool InertialOdometry::is_wrong(Filtering& phase, const FrameReport& seen, int64_t t_ns) const {
-  const bool refused = seen.tried >= p_.min_tried && seen.accepted < p_.min_accepted * seen.tried;
+bool InertialOdometry::has_diverged(Filtering& phase, const FrameReport& seen, int64_t t_ns) const {
+  const bool rejected = seen.tried >= p_.min_tried && seen.accepted < p_.min_accepted * seen.tried;
   const bool unseen = !seen.standing && seen.accepted < p_.min_seen;
   lasts_s(!seen.standing && seen.accepted < p_.min_used * phase.tracked, t_ns, phase.few_since_ns);
-  const bool diverged = lasts_s(refused, t_ns, phase.refused_since_ns) > p_.diverged_s;
+  const bool diverged = lasts_s(rejected, t_ns, phase.rejected_since_ns) > p_.diverged_s;
   const bool long_unseen = lasts_s(unseen, t_ns, phase.unseen_since_ns) > p_.unseen_s;
   const Navigation& nav = phase.filter.state().nav;
   return !nav.v_w.allFinite() || nav.v_w.norm() > p_.max_speed_mps || nav.accel_bias.norm() > p_.max_accel_bias_mps2 ||
-         phase.filter.camera_pull() > p_.max_camera_pull || diverged || long_unseen;
+         phase.filter.calibration_chi2() > p_.max_calibration_chi2 || diverged || long_unseen;
 }
 
 /// Rotation of the camera by the gyroscope; identity if samples are missing.
@@ -217,13 +217,13 @@ Navigation InertialOdometry::navigation_at(const Filter& filter, int64_t frame_n
   return nav;
 }
 
-void InertialOdometry::change_lens(const CameraModel& told) {
-  lens_told_ = told;
-  if (auto* phase = std::get_if<Initialising>(&phase_)) phase->visual->change_lens(told);
+void InertialOdometry::change_lens(const CameraModel& newest) {
+  frame_lens_ = newest;
+  if (auto* phase = std::get_if<Initialising>(&phase_)) phase->visual->change_lens(newest);
 }
 
 CameraModel InertialOdometry::lens() const {
-  CameraModel lens = lens_told_;
+  CameraModel lens = frame_lens_;
   if (!filter()) return lens;
   const CameraModel &refined = camera().lens, &calibrated = camera_.lens;
   const double by_x = lens.fx / calibrated.fx, by_y = lens.fy / calibrated.fy;
@@ -238,7 +238,7 @@ FailureReason InertialOdometry::dark_or_few_features() const {
 }
 
 /// Motion to the filter's pose at a frame: that of the newest clone, or `nav` if there is none.
-InertialMotion InertialOdometry::tell(Filtering& phase, int64_t t_ns, const Navigation& nav, bool with_clone) const {
+InertialMotion InertialOdometry::make_motion(Filtering& phase, int64_t t_ns, const Navigation& nav, bool with_clone) const {
   const Filter& filter = phase.filter;
   const State& state = filter.state();
   const Isometry3d T_w_c = with_clone ? pose_of(filter.newest()) : pose_of(state.camera, nav);
@@ -258,16 +258,16 @@ InertialMotion InertialOdometry::tell(Filtering& phase, int64_t t_ns, const Navi
   const double spread = phase.spread * std::exp(-phase.moved_s / p_.spread_s);
   const double of_filter = std::hypot(p_.scale_sigma_factor * filter.scale_sigma(), spread);
   out.scale_sigma =
-      std::min(1.0, std::hypot(of_filter, p_.scale_sigma_floor, p_.scale_sigma_stabilised * state.camera.follow));
+      std::min(1.0, std::hypot(of_filter, p_.scale_sigma_floor, p_.scale_sigma_stabilised * state.camera.gain));
   out.metric = true;
   const Eigen::Matrix3d R_c_w = T_w_c.linear().transpose();
   out.velocity_c = R_c_w * nav.v_w;
   out.gravity_c = R_c_w * Vector3d::UnitZ();
   out.gyro_bias_b = nav.gyro_bias, out.accel_bias_b = nav.accel_bias;
   phase.T_w_previous = T_w_c;
-  phase.told.clear();
-  for (auto clone = state.clones.rbegin(); clone != state.clones.rend() && phase.told.size() < 2; ++clone)
-    phase.told.push_back({clone->id, pose_of(*clone).inverse() * T_w_c});
+  phase.reported.clear();
+  for (auto clone = state.clones.rbegin(); clone != state.clones.rend() && phase.reported.size() < 2; ++clone)
+    phase.reported.push_back({clone->id, pose_of(*clone).inverse() * T_w_c});
   return out;
 }
 
@@ -309,9 +309,9 @@ Eigen::Matrix<double, 6, 6> InertialOdometry::motion_covariance(const Filter& fi
 /// first seconds. If the frame's clone is gone, the clone before it carries the pose.
 Isometry3d InertialOdometry::previous_pose(const Filtering& phase) const {
   const State& state = phase.filter.state();
-  for (const Told& told : phase.told) {
-    const size_t i = state.find_clone(told.clone);
-    if (i < state.clones.size()) return pose_of(state.clones[i]) * told.T_clone_c;
+  for (const ReportedFrame& reported : phase.reported) {
+    const size_t i = state.find_clone(reported.clone);
+    if (i < state.clones.size()) return pose_of(state.clones[i]) * reported.T_clone_c;
   }
   return phase.T_w_previous;
 }

@@ -41,7 +41,7 @@ struct InertialOdometryParameters {
   double degraded_sigma_mps = 0.3;   ///< velocity sigma above which it is degraded; empirical
   double max_speed_mps = 15;         ///< max for a hand-held phone
   double max_accel_bias_mps2 = 1.5;  ///< above that of any phone; empirical
-  double max_camera_pull = 100;  ///< Filter::camera_pull above which the filter, not the camera, is wrong; empirical
+  double max_calibration_chi2 = 100;  ///< Filter::calibration_chi2 above which the filter, not the camera, is wrong; empirical
   int min_tried = 8;             ///< min tracks for the test of min_accepted; empirical
   double min_accepted = 0.3;  ///< share of the tracks; less for `diverged_s` means that the filter is wrong; empirical
   double diverged_s = 1.0;
@@ -91,7 +91,7 @@ class InertialOdometry {
 
   /// Sets the camera's lens for the frames to come (refocused or shifted). The refinements of the calibrated lens
   /// remain.
-  void change_lens(const CameraModel& told);
+  void change_lens(const CameraModel& newest);
   /// Refined lens of the newest frame.
   CameraModel lens() const;
 
@@ -114,7 +114,7 @@ class InertialOdometry {
     std::optional<Hypothesis> hypothesis;
   };
   /// A reported frame, relative to a clone of the window.
-  struct Told {
+  struct ReportedFrame {
     uint32_t clone;
     Eigen::Isometry3d T_clone_c;
   };
@@ -122,9 +122,9 @@ class InertialOdometry {
   struct Filtering {
     Filter filter;
     Eigen::Isometry3d T_w_previous;  ///< previous frame as reported
-    std::vector<Told> told;          ///< the same relative to the newest clone and the one before it
+    std::vector<ReportedFrame> reported;          ///< the same relative to the newest clone and the one before it
     double moved_s = 0;              ///< since the start, without standing
-    std::optional<int64_t> refused_since_ns, unseen_since_ns;
+    std::optional<int64_t> rejected_since_ns, unseen_since_ns;
     unsigned tracked = 0, accepted = 0;  ///< corners of the newest estimated frame
     double spread = 0;                   ///< of the hypotheses that started the filter
     std::optional<int64_t> few_since_ns;
@@ -153,9 +153,9 @@ class InertialOdometry {
   void compose(Initialising& phase, const vo::Motion& visual);
   std::optional<Filtering> try_start(Initialising& phase, int64_t t_ns);
   bool confirm(Initialising& phase, Filter next) const;
-  Initialising begin_anew() const;
-  bool is_wrong(Filtering& phase, const FrameReport& seen, int64_t t_ns) const;
-  InertialMotion tell(Filtering& phase, int64_t t_ns, const Navigation& nav, bool with_clone) const;
+  Initialising initial_phase() const;
+  bool has_diverged(Filtering& phase, const FrameReport& seen, int64_t t_ns) const;
+  InertialMotion make_motion(Filtering& phase, int64_t t_ns, const Navigation& nav, bool with_clone) const;
   Eigen::Matrix<double, 6, 6> motion_covariance(const Filter& filter, int64_t t_ns, bool with_clone) const;
   Eigen::Isometry3d previous_pose(const Filtering& phase) const;
   Eigen::Quaterniond rotation_between(int64_t from_ns, int64_t to_ns) const;
@@ -165,7 +165,7 @@ class InertialOdometry {
 
   Parameters p_;
   Camera camera_;          ///< as calibrated at the start
-  CameraModel lens_told_;  ///< of the newest frame
+  CameraModel frame_lens_;  ///< of the newest frame
   ImuBuffer imu_;
   GuidedCorners corners_;
   Phase phase_;

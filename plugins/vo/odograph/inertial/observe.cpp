@@ -42,7 +42,7 @@ std::optional<Observed> observe(const Clone& c, const Camera& camera, const Vect
   const Projection projection = zoomed(project(camera.lens, y), camera.lens, c.focal_px);
   Observed out;
   out.pixel = projection.pixel + c.shift_px + dt * c.shift_rate_px_s;
-  out.by_follow = dt * c.drive_px_s;
+  out.by_gain = dt * c.drive_px_s;
   out.by_lens = projection.by_lens;
   out.by_lens.col(0).setZero();
   out.by_point = projection.by_point * R_c_w;

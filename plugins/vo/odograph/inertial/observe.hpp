@@ -23,7 +23,7 @@ struct Observed {
   Eigen::Vector2d by_line_time;                   ///< derivative by the line time, px/s
   Eigen::Matrix<double, 2, kLensStates> by_lens;  ///< derivative by the lens; the focal length is the clone's
   Eigen::Matrix<double, 2, block::clone> by_clone;
-  Eigen::Vector2d by_follow;  ///< derivative by the gain of the stabiliser
+  Eigen::Vector2d by_gain;  ///< derivative by the gain of the stabiliser
   double depth_m = 0;
 };
 

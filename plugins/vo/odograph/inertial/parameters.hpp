@@ -67,8 +67,8 @@ struct Priors {
 /// frequencies of the rotation within its travel and yields near the end, in a manner specific to each maker. The model
 /// is a gain and a leak, with an error proportional to the compensation.
 struct StabiliserParameters {
-  double follow_sigma = 0.3;   ///< of the gain before the first measurement; gain 0: fixed lens, 1: full compensation
-  double follow_walk = 0.2;    ///< proportional to the gain, 1/sqrt(s): a fixed lens stays fixed
+  double gain_sigma = 0.3;   ///< of the gain before the first measurement; gain 0: fixed lens, 1: full compensation
+  double gain_walk = 0.2;    ///< proportional to the gain, 1/sqrt(s): a fixed lens stays fixed
   double leak_hz = 0.9;        ///< at small shifts; 0.5 to 0.9 in a driver for an IMX214 module
   double end_leak_hz = 13;     ///< at the end of its travel; the same
   double travel_rad = 0.0157;  ///< 0.9 degrees; 0.5 to 1.2
@@ -77,7 +77,7 @@ struct StabiliserParameters {
   double error_s = 0.1;                         ///< correlated over this time
   /// A stabilised lens compensates most of the rotation: a gain below this by so many sigmas for so long is a fixed
   /// lens.
-  double min_follow = 0.25, fixed_sigmas = 5, fixed_s = 0.5;
+  double min_gain = 0.25, fixed_sigmas = 5, fixed_s = 0.5;
   double shift_sigma_px = 1;  ///< before the first measurement
   static constexpr double kTwoPi = 6.283185307179586;
   /// Leak rate at a given shift, 1/s.
@@ -151,7 +151,7 @@ struct FilterParameters {
   /// The quality of corners varies: at depth edges, on glass and on moving objects the residuals of a triangulated
   /// track are several times as large, and such corners made the scale 1 % too long (walk700, seeds 4 and 5). The noise
   /// of a corner is scaled by the square of the ratio of its track's rms residual to that of a typical track.
-  double plain_residual_px = 0.3;  ///< initial; then the median of the latest tracks, with a lower bound of
+  double typical_residual_px = 0.3;  ///< initial; then the median of the latest tracks, with a lower bound of
   double min_residual_px = 0.3;    ///< this. 0.2 is as good on simulated streets, but penalises near corners on
                                    ///< euroc_mh05 (scale error 1.4 % instead of 1.0 %).
   double residual_part = 0.2;      ///< weight of the newest corner in a landmark's residual

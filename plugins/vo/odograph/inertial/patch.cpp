@@ -43,7 +43,7 @@ bool sample(const cv::Mat& picture, const Patch::Map& map, int half, float* out)
 
 }  // namespace
 
-bool Patch::remember(const cv::Mat& picture, const Vector2d& at, const Parameters& p) {
+bool Patch::store(const cv::Mat& picture, const Vector2d& at, const Parameters& p) {
   constexpr int kWide = kSide + 2;
   Eigen::Matrix<float, kWide, kWide, Eigen::RowMajor> wide;
   if (!sample(picture, {at, Matrix2d::Identity()}, kHalf + 1, wide.data())) return false;

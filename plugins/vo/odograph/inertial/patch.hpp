@@ -36,7 +36,7 @@ class Patch {
   };
 
   /// Stores the neighbourhood of `at` in an 8-bit picture. False at the border or without texture.
-  bool remember(const cv::Mat& picture, const Eigen::Vector2d& at, const Parameters& p);
+  bool store(const cv::Mat& picture, const Eigen::Vector2d& at, const Parameters& p);
 
   /// Searches from `guess`. Nothing if it leaves the picture or does not converge.
   std::optional<Match> find(const cv::Mat& picture, const Map& guess, const Parameters& p) const;

@@ -27,7 +27,7 @@ Matrix3d step(Navigation& nav, const ImuSample& from, const ImuSample& to, doubl
 }
 
 /// Propagates a first-order Gauss-Markov state of standard deviation sigma; `stays` = exp(-dt / correlation time).
-void forget(double& value, Eigen::MatrixXd& P, int at, double stays, double sigma) {
+void apply_gauss_markov(double& value, Eigen::MatrixXd& P, int at, double stays, double sigma) {
   value *= stays;
   P.row(at) *= stays, P.col(at) *= stays;
   P(at, at) += (1 - stays * stays) * sigma * sigma;
@@ -108,17 +108,17 @@ void shift_lens(State& state, int64_t to_ns, const ImuBuffer& imu, const FilterP
   const Matrix3d R_c_b = camera.q_b_c.conjugate().toRotationMatrix();
   double noise = 0;
   Eigen::Matrix2d keep = Eigen::Matrix2d::Identity();
-  Vector2d by_follow = Vector2d::Zero(), by_leak = Vector2d::Zero();
-  const double likely = camera.follow * camera.follow + state.P(block::follow, block::follow);
+  Vector2d by_gain = Vector2d::Zero(), by_leak = Vector2d::Zero();
+  const double likely = camera.gain * camera.gain + state.P(block::gain, block::gain);
   const double more = std::exp(camera.leak);
   imu.for_each(state.t_ns, to_ns, ImuBuffer::kLongestGap_ns, [&](const ImuSample& a, const ImuSample& b) {
     const double dt = seconds(b.t_ns - a.t_ns), focal = camera.lens.focal();
     const double leak = more * s.leak(camera.shift_px.norm(), focal), decay = 1 / (1 + dt * leak);
     const Vector2d by_shift = more * s.leak_change(camera.shift_px, focal);
     const Vector2d drive = drive_of(focal, R_c_b * state.nav.rate(0.5 * (a.gyro_b + b.gyro_b)));
-    camera.shift_px = decay * (camera.shift_px + dt * camera.follow * drive);
+    camera.shift_px = decay * (camera.shift_px + dt * camera.gain * drive);
     const Eigen::Matrix2d step = decay * (Eigen::Matrix2d::Identity() - dt * camera.shift_px * by_shift.transpose());
-    by_follow = step * by_follow + decay * dt * drive;
+    by_gain = step * by_gain + decay * dt * drive;
     by_leak = step * by_leak - decay * dt * leak * camera.shift_px;
     noise = decay * decay * (noise + s.drive_error * s.drive_error * likely * drive.squaredNorm() * s.error_s * dt);
     keep = (step * keep).eval();
@@ -126,17 +126,17 @@ void shift_lens(State& state, int64_t to_ns, const ImuBuffer& imu, const FilterP
   auto& P = state.P;
   const double dt_s = seconds(to_ns - state.t_ns), stays = std::exp(-dt_s / s.leak_change_s);
   P.middleRows<2>(block::shift) =
-      (keep * P.middleRows<2>(block::shift) + by_follow * P.row(block::follow) + by_leak * P.row(block::leak)).eval();
+      (keep * P.middleRows<2>(block::shift) + by_gain * P.row(block::gain) + by_leak * P.row(block::leak)).eval();
   P.middleCols<2>(block::shift) =
-      (P.middleCols<2>(block::shift) * keep.transpose() + P.col(block::follow) * by_follow.transpose() +
+      (P.middleCols<2>(block::shift) * keep.transpose() + P.col(block::gain) * by_gain.transpose() +
        P.col(block::leak) * by_leak.transpose())
           .eval();
   P.block<2, 2>(block::shift, block::shift).diagonal().array() += noise;
-  P(block::follow, block::follow) += s.follow_walk * s.follow_walk * likely * dt_s;
-  forget(camera.leak, P, block::leak, stays, s.leak_sigma);
+  P(block::gain, block::gain) += s.gain_walk * s.gain_walk * likely * dt_s;
+  apply_gauss_markov(camera.leak, P, block::leak, stays, s.leak_sigma);
 }
 
-Vector2d lens_moves(const State& state, int64_t to_ns, const ImuBuffer& imu, const FilterParameters& p) {
+Vector2d predict_lens_shift(const State& state, int64_t to_ns, const ImuBuffer& imu, const FilterParameters& p) {
   State moved;
   moved.t_ns = state.t_ns, moved.nav = state.nav, moved.camera = state.camera;
   moved.P = Eigen::MatrixXd::Zero(block::fixed, block::fixed);
@@ -171,7 +171,7 @@ bool propagate(State& state, int64_t to_ns, const ImuBuffer& imu, const FilterPa
   P.bottomLeftCorner(rest, block::navigation) = moved.rightCols(rest).transpose();
   const double dt = seconds(to_ns - state.t_ns);
   P(block::lens, block::lens) += squared(p.focal_walk) * dt;
-  forget(state.camera.focus, P, block::focus, std::exp(-dt / p.focus_change_s), p.focus_sigma);
+  apply_gauss_markov(state.camera.focus, P, block::focus, std::exp(-dt / p.focus_change_s), p.focus_sigma);
   P(block::lens + 1, block::lens + 1) += squared(p.centre_walk_px) * dt;
   P(block::lens + 2, block::lens + 2) += squared(p.centre_walk_px) * dt;
   if (!whole) {
@@ -201,7 +201,7 @@ void augment(State& state, uint32_t id, int64_t frame_ns, const ImuBuffer& imu, 
   clone.drive_px_s = drive_of(state.camera.lens.focal(), clone.rate_c);
   clone.shift_px = state.camera.shift_px;
   clone.focal_px = state.camera.focal_px();
-  clone.shift_rate_px_s = state.camera.follow * clone.drive_px_s -
+  clone.shift_rate_px_s = state.camera.gain * clone.drive_px_s -
                           std::exp(state.camera.leak) *
                               p.stabiliser.leak(state.camera.shift_px.norm(), state.camera.lens.focal()) *
                               state.camera.shift_px;

@@ -16,7 +16,7 @@ bool integrate(Navigation& nav, int64_t from_ns, int64_t to_ns, const ImuBuffer&
 bool propagate(State& state, int64_t to_ns, const ImuBuffer& imu, const FilterParameters& p);
 
 /// Shift of the picture by a stabilised lens from the state's time to `to_ns`, px.
-Eigen::Vector2d lens_moves(const State& state, int64_t to_ns, const ImuBuffer& imu, const FilterParameters& p);
+Eigen::Vector2d predict_lens_shift(const State& state, int64_t to_ns, const ImuBuffer& imu, const FilterParameters& p);
 
 /// Adds the present camera pose as a clone. `imu` gives its motion within the readout of the frame.
 void augment(State& state, uint32_t id, int64_t frame_ns, const ImuBuffer& imu, const FilterParameters& p);

@@ -8,7 +8,7 @@
 
 namespace odograph::vio {
 
-std::optional<double> flow_beside_rotation(const FrameCorners& before, const FrameCorners& now, const Camera& camera,
+std::optional<double> residual_flow(const FrameCorners& before, const FrameCorners& now, const Camera& camera,
                                            size_t least) {
   std::vector<cv::Point2d> first, second;
   Clone still;

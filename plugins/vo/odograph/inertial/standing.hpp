@@ -25,7 +25,7 @@ struct FrameCorners {
 
 /// Median residual flow between two frames after the best rotation, over their common corners, px. Nothing if there are
 /// fewer than `least` of them, or if no rotation is found.
-std::optional<double> flow_beside_rotation(const FrameCorners& before, const FrameCorners& now, const Camera& camera,
+std::optional<double> residual_flow(const FrameCorners& before, const FrameCorners& now, const Camera& camera,
                                            size_t least);
 
 }  // namespace odograph::vio

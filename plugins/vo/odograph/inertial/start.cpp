@@ -213,7 +213,7 @@ bool only_rotates(const std::deque<StartFrame>& frames, size_t from, const Camer
                   const StartParameters& s) {
   const size_t last = frames.size() - 1, step = std::max<size_t>(1, (last - from) / static_cast<size_t>(s.still_looks));
   for (size_t i = from; i < last; i += step) {
-    const auto flow_px = flow_beside_rotation(frames[i].corners, frames[last].corners, camera, p.stand.min_corners);
+    const auto flow_px = residual_flow(frames[i].corners, frames[last].corners, camera, p.stand.min_corners);
     if (!flow_px || *flow_px > s.still_px) return false;
   }
   return true;
@@ -261,7 +261,7 @@ std::optional<Filter> start_moving(const std::deque<StartFrame>& frames, const I
     --from;
   if (from == frames.size() || seconds(last.corners.t_ns - frames[from].corners.t_ns) < s.min_s) return std::nullopt;
   // Without parallax there is no displacement to align: a standing camera fits any scale.
-  const auto flow_px = flow_beside_rotation(frames[from].corners, last.corners, camera, p.stand.min_corners);
+  const auto flow_px = residual_flow(frames[from].corners, last.corners, camera, p.stand.min_corners);
   if (flow_px && *flow_px < s.min_flow_px) return std::nullopt;
   const auto alignment = align_with_imu(frames, from, imu, camera, gyro_bias, p, s);
   if (!alignment || alignment->rms_m > s.max_rms_m || alignment->relative_sigma > s.alignment_sigma ||
@@ -289,7 +289,7 @@ std::optional<Filter> start_moving(const std::deque<StartFrame>& frames, const I
       return std::nullopt;
     if (pass + 1 == s.passes) {
       if (accepted == 0 || accepted < s.min_fit * tried || filter.gate_sigma() > s.max_gate_px ||
-          filter.scale_sigma() > s.scale_sigma || filter.camera_pull() > s.max_camera_pull)
+          filter.scale_sigma() > s.scale_sigma || filter.calibration_chi2() > s.max_calibration_chi2)
         return std::nullopt;
       return filter;
     }

@@ -43,8 +43,8 @@ struct StartParameters {
   double max_bias_sigmas = 5;      ///< max accelerometer bias, in sigmas of its prior
   double min_fit = 0.5;            ///< min share of the tracks that the filter accepts over these frames; empirical
   size_t min_common = 8;           ///< min common landmarks to compare two starts; empirical
-  /// Filter::camera_pull, squares of sigmas. From phone_house alone, whose lens is guessed 7 % off and needs 23.
-  double max_camera_pull = 25;
+  /// Filter::calibration_chi2, squares of sigmas. From phone_house alone, whose lens is guessed 7 % off and needs 23.
+  double max_calibration_chi2 = 25;
   double max_gate_px = 1.5;  ///< corner noise estimated by the filter above which the start is rejected
   /// Sigma of the change of velocity over the last history_s, of which a start in motion sees the end only: starting to
   /// walk changes it by 1.4 m/s, to run by 3.

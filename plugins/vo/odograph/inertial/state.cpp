@@ -57,7 +57,7 @@ void State::correct(const Eigen::VectorXd& d) {
   camera.line_time_s += d[block::line_time];
   vio::correct(camera.lens, d.segment<kLensStates>(block::lens));
   camera.shift_px += d.segment<2>(block::shift);
-  camera.follow += d[block::follow];
+  camera.gain += d[block::gain];
   camera.focus += d[block::focus];
   camera.leak = std::clamp(camera.leak + d[block::leak], -kMaxLeak, kMaxLeak);
   for (size_t i = 0; i < clones.size(); ++i) {
@@ -68,7 +68,7 @@ void State::correct(const Eigen::VectorXd& d) {
     c.p_w = scale * (rotation_c * c.p_w) + d.segment<3>(clone_at(i) + 3);
     c.v_w = scale * (rotation_c * c.v_w);
     c.shift_px += d.segment<2>(clone_at(i) + block::clone_shift);
-    c.shift_rate_px_s += d[block::follow] * c.drive_px_s;
+    c.shift_rate_px_s += d[block::gain] * c.drive_px_s;
     c.focal_px *= std::exp(d[clone_at(i) + block::clone_focal]);
   }
   for (size_t j = 0; j < landmarks.size(); ++j) {

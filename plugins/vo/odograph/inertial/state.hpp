@@ -38,10 +38,10 @@ struct Camera {
   double time_offset_s = 0;  ///< IMU time = frame time + this
   double line_time_s = 0;
   double middle_row = 0;
-  /// A stabilised lens shifts the picture against the shake of the phone: s' = follow f (w_y, -w_x) - e^leak L(s) s,
+  /// A stabilised lens shifts the picture against the shake of the phone: s' = gain f (w_y, -w_x) - e^leak L(s) s,
   /// with w the rate in c and L as in StabiliserParameters.
   Eigen::Vector2d shift_px = Eigen::Vector2d::Zero();
-  double follow = 0;  ///< gain; 0: fixed lens, 1: full compensation
+  double gain = 0;  ///< gain; 0: fixed lens, 1: full compensation
   double leak = 0;    ///< log of the factor on the leak
   double focus = 0;   ///< log of the present focal length over the lens's, moved by autofocus
 
@@ -75,7 +75,7 @@ namespace block {
 inline constexpr int theta = 0, nu = 3, rho = 6, gyro_bias = 9, accel_bias = 12, navigation = 15;
 inline constexpr int gyro_axes = 15, accel_axes = 24, axes = 18;  // column-major; axes: of both sensors
 inline constexpr int extrinsics = 33, lever = 36, time_offset = 39, line_time = 40, lens = 41;
-inline constexpr int shift = 46, follow = 48, leak = 49, focus = 50;
+inline constexpr int shift = 46, gain = 48, leak = 49, focus = 50;
 /// Error of the common scale of all lengths in the map, without a state of its own: v = e^s Exp(theta) v_est + nu,
 /// likewise positions, and inverse depths by e^-s. No picture depends on it, exactly. Without it a scale sigma of 15 %
 /// leaves second-order residuals that act as spurious information about the scale and make it too long.

@@ -27,12 +27,12 @@ constexpr int kCameraColumns = 1 + kLensStates + 1;
 
 void add_camera_columns(std::vector<int>& columns) {
   for (int k = 0; k < 1 + kLensStates; ++k) columns.push_back(block::line_time + k);
-  columns.push_back(block::follow);
+  columns.push_back(block::gain);
 }
 
 Eigen::Matrix<double, 2, kCameraColumns> by_camera(const Observed& o) {
   Eigen::Matrix<double, 2, kCameraColumns> J;
-  J << o.by_line_time, o.by_lens, o.by_follow;
+  J << o.by_line_time, o.by_lens, o.by_gain;
   return J;
 }
 
@@ -109,9 +109,9 @@ MatrixXd rows_of(const MatrixXd& M, const std::vector<int>& rows) {
   return out;
 }
 
-/// Noise of a corner from a track with residual `rms_px` (FilterParameters::plain_residual_px).
+/// Noise of a corner from a track with residual `rms_px` (FilterParameters::typical_residual_px).
 double pixel_sigma(double rms_px, const FilterParameters& p) {
-  const double excess = std::max(1.0, rms_px / p.plain_residual_px);
+  const double excess = std::max(1.0, rms_px / p.typical_residual_px);
   return p.pixel_sigma * excess * excess;
 }
 
@@ -280,11 +280,11 @@ std::vector<Outcome> update_with_landmarks(State& state, const std::vector<SeenL
   return outcomes;
 }
 
-void hold_lens(State& state) {
+void disable_stabiliser(State& state) {
   constexpr double sigma_px = 0.01, sigma_gain = 1e-4;  // far below the measurement noise, far above rounding
   Linearised z;
   for (int k = 0; k < 3; ++k) z.columns.push_back(block::shift + k);
-  std::vector<double> held = {state.camera.shift_px.x(), state.camera.shift_px.y(), state.camera.follow};
+  std::vector<double> held = {state.camera.shift_px.x(), state.camera.shift_px.y(), state.camera.gain};
   for (size_t i = 0; i < state.clones.size(); ++i)
     for (int k = 0; k < 2; ++k) {
       z.columns.push_back(state.clone_at(i) + block::clone_shift + k);

@@ -49,7 +49,7 @@ std::vector<Outcome> update_with_landmarks(State& state, const std::vector<SeenL
 Outcome update_gravity(State& state, const Eigen::Vector3d& force_b, double gravity_mps2, double sigma_mps2);
 
 /// Fixes a lens without stabiliser: its shift and that of all clones are set to zero.
-void hold_lens(State& state);
+void disable_stabiliser(State& state);
 
 /// Zero-velocity update, within sigma (m/s).
 Outcome update_zero_velocity(State& state, double sigma_mps);

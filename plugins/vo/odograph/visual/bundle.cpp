@@ -47,10 +47,10 @@ class WindowProblem {
     const uint32_t first = window_.keyframes().front().id;
     // Contiguous storage: Ceres orders its blocks by address, and the order of summation must be repeatable.
     for (auto& [track, landmark] : window_.landmarks())
-      if (landmark.located && landmark.seen.size() > 1) located_.push_back(&landmark);
-    inverse_depths_.resize(located_.size());
-    for (size_t k = 0; k < located_.size(); ++k) {
-      const Landmark& landmark = *located_[k];
+      if (landmark.triangulated && landmark.seen.size() > 1) triangulated_.push_back(&landmark);
+    inverse_depths_.resize(triangulated_.size());
+    for (size_t k = 0; k < triangulated_.size(); ++k) {
+      const Landmark& landmark = *triangulated_[k];
       double* rho = &inverse_depths_[k];
       *rho = landmark.inverse_depth;
       problem_.AddParameterBlock(rho, 1);
@@ -115,8 +115,8 @@ class WindowProblem {
       keyframes[k].T_w_c.linear() = Eigen::Map<Quaterniond>(poses_[k].data()).normalized().toRotationMatrix();
       keyframes[k].T_w_c.translation() = Eigen::Map<Vector3d>(poses_[k].data() + 4);
     }
-    for (size_t k = 0; k < located_.size(); ++k)
-      located_[k]->inverse_depth = std::max(inverse_depths_[k], p_.min_inverse_depth);
+    for (size_t k = 0; k < triangulated_.size(); ++k)
+      triangulated_[k]->inverse_depth = std::max(inverse_depths_[k], p_.min_inverse_depth);
   }
 
  private:
@@ -125,7 +125,7 @@ class WindowProblem {
   AdjustmentParameters p_;
   Window& window_;
   std::vector<std::array<double, 7>> poses_;  // and the bias
-  std::vector<Landmark*> located_;
+  std::vector<Landmark*> triangulated_;
   std::vector<double> inverse_depths_;
   PoseManifold manifold_;
   ceres::CauchyLoss cauchy_{p_.cauchy_sigmas};

@@ -24,17 +24,17 @@ bool Odometry::wants_keyframe(const MapTracking& map) const {
   const Keyframe& last = window_.keyframes().back();
   const Eigen::Matrix3d R_k_c = last.T_w_c.linear().transpose() * track_.T_w_c.linear();
   std::vector<double> parallax;
-  size_t located = 0;
+  size_t triangulated = 0;
   const auto& landmarks = window_.landmarks();
   for (const SeenCorner& corner : seen_.corners) {
     const auto found = landmarks.find(corner.track);
     if (found == landmarks.end() || found->second.seen.empty()) continue;
-    located += found->second.located;
+    triangulated += found->second.triangulated;
     const Observation& o = found->second.seen.back();
     if (o.keyframe == last.id) parallax.push_back((R_k_c * ray(corner.at) - ray(o.seen)).norm());
   }
   return median(parallax) > p_.keyframe.parallax_rad || few(parallax.size(), map.corners_at_keyframe) ||
-         few(located, map.located_at_keyframe);
+         few(triangulated, map.triangulated_at_keyframe);
 }
 
 /// Makes the latest frame a keyframe: observes its corners, adjusts the window and detects new corners.
@@ -59,7 +59,7 @@ void Odometry::make_keyframe(const Frame& frame, MapTracking& map) {
   drop_outliers();
   window_.update_depth_variance(sigma());
   window_.slide();
-  window_.forget_but(alive);
+  window_.remove_untracked(alive);
   track_.T_w_c = window_.keyframes().back().T_w_c;
   track_.T_k_c.setIdentity();
   tracker_.refill(frame.mask);
@@ -68,8 +68,8 @@ void Odometry::make_keyframe(const Frame& frame, MapTracking& map) {
   for (size_t i = before; i < seen_.corners.size(); ++i) window_.observe(seen_.corners[i].track, seen_.corners[i].at);
   map.keyframe = RelocalisationKeyframe{tracker_.snapshot(), seen_};
   map.corners_at_keyframe = seen_.corners.size();
-  map.located_at_keyframe = 0;
-  for (const SeenCorner& corner : seen_.corners) map.located_at_keyframe += window_.landmarks()[corner.track].located;
+  map.triangulated_at_keyframe = 0;
+  for (const SeenCorner& corner : seen_.corners) map.triangulated_at_keyframe += window_.landmarks()[corner.track].triangulated;
 }
 
 /// Removes observations with large residuals after an adjustment: moving objects and tracking errors.
@@ -77,7 +77,7 @@ void Odometry::drop_outliers() {
   const double bound = p_.keyframe.outlier_sigmas * sigma();
   std::vector<uint64_t> gone;
   for (auto& [track, landmark] : window_.landmarks()) {
-    if (!landmark.located) continue;
+    if (!landmark.triangulated) continue;
     const Eigen::Vector4d X = window_.point(landmark);
     int bad = 0;
     for (const Observation& o : landmark.seen) {
@@ -87,7 +87,7 @@ void Odometry::drop_outliers() {
     }
     if (bad > 1 || (bad == 1 && landmark.seen.size() < 4)) gone.push_back(track);
   }
-  for (const uint64_t track : gone) window_.forget(track);
+  for (const uint64_t track : gone) window_.remove_landmark(track);
 }
 
 }  // namespace odograph::vo

@@ -58,8 +58,8 @@ Odometry::Outcome Odometry::advance(Initialising state, const Frame& frame, cons
   if (!rotation) return {motion, begin(frame)};  // the reference is out of view
   const Quaterniond q_w_c(rotation->R_1_0.transpose());
   const double corner_sigma_rad = std::max(sigma(), rotation->median_residual_rad);
-  learn_bias(state, predicted, q_w_c, corner_sigma_rad);
-  if (rotation->median_residual_rad > p_.start.worth_trying * p_.start.min_parallax_rad)
+  update_bias(state, predicted, q_w_c, corner_sigma_rad);
+  if (rotation->median_residual_rad > p_.start.min_parallax_ratio * p_.start.min_parallax_rad)
     if (const auto view = find_second_view(matches, q_w_c)) {
       motion = begin_map(*view, matches, state, predicted);
       MapTracking map;
@@ -88,9 +88,9 @@ Odometry::Outcome Odometry::advance(MapTracking map, const Frame& frame, const P
   const Isometry3d T_expected = expected_pose(predicted);
   follow(frame, T_expected, predicted.q_c0_c1);
   seen_ = undistort(frame);
-  const auto pose = estimate_pose(T_expected, predicted, predicted.step_s, map.doubts);
+  const auto pose = estimate_pose(T_expected, predicted, predicted.step_s, map.suspect_frames);
   if (!pose) {
-    if (map.doubts > p_.pose.max_doubts) map.keyframe.reset();
+    if (map.suspect_frames > p_.pose.max_suspect_frames) map.keyframe.reset();
     Outcome outcome = advance(Relocalising{frame.t_ns, std::move(map)}, frame, predicted);
     if (auto* found = std::get_if<MapTracking>(&outcome.next)) found->corners_before = seen_.corners.size();
     if (auto* lost = std::get_if<Relocalising>(&outcome.next)) lost->map.corners_before = seen_.corners.size();
@@ -112,8 +112,8 @@ Odometry::Outcome Odometry::advance(Relocalising state, const Frame& frame, cons
     follow(frame, T_expected, predicted.q_c0_c1);
     seen_ = undistort(frame);
     const double unseen_s = predicted.step_s + seconds(last_ns_ - state.since_ns);
-    const auto pose = estimate_pose(T_expected, predicted, unseen_s, map.doubts);
-    const auto wanted = static_cast<int>(p_.relocalise.min_inliers * static_cast<double>(map.located_at_keyframe));
+    const auto pose = estimate_pose(T_expected, predicted, unseen_s, map.suspect_frames);
+    const auto wanted = static_cast<int>(p_.relocalise.min_inliers * static_cast<double>(map.triangulated_at_keyframe));
     if (pose && pose->count >= wanted) return {move_to(*pose, predicted), std::move(map)};
   }
   const Motion motion = rotation_by_gyroscope(predicted);
@@ -144,7 +144,7 @@ Isometry3d Odometry::expected_pose(const Prediction& predicted) const {
 Vector2d Odometry::expected_at(const SeenCorner& corner, const Isometry3d& T_expected,
                                const Quaterniond& q_c0_c1) const {
   const auto found = window_.landmarks().find(corner.track);
-  if (found != window_.landmarks().end() && found->second.located) {
+  if (found != window_.landmarks().end() && found->second.triangulated) {
     const Eigen::Vector4d X = window_.point(found->second);
     const Vector3d y = T_expected.linear().transpose() * (X.head<3>() - X.w() * T_expected.translation());
     if (y.z() > 1e-3) return y.head<2>() / y.z();
@@ -163,7 +163,7 @@ void Odometry::follow(const Frame& frame, const Isometry3d& T_expected, const Qu
     expected.emplace_back(pixel.x + static_cast<float>(shift.x()), pixel.y + static_cast<float>(shift.y()));
   }
   content_ = content_of(frame.grey);
-  if (!content_.shows_something(p_.light.content)) return tracker_.skip();
+  if (!content_.has_content(p_.light.content)) return tracker_.skip();
   if (content_.mean_grey < p_.light.dim_grey) {
     cv::GaussianBlur(frame.grey, smooth_, {}, p_.light.dim_blur_px);
     return tracker_.follow(smooth_, expected);
@@ -203,7 +203,7 @@ Motion Odometry::rotation_by_gyroscope(const Prediction& predicted) const {
 }
 
 FailureReason Odometry::dark_or_few_features() const {
-  return content_.shows_something(p_.light.content) ? FailureReason::few_features : FailureReason::too_dark;
+  return content_.has_content(p_.light.content) ? FailureReason::few_features : FailureReason::too_dark;
 }
 
 /// The corners with a depth in the map.
@@ -211,7 +211,7 @@ std::vector<PointSeen> Odometry::points_seen(std::vector<uint64_t>& tracks) cons
   std::vector<PointSeen> points;
   for (const SeenCorner& corner : seen_.corners) {
     const auto found = window_.landmarks().find(corner.track);
-    if (found == window_.landmarks().end() || !found->second.located) continue;
+    if (found == window_.landmarks().end() || !found->second.triangulated) continue;
     points.push_back({window_.point(found->second), corner.at, window_.anchor(found->second), found->second.variance});
     tracks.push_back(corner.track);
   }
@@ -263,7 +263,7 @@ std::optional<FittedPose> Odometry::fit_by_ransac(const std::vector<PointSeen>& 
 
 /// Pose of the camera by the map; nothing if too few points agree or the map is rejected.
 std::optional<FittedPose> Odometry::estimate_pose(const Isometry3d& T_expected, const Prediction& predicted,
-                                                  double unseen_s, int& doubts) {
+                                                  double unseen_s, int& suspect_frames) {
   const PoseParameters& p = p_.pose;
   std::vector<uint64_t> tracks;
   const std::vector<PointSeen> points = points_seen(tracks);
@@ -275,20 +275,20 @@ std::optional<FittedPose> Odometry::estimate_pose(const Isometry3d& T_expected, 
     Landmark& landmark = window_.landmarks()[tracks[i]];
     landmark.misses = pose->inliers[i] ? 0 : landmark.misses + 1;
     if (landmark.misses > p.max_misses)
-      window_.forget(tracks[i]);  // it moves or its depth is wrong; it may be triangulated again
+      window_.remove_landmark(tracks[i]);  // it moves or its depth is wrong; it may be triangulated again
   }
-  if (Eigen::AngleAxisd(T_expected.linear().transpose() * pose->T_w_c.linear()).angle() > p.surprise_rad)
+  if (Eigen::AngleAxisd(T_expected.linear().transpose() * pose->T_w_c.linear()).angle() > p.max_deviation_rad)
     return std::nullopt;
   // A start from little parallax may have been wrong: the map then explains less from frame to frame.
-  const bool doubtful = !window_.slid() && pose->count < of_points(p.doubtful_inliers);
-  doubts = doubtful ? doubts + 1 : 0;
-  if (doubts > p.max_doubts) return std::nullopt;
-  learn_noise(points, *pose);
+  const bool suspect = !window_.slid() && pose->count < of_points(p.suspect_inliers);
+  suspect_frames = suspect ? suspect_frames + 1 : 0;
+  if (suspect_frames > p.max_suspect_frames) return std::nullopt;
+  update_noise(points, *pose);
   return pose;
 }
 
 /// Estimates the corner noise, which depends on the light, from the median residual.
-void Odometry::learn_noise(const std::vector<PointSeen>& points, const FittedPose& pose) {
+void Odometry::update_noise(const std::vector<PointSeen>& points, const FittedPose& pose) {
   std::vector<double> errors;
   for (const PointSeen& point : points) {
     const Vector3d y =
@@ -297,7 +297,7 @@ void Odometry::learn_noise(const std::vector<PointSeen>& points, const FittedPos
   }
   const double seen_px =
       std::clamp(median(errors) / kRayleighMedian * camera_.focal(), p_.noise.min_px, p_.noise.max_px);
-  noise_px_ += p_.noise.learn * (seen_px - noise_px_);
+  noise_px_ += p_.noise.update_weight * (seen_px - noise_px_);
 }
 
 /// Motion to a pose given by the map, with its covariance.

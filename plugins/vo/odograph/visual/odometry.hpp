@@ -97,7 +97,7 @@ class Odometry {
   Initialising begin(const Frame& frame);
   Initialising begin_group(const Frame& frame);
   Matches matches_with_reference() const;
-  void learn_bias(const Initialising& state, const Prediction& predicted, const Eigen::Quaterniond& seen_rotation,
+  void update_bias(const Initialising& state, const Prediction& predicted, const Eigen::Quaterniond& seen_rotation,
                   double sigma_rad);
   std::optional<SecondView> find_second_view(const Matches& matches, const Eigen::Quaterniond& rotation_alone);
   Motion begin_map(const SecondView& view, const Matches& matches, const Initialising& state,
@@ -110,8 +110,8 @@ class Odometry {
   std::optional<FittedPose> fit_by_ransac(const std::vector<PointSeen>& points,
                                           const std::optional<RotationPrior>& prior) const;
   std::optional<FittedPose> estimate_pose(const Eigen::Isometry3d& T_expected, const Prediction& predicted,
-                                          double unseen_s, int& doubts);
-  void learn_noise(const std::vector<PointSeen>& points, const FittedPose& pose);
+                                          double unseen_s, int& suspect_frames);
+  void update_noise(const std::vector<PointSeen>& points, const FittedPose& pose);
   Motion move_to(const FittedPose& pose, const Prediction& predicted);
   bool wants_keyframe(const MapTracking& map) const;
   void make_keyframe(const Frame& frame, MapTracking& map);

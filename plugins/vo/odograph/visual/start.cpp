@@ -54,10 +54,10 @@ Odometry::Matches Odometry::matches_with_reference() const {
 
 /// Without displacement the visual rotation since the reference is drift-free, unlike the gyroscope's: estimates the
 /// bias.
-void Odometry::learn_bias(const Initialising& state, const Prediction& predicted, const Quaterniond& seen_rotation,
+void Odometry::update_bias(const Initialising& state, const Prediction& predicted, const Quaterniond& seen_rotation,
                           double sigma_rad) {
   const double since_s = seconds(last_ns_ - state.reference_ns) + predicted.step_s;
-  if (!predicted.gyro || since_s < p_.gyroscope.learn_bias_after_s) return;
+  if (!predicted.gyro || since_s < p_.gyroscope.min_bias_s) return;
   const auto gyro = gyroscope_.between(state.reference_ns, state.reference_ns + nanoseconds(since_s), bias_c_);
   const double sigma = sigma_rad / since_s, variance = bias_sigma_ * bias_sigma_;
   if (!gyro || sigma > bias_sigma_) return;
@@ -110,7 +110,7 @@ Motion Odometry::begin_map(const SecondView& view, const Matches& matches, const
   motion.state = Tracking::tracking;
   motion.failure = FailureReason::none;
   for (size_t i = 0; i < matches.which.size(); ++i)
-    if (!view.inliers[i]) window_.forget(seen_.corners[matches.which[i]].track);
+    if (!view.inliers[i]) window_.remove_landmark(seen_.corners[matches.which[i]].track);
   const double frames =
       std::max(1.0, std::round(seconds(last_ns_ - state.reference_ns) / std::max(predicted.step_s, 1e-3)) + 1);
   track_.last_step = isometry(predicted.gyro ? predicted.gyro->q_c0_c1 : motion.q_c0_c1, motion.p_c0_c1 / frames);

@@ -53,9 +53,9 @@ struct RelocalisationKeyframe {
 
 /// Tracking by the map.
 struct MapTracking {
-  size_t corners_at_keyframe = 0, located_at_keyframe = 0;  ///< located: triangulated
+  size_t corners_at_keyframe = 0, triangulated_at_keyframe = 0;  ///< triangulated: triangulated
   size_t corners_before = 0;                                ///< in the previous frame
-  int doubts = 0;                                           ///< consecutive frames that indicate a wrong map
+  int suspect_frames = 0;                                           ///< consecutive frames that indicate a wrong map
   std::optional<RelocalisationKeyframe> keyframe;
 };
 

@@ -28,7 +28,7 @@ void Window::drop_newest() {
   for (auto& [track, landmark] : landmarks_) {
     if (landmark.seen.empty() || landmark.seen.back().keyframe != keyframes_.back().id) continue;
     landmark.seen.pop_back();
-    if (landmark.seen.empty()) landmark.located = false;
+    if (landmark.seen.empty()) landmark.triangulated = false;
   }
   keyframes_.pop_back();
 }
@@ -47,7 +47,7 @@ Eigen::Vector4d Window::point(const Landmark& landmark) const {
 void Window::triangulate() {
   std::vector<Sighting> sightings;
   for (auto& [track, landmark] : landmarks_) {
-    if (landmark.located || landmark.seen.size() < 2) continue;
+    if (landmark.triangulated || landmark.seen.size() < 2) continue;
     sightings.clear();
     for (const Observation& o : landmark.seen)
       sightings.push_back({keyframe(o.keyframe).T_w_c, {o.seen.x(), o.seen.y()}});
@@ -56,13 +56,13 @@ void Window::triangulate() {
     const double depth = (sightings.front().T_w_c.inverse() * *X).z();
     if (depth <= 0) continue;
     landmark.inverse_depth = 1 / depth;
-    landmark.located = true;
+    landmark.triangulated = true;
   }
 }
 
 void Window::update_depth_variance(double sigma) {
   for (auto& [track, landmark] : landmarks_) {
-    if (!landmark.located) continue;
+    if (!landmark.triangulated) continue;
     const Eigen::Vector4d X = point(landmark);
     double information = 0;
     for (size_t i = 1; i < landmark.seen.size(); ++i) {
@@ -84,20 +84,20 @@ void Window::slide() {
       const Eigen::Vector4d X = point(landmark);
       landmark.seen.erase(landmark.seen.begin());
       if (landmark.seen.empty()) {
-        landmark.located = false;
+        landmark.triangulated = false;
         continue;
       }
       const Eigen::Isometry3d& T = keyframe(landmark.seen.front().keyframe).T_w_c;
       const double z = T.linear().col(2).dot(X.head<3>() - X.w() * T.translation());
-      landmark.located = landmark.located && z > 1e-6;
-      landmark.inverse_depth = landmark.located ? X.w() / z : 0;
+      landmark.triangulated = landmark.triangulated && z > 1e-6;
+      landmark.inverse_depth = landmark.triangulated ? X.w() / z : 0;
     }
     keyframes_.pop_front();
     slid_ = true;
   }
 }
 
-void Window::forget_but(const std::vector<uint64_t>& alive) {
+void Window::remove_untracked(const std::vector<uint64_t>& alive) {
   for (auto it = landmarks_.begin(); it != landmarks_.end();) {
     const bool followed = std::binary_search(alive.begin(), alive.end(), it->first);
     const bool useful = it->second.seen.size() >= 2;
@@ -109,7 +109,7 @@ double Window::depth_median() const {
   std::vector<double> depths;
   const Eigen::Isometry3d T_c_w = keyframes_.back().T_w_c.inverse();
   for (const auto& [track, landmark] : landmarks_) {
-    if (!landmark.located) continue;
+    if (!landmark.triangulated) continue;
     const Eigen::Vector4d X = point(landmark);
     if (X.w() > 1e-9) depths.push_back((T_c_w * (X.head<3>() / X.w())).z());
   }
@@ -117,9 +117,9 @@ double Window::depth_median() const {
   return median(std::move(depths));
 }
 
-size_t Window::located() const {
+size_t Window::triangulated() const {
   return static_cast<size_t>(
-      std::count_if(landmarks_.begin(), landmarks_.end(), [](const auto& entry) { return entry.second.located; }));
+      std::count_if(landmarks_.begin(), landmarks_.end(), [](const auto& entry) { return entry.second.triangulated; }));
 }
 
 }  // namespace odograph::vo

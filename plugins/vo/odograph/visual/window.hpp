@@ -31,7 +31,7 @@ struct Observation {
 struct Landmark {
   std::vector<Observation> seen;  ///< the first is the anchor
   double inverse_depth = 0, variance = 0;
-  bool located = false;  ///< the depth is valid
+  bool triangulated = false;  ///< the depth is valid
   int misses = 0;
 };
 
@@ -49,8 +49,8 @@ class Window {
   void triangulate();
   /// Removes the oldest keyframes beyond the window; their points get the next observing keyframe as anchor.
   void slide();
-  void forget(uint64_t track) { landmarks_.erase(track); }
-  void forget_but(const std::vector<uint64_t>&
+  void remove_landmark(uint64_t track) { landmarks_.erase(track); }
+  void remove_untracked(const std::vector<uint64_t>&
                       alive);  ///< removes points with fewer than two observations that are no longer tracked
 
   Eigen::Vector4d point(const Landmark& landmark) const;  ///< in w, homogeneous
@@ -60,7 +60,7 @@ class Window {
   /// Variance of each inverse depth from its observations, with the poses fixed.
   void update_depth_variance(double sigma);
   double depth_median() const;
-  size_t located() const;
+  size_t triangulated() const;
 
   std::deque<Keyframe>& keyframes() { return keyframes_; }
   const std::deque<Keyframe>& keyframes() const { return keyframes_; }
@@ -68,7 +68,7 @@ class Window {
   const std::map<uint64_t, Landmark>& landmarks() const { return landmarks_; }
   const Keyframe& keyframe(uint32_t id) const { return keyframes_[id - keyframes_.front().id]; }
   bool slid() const { return slid_; }
-  size_t most() const { return p_.window; }
+  size_t max_keyframes() const { return p_.window; }
 
  private:
   KeyframeParameters p_;

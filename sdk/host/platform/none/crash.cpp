@@ -5,9 +5,9 @@
 
 namespace odograph {
 
-void watch_crashes(const CrashHandler&, int) {}
+void set_crash_handler(const CrashHandler&, int) {}
 
-void give_signal_stack() {}
+void ensure_signal_stack() {}
 
 void write_error(const char* text, size_t size) noexcept { (void)!std::fwrite(text, 1, size, stderr); }
 

@@ -3,6 +3,6 @@
 
 namespace odograph {
 
-bool everybody_writes(const std::filesystem::path&, bool) { return false; }
+bool is_world_writable(const std::filesystem::path&, bool) { return false; }
 
 }  // namespace odograph

@@ -49,14 +49,14 @@ void on_signal(int signal_number) {
 }
 
 void at_exit() {
-  if (!called.ends_at_exit()) return;
+  if (!called.exits_immediately()) return;
   called.name("exit() was called");
   _exit(exit_status);
 }
 
 }  // namespace
 
-void watch_crashes(const CrashHandler& handler, int status) {
+void set_crash_handler(const CrashHandler& handler, int status) {
   called = handler;
   exit_status = status;
   for (const int signal_number : kSignals) {
@@ -72,7 +72,7 @@ void watch_crashes(const CrashHandler& handler, int status) {
   std::atexit(at_exit);
 }
 
-void give_signal_stack() { thread_local const SignalStack stack; }
+void ensure_signal_stack() { thread_local const SignalStack stack; }
 
 void write_error(const char* text, size_t size) noexcept { (void)!write(STDERR_FILENO, text, size); }
 

@@ -4,7 +4,7 @@
 namespace odograph {
 namespace fs = std::filesystem;
 
-bool everybody_writes(const fs::path& path, bool owners_only_is_safe) {
+bool is_world_writable(const fs::path& path, bool owners_only_is_safe) {
   std::error_code error;
   const auto permissions = fs::status(path, error).permissions();
   if (error || (permissions & fs::perms::others_write) == fs::perms::none) return false;

@@ -13,7 +13,7 @@ namespace {
 
 constexpr int kTries = 100;  // others may replace the file meanwhile
 
-bool is_that(int fd, const std::filesystem::path& file) {
+bool is_same_file(int fd, const std::filesystem::path& file) {
   struct stat opened {
   }, named{};
   return fstat(fd, &opened) == 0 && lstat(file.c_str(), &named) == 0 && opened.st_dev == named.st_dev &&
@@ -41,16 +41,16 @@ FileLock::State FileLock::take(const std::filesystem::path& file) {
       continue;
     }
     if (flock(fd, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
-      const bool still_there = is_that(fd, file);
+      const bool still_there = is_same_file(fd, file);
       close(fd);
       if (still_there) return State::busy;
       continue;
     }
-    if (is_that(fd, file) && is_ours_alone(fd)) {
+    if (is_same_file(fd, file) && is_ours_alone(fd)) {
       fd_ = fd;
       return State::held;
     }
-    if (is_that(fd, file)) unlink(file.c_str());
+    if (is_same_file(fd, file)) unlink(file.c_str());
     close(fd);
   }
   return State::impossible;

@@ -34,14 +34,14 @@ void on_abort(int signal_number) {
 }
 
 void at_exit() {
-  if (!called.ends_at_exit()) return;
+  if (!called.exits_immediately()) return;
   called.name("exit() was called");
   _exit(exit_status);
 }
 
 }  // namespace
 
-void watch_crashes(const CrashHandler& handler, int status) {
+void set_crash_handler(const CrashHandler& handler, int status) {
   called = handler;
   exit_status = status;
   before = SetUnhandledExceptionFilter(on_exception);
@@ -50,7 +50,7 @@ void watch_crashes(const CrashHandler& handler, int status) {
   std::atexit(at_exit);
 }
 
-void give_signal_stack() {
+void ensure_signal_stack() {
   ULONG size = 32 << 10;
   SetThreadStackGuarantee(&size);
 }

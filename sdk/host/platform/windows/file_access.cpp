@@ -35,7 +35,7 @@ ACCESS_MASK granted(ACL* list, WELL_KNOWN_SID_TYPE group) {
 
 }  // namespace
 
-bool everybody_writes(const std::filesystem::path& path, bool owners_only_is_safe) {
+bool is_world_writable(const std::filesystem::path& path, bool owners_only_is_safe) {
   ACL* list = nullptr;
   PSECURITY_DESCRIPTOR descriptor = nullptr;
   if (GetNamedSecurityInfoW(path.c_str(), SE_FILE_OBJECT, DACL_SECURITY_INFORMATION, nullptr, nullptr, &list, nullptr,

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+// A front-end that keeps the last frames as long as possible, and reports with each frame the number kept and the first
+// pixel of the oldest one: p_c0_c1 = {kept, pixel, 0}.
+#define HOSTILE_ID "test/retaining_vo"
+#include <odograph/vo_frontend.h>
+
+#include <deque>
+
+#include "tests/hostile/table.hpp"
+
+namespace {
+
+constexpr size_t kMax = 3;
+std::deque<odo_frame> kept;
+int64_t last_ns = 0;
+
+void release_frame(size_t down_to) {
+  for (; kept.size() > down_to; kept.pop_front()) kept.front().loan.release(kept.front().loan.owner);
+}
+
+void take(const odo_header& message) {
+  if (message.type != ODO_TYPE_FRAME) return;
+  const auto& frame = reinterpret_cast<const odo_frame&>(message);
+  if (frame.loan.retain && frame.loan.retain(frame.loan.owner) >= 0) kept.push_back(frame);
+  release_frame(kMax);
+  odo_vo_motion motion;
+  std::memset(&motion, 0, sizeof motion);
+  motion.header.struct_size = sizeof motion;
+  motion.header.type = ODO_TYPE_VO_MOTION;
+  motion.header.t_ns = message.t_ns;
+  motion.header.flags = ODO_VO_ROTATION | ODO_VO_TRANSLATION | ODO_VO_METRIC;
+  motion.t_from_ns = last_ns;
+  motion.q_c0_c1[0] = 1;
+  motion.p_c0_c1[0] = static_cast<double>(kept.size());
+  motion.p_c0_c1[1] = kept.empty() ? -1 : kept.front().planes[0].data[0];
+  motion.state = ODO_TRACKING;
+  if (last_ns != 0) hostile::sink()->emit(hostile::sink(), &motion.header);
+  last_ns = message.t_ns;
+}
+
+}  // namespace
+
+extern "C" int32_t ODO_PLUGIN_ENTRY(const odo_host*, odo_plugin* out) {
+  static const odo_string kind{ODO_INTERFACE_VO_FRONTEND, sizeof(ODO_INTERFACE_VO_FRONTEND) - 1};
+  odo_plugin t = hostile::table();
+  t.interfaces = &kind;
+  t.create = [](const odo_host*, uint32_t, const odo_string*, odo_instance** instance) -> int32_t {
+    kept.clear();
+    last_ns = 0;
+    *instance = reinterpret_cast<odo_instance*>(&hostile::instance());
+    return ODO_OK;
+  };
+  t.process = [](odo_instance*, const odo_batch* batch) -> int32_t {
+    for (uint32_t i = 0; i < batch->count; ++i) take(*batch->messages[i]);
+    return ODO_OK;
+  };
+  t.destroy = [](odo_instance*) { release_frame(0); };
+  return hostile::fill(out, t);
+}
