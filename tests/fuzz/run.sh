@@ -10,7 +10,7 @@ seconds=${1:-3600}
 [ $# -gt 0 ] && shift
 targets=${*:-archive city config folder manifest messages recording records session skylines state table terrain video}
 export ASAN_OPTIONS=malloc_context_size=2:quarantine_size_mb=32
-export TSAN_OPTIONS=suppressions=$PWD/tests/tsan.supp
+export TSAN_OPTIONS=suppressions=$PWD/tests/support/tsan.supp
 
 run() {  # PRESET TARGET
   cmake --preset "$1" >/dev/null

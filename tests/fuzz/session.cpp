@@ -11,7 +11,7 @@
 
 #include "tests/fuzz/bytes.hpp"
 #include "tests/fuzz/session.hpp"
-#include "tests/obeys.hpp"
+#include "tests/support/obeys.hpp"
 
 namespace {
 

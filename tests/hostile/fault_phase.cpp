@@ -121,7 +121,9 @@ extern "C" int32_t ODO_PLUGIN_ENTRY(const odo_host*, odo_plugin* out) {
     *instance = reinterpret_cast<odo_instance*>(&hostile::instance());
     return ODO_OK;
   };
-  t.configure = [](odo_instance*, const odo_value*, uint32_t, uint32_t) -> int32_t { return commit_fault("configure"), ODO_OK; };
+  t.configure = [](odo_instance*, const odo_value*, uint32_t, uint32_t) -> int32_t {
+    return commit_fault("configure"), ODO_OK;
+  };
   t.activate = [](odo_instance*, const odo_sink* s) -> int32_t {
     commit_fault("activate");
     hostile::sink() = s;

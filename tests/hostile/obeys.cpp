@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A scale source that executes the orders in ODO_TYPE_VENDOR(0, 1): tests/obeys.hpp has their struct.
+// A scale source that executes the orders in ODO_TYPE_VENDOR(0, 1): tests/support/obeys.hpp has their struct.
 #define HOSTILE_ID "test/obeys"
 #include <cfenv>
 
@@ -9,7 +9,7 @@
 #include <odograph/vo_frontend.h>
 
 #include "tests/hostile/table.hpp"
-#include "tests/obeys.hpp"
+#include "tests/support/obeys.hpp"
 
 namespace {
 

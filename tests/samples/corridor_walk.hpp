@@ -9,7 +9,7 @@
 #include <Eigen/Geometry>
 #include <odograph/odograph.h>
 
-#include "tests/session_app.hpp"
+#include "tests/support/session_app.hpp"
 
 namespace odograph {
 

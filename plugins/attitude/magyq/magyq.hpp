@@ -19,8 +19,8 @@ struct Parameters {
   double accel_sigma_mps2 = 0.35;   ///< of that average: change of velocity within the window
   double rest_gyro_radps = 0.02, rest_accel_mps2 = 0.15;  ///< max spread of rate and acceleration in the window at rest
   double rest_sway_radps = 0.0026;                        ///< min sigma of the mean rate at rest
-  double saturation_gyro_radps = 30.0;                       ///< beyond these a phone's sensors saturate,
-  double saturation_accel_mps2 = 60.0;                       ///< and the inclination is re-initialised
+  double saturation_gyro_radps = 30.0;                    ///< beyond these a phone's sensors saturate,
+  double saturation_accel_mps2 = 60.0;                    ///< and the inclination is re-initialised
   double field_window_s = 1.0;             ///< both halves of which must have a field of the same strength
   double field_change = 0.006;             ///< max relative difference of the halves in a quasi-static field
   double calm_accel_mps2 = 0.6;            ///< max spread of the acceleration without walking
@@ -34,14 +34,15 @@ struct Parameters {
   // Empirical, never varied:
   double min_start_accel_mps2 = 1;       ///< min first sample: below it free fall or a defective sensor
   double start_tilt_rad = 0.1;           ///< of the inclination from the first sample
-  double saturation_tilt_rad = 1;           ///< of the rotation after saturation
+  double saturation_tilt_rad = 1;        ///< of the rotation after saturation
   double rest_accel_factor = 0.1;        ///< on accel_sigma_mps2 at rest
   double gate_sigma = 5;                 ///< for a vertical, or a rate at rest
   double min_window_samples = 4;         ///< min samples in the field's window
   double between_field_updates_s = 0.2;  ///< consecutive field samples have correlated errors
   double strength_tau_s = 60;            ///< time constant of the mean field strength
   double unusual_strength = 0.1;         ///< relative deviation from the mean strength above which a field is disturbed
-  double inflation_gate = 4;  ///< innovation squared over its variance above which the field's variance is increased to match
+  double inflation_gate =
+      4;  ///< innovation squared over its variance above which the field's variance is increased to match
   double min_horizontal = 0.05;  ///< horizontal part of the field: below it the field gives no heading
 };
 

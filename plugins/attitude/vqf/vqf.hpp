@@ -26,8 +26,8 @@ struct Parameters {
   double rest_sway_radps = 0.0026;       ///< slow sway of the gyroscope allowed at rest (0.15 deg/s); not in the paper:
                                          ///< a standing hand sways more slowly than the paper's test detects
   double rest_sway_tau_s = 3.0;          ///< time constant of the sway
-  double saturation_gyro_radps = 30.0;      ///< beyond these a phone's sensors saturate; not in the paper: afterwards the
-  double saturation_accel_mps2 = 60.0;      ///< inclination and its average are re-initialised
+  double saturation_gyro_radps = 30.0;   ///< beyond these a phone's sensors saturate; not in the paper: afterwards the
+  double saturation_accel_mps2 = 60.0;   ///< inclination and its average are re-initialised
   double mag_ref_tau_s = 20.0;           ///< adaptation of the reference norm and dip
   double mag_norm_tolerance = 0.1;       ///< max relative deviation of the norm of an undisturbed field
   double mag_dip_tolerance_rad = 0.175;  ///< max deviation of the dip of an undisturbed field (10 deg)

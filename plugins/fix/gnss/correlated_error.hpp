@@ -25,10 +25,10 @@ class CorrelatedError {
     double path_error = 0.15;   ///< of the path's length, 1 sigma, in addition to its heading's
     double gate_sigma = 4;      ///< of the change, above which it is a jump
     // Empirical, not tuned:
-    double correction_m = 5;      ///< a path that moves by this much at once was corrected, not walked
-    double longest_s = 10;        ///< since the last position: beyond it a change is not a jump
-    double own_noise_m = 1;       ///< receiver noise of two positions, 0.7 m each
-    double max_heading_rad = 2;   ///< sigma of the path's heading above which the heading is unknown
+    double correction_m = 5;        ///< a path that moves by this much at once was corrected, not walked
+    double longest_s = 10;          ///< since the last position: beyond it a change is not a jump
+    double own_noise_m = 1;         ///< receiver noise of two positions, 0.7 m each
+    double max_heading_rad = 2;     ///< sigma of the path's heading above which the heading is unknown
     double decay_sigma_part = 0.5;  ///< of a bias: its sigma while it decays
   };
   struct Corrected {

@@ -171,7 +171,8 @@ std::optional<PathHeading::Yaw> PathHeading::new_information() {
   if (reported) {
     const double gained = information - 1 / (reported->sigma_rad * reported->sigma_rad);
     if (gained < p_.min_gain * information) return {};
-    independent = {wrapped(reported->rad + information / gained * wrapped(now->rad - reported->rad)), 1 / std::sqrt(gained)};
+    independent = {wrapped(reported->rad + information / gained * wrapped(now->rad - reported->rad)),
+                   1 / std::sqrt(gained)};
   }
   has_reported_ = true, reported_x_ = x_, reported_P_ = P_;
   return independent;

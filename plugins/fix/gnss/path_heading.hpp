@@ -31,17 +31,17 @@ class PathHeading {
     double scale_sigma = 0.1;           ///< of step lengths: differences between walkers
     double gate_sigma = 4;              ///< of a position, above which it is a jump
     double velocity_correlation_s = 2;  ///< correlation time of a velocity's error
-    double velocity_prior_weight = 10;         ///< weight of the reported sigma, in velocities
+    double velocity_prior_weight = 10;  ///< weight of the reported sigma, in velocities
     double min_velocity_mps = 0.1;      ///< lower bound of the sigma of a receiver's velocity between buildings
     // Empirical, not tuned:
-    double initial_sigma = 3;      ///< initial sigma of (a, b): any yaw, any scale
+    double initial_sigma = 3;               ///< initial sigma of (a, b): any yaw, any scale
     double initial_position_sigma_m = 1e5;  ///< initial sigma of the path's start
-    double jump_m = 50;  ///< sigma of a reflection
+    double jump_m = 50;                     ///< sigma of a reflection
     /// Max waiting time of a position for its steps, which are reported with a delay.
     int64_t max_wait_ns = 3'000'000'000;
     int64_t velocity_ns = 1'000'000'000;  ///< segment of the path that a velocity is compared with: two steps
-    double max_yaw_sigma_rad = 0.35;           ///< max sigma of a yaw offset to be reported
-    double min_gain = 0.1;                    ///< relative gain of information before it is reported again
+    double max_yaw_sigma_rad = 0.35;      ///< max sigma of a yaw offset to be reported
+    double min_gain = 0.1;                ///< relative gain of information before it is reported again
     double steps_mps = 0.2;               ///< sigma of the path over one second
     double min_scale = 0.3;               ///< of (a, b): below it the direction is undefined
     double max_path_sigma_mps = 0.5;  ///< sigma of the path's velocity below which it measures the receiver's accuracy

@@ -122,8 +122,8 @@ std::vector<Aligner::Sample> Aligner::expected(const RollingLens& lens, const Py
 }
 
 /// Gain and offset from all samples, so that illumination does not bias the pose.
-Aligner::Illumination Aligner::initial_illumination(const cv::Mat& grey, const RollingLens& lens, const std::vector<Sample>& samples,
-                                    const Pose& pose) {
+Aligner::Illumination Aligner::initial_illumination(const cv::Mat& grey, const RollingLens& lens,
+                                                    const std::vector<Sample>& samples, const Pose& pose) {
   Correlation c;
   for (const Sample& s : samples) {
     const auto seen = lens.project(pose * s.x_o);

@@ -47,7 +47,7 @@ class Aligner {
     std::vector<double> blur_px = {3, 1.2, 0};  ///< of frame and picture, coarse to fine
     double lens_blur_px = 0.6;                  ///< pixel, lens and interpolation, without further blurring; empirical
     size_t points = 1600;                       ///< samples compared
-    double correlated_points = 8;        ///< neighbours with correlated errors, by which the information is divided; bench
+    double correlated_points = 8;   ///< neighbours with correlated errors, by which the information is divided; bench
     int parts = 5;                  ///< the object is divided into parts x parts for `agreeing_part`; empirical
     double part_correlation = 0.6;  ///< min of a part that agrees; empirical
     int iterations = 12;            ///< of Gauss-Newton per level; empirical
@@ -55,7 +55,7 @@ class Aligner {
     double rim = 2;                 ///< in blurs: closer to the rim a frame mixes in the surroundings
     double min_visible = 0.5;       ///< share of the object in the frame and not masked; empirical
     size_t min_samples = 16;        ///< for ten unknowns
-    double converged_px = 0.01;       ///< motion of the object's corners below which a level ends
+    double converged_px = 0.01;     ///< motion of the object's corners below which a level ends
     double first_noise_grey = 15;   ///< before the first median: allows for an illumination error; empirical
     double min_noise_grey = 0.7;    ///< camera noise and rounding
     double huber = 1.345;           ///< in units of the noise: 95 % efficient (Huber 1981)
@@ -86,12 +86,13 @@ class Aligner {
   };
   std::vector<Sample> expected(const RollingLens& lens, const Pyramid& picture, const Pose& pose,
                                double sigma_px) const;
-  static Illumination initial_illumination(const cv::Mat& grey, const RollingLens& lens, const std::vector<Sample>& samples,
-                           const Pose& pose);
+  static Illumination initial_illumination(const cv::Mat& grey, const RollingLens& lens,
+                                           const std::vector<Sample>& samples, const Pose& pose);
   /// Gauss-Newton equations over pose (6) and illumination (4).
   struct Equations;
   Equations equations(const cv::Mat& grey, const cv::Mat& mask, const RollingLens& lens, const Pyramid& picture,
-                      const std::vector<Sample>& samples, const Pose& pose, const Illumination& light, double noise) const;
+                      const std::vector<Sample>& samples, const Pose& pose, const Illumination& light,
+                      double noise) const;
   bool refine(const Frame& frame, size_t level, const RollingLens& lens, const Pyramid& picture, Alignment& a) const;
   void score(const cv::Mat& grey, const cv::Mat& mask, const RollingLens& lens, const Pyramid& picture,
              const std::vector<Sample>& samples, const Illumination& light, Alignment& a) const;

@@ -46,7 +46,7 @@ CopySearch::CopySearch(const Parameters& parameters, const std::vector<PlaneObje
     cv::resize(o.picture, small, size, 0, 0, cv::INTER_AREA);
     small.convertTo(values, CV_32F);
     templates_.push_back({normalised(values, cv::Mat(size, CV_32F, cv::Scalar(1)), p_.flatten * p_.object_cells),
-                      o.width_m / size.width, o.height_m / size.height});
+                          o.width_m / size.width, o.height_m / size.height});
   }
 }
 
@@ -63,8 +63,9 @@ cv::Mat CopySearch::normalised(const cv::Mat& values, const cv::Mat& valid, doub
   return off / (contrast + p_.contrast_grey);
 }
 
-std::optional<CopySearch::Rectified> CopySearch::rectify(const Template& known, const cv::Mat& grey, const cv::Mat& mask,
-                                                         const RollingLens& lens, const Pose& pose) const {
+std::optional<CopySearch::Rectified> CopySearch::rectify(const Template& known, const cv::Mat& grey,
+                                                         const cv::Mat& mask, const RollingLens& lens,
+                                                         const Pose& pose) const {
   const cv::Mat& object = known.flat;
   // Room for a copy beyond the widest gap on each side.
   const cv::Point reach(static_cast<int>(std::lround((1 + p_.max_gap + p_.reach) * object.cols)),

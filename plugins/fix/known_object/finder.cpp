@@ -75,7 +75,7 @@ bool Finder::resembles(const Alignment& a) const {
 
 /// Refines the best of the starts, and the second solution of the plane's pose from there.
 Finder::Detection Finder::detect_at(size_t object, const Aligner::Frame& frame, const RollingLens& lens,
-                             const std::vector<Pose>& starts, bool fine) const {
+                                    const std::vector<Pose>& starts, bool fine) const {
   Sighting sighting;
   std::optional<Pose> resemblance;
   sighting.object = object;
@@ -118,8 +118,8 @@ Finder::Detection Finder::detect_at(size_t object, const Aligner::Frame& frame, 
 
 /// Start poses for each candidate position of an object in the frame.
 std::vector<std::vector<Pose>> Finder::start_poses(size_t object, const RollingLens& lens,
-                                                 const std::vector<SeenTag>& tags,
-                                                 const PictureSearch::Features* features) const {
+                                                   const std::vector<SeenTag>& tags,
+                                                   const PictureSearch::Features* features) const {
   std::vector<std::vector<Pose>> places;
   const PlaneObject& o = objects_[object];
   if (o.tag < 0) {

@@ -26,13 +26,13 @@ struct Sighting {
 class Finder {
  public:
   struct Parameters {
-    double search_interval_s = 0.5;   ///< between two searches for pictures; set by the config
+    double search_interval_s = 0.5;          ///< between two searches for pictures; set by the config
     int64_t max_track_age_ns = 350'000'000;  ///< max age of a pose for tracking: two missed frames at 10 Hz
-    double min_correlation = 0.8;     ///< of the whole object; bench
-    double min_agreeing = 0.9;        ///< share of its parts; bench
-    double min_side_px = 18;          ///< square root of its area: smaller objects have no visible pattern; bench
-    double same_pose_rad = 0.01;      ///< two poses closer than this are one
-    double max_oblique_rad = 1.22;    ///< 70 degrees
+    double min_correlation = 0.8;            ///< of the whole object; bench
+    double min_agreeing = 0.9;               ///< share of its parts; bench
+    double min_side_px = 18;        ///< square root of its area: smaller objects have no visible pattern; bench
+    double same_pose_rad = 0.01;    ///< two poses closer than this are one
+    double max_oblique_rad = 1.22;  ///< 70 degrees
     /// Correlation above which a second position makes the object ambiguous: boards with the same half, and true copies
     /// with shadow and noise; the object's other pose and other boards of its layout reach 0.4; bench
     double copy_correlation = 0.75, copy_agreeing = 0.5;
@@ -58,14 +58,14 @@ class Finder {
     std::optional<Sighting> sighting;
     std::optional<Pose> resemblance;
   };
-  Detection detect_at(size_t object, const Aligner::Frame& frame, const RollingLens& lens, const std::vector<Pose>& starts,
-               bool fine) const;
+  Detection detect_at(size_t object, const Aligner::Frame& frame, const RollingLens& lens,
+                      const std::vector<Pose>& starts, bool fine) const;
   bool is_accepted(const Alignment& alignment) const;
   bool resembles(const Alignment& alignment) const;
   /// True if there is no second copy around a sighting; also sets its clear sides.
   bool is_unique(Sighting& sighting, const cv::Mat& grey, const cv::Mat& mask, const RollingLens& lens) const;
   std::vector<std::vector<Pose>> start_poses(size_t object, const RollingLens& lens, const std::vector<SeenTag>& tags,
-                                           const PictureSearch::Features* features) const;
+                                             const PictureSearch::Features* features) const;
 
   Parameters p_;
   std::vector<PlaneObject> objects_;

@@ -12,8 +12,8 @@ namespace odograph::known_object {
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
-ObjectFixer::ObjectFixer(const Parameters& parameters, const Finder::Parameters& finder, const SightingValidator::Parameters& judge,
-                         std::vector<PlaneObject> objects)
+ObjectFixer::ObjectFixer(const Parameters& parameters, const Finder::Parameters& finder,
+                         const SightingValidator::Parameters& judge, std::vector<PlaneObject> objects)
     : p_(parameters), finder_(finder, on_map(std::move(objects))), judge_(judge) {
   reset();
 }
@@ -141,7 +141,8 @@ std::vector<char> ObjectFixer::possible() const {
   if (poses_.empty() || !has_mount_) return result;
   const Prior p = prior_of(poses_.back());
   if (!p.placed && p.coarse_error_m <= 0) return result;
-  const double off_m = p.placed ? p_.off_sigmas * p.horizontal_sigma_m + p_.off_m + p_.drift * p.path_m : p.coarse_error_m;
+  const double off_m =
+      p.placed ? p_.off_sigmas * p.horizontal_sigma_m + p_.off_m + p_.drift * p.path_m : p.coarse_error_m;
   for (size_t k = 0; k < all.size(); ++k) {
     const Vector3d to = all[k].place.p_n - p.p_n;
     result[k] = to.head<2>().norm() < p_.range_m + off_m && all[k].place.R_n_o.col(2).dot(to) > -off_m;

@@ -55,8 +55,8 @@ class ObjectFixer {
   };
 
   /// Throws std::runtime_error if some objects have geodetic positions and others positions in an n of unknown origin.
-  ObjectFixer(const Parameters& parameters, const Finder::Parameters& finder, const SightingValidator::Parameters& judge,
-              std::vector<PlaneObject> objects);
+  ObjectFixer(const Parameters& parameters, const Finder::Parameters& finder,
+              const SightingValidator::Parameters& judge, std::vector<PlaneObject> objects);
 
   void reset();
   /// Orientation and position of the camera in the body frame, m. The search is limited to objects in range from then

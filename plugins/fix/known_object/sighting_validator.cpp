@@ -38,8 +38,8 @@ void SightingValidator::clear() {
   path_at_fix_m_ = 0;
 }
 
-SightingValidator::Candidate SightingValidator::candidate(const Alignment& alignment, const PlaneObject& object, const RollingLens& lens,
-                                  const Prior& prior) const {
+SightingValidator::Candidate SightingValidator::candidate(const Alignment& alignment, const PlaneObject& object,
+                                                          const RollingLens& lens, const Prior& prior) const {
   const Pose& seen = alignment.pose;
   const Matrix6 by_picture = (alignment.information + 1e-6 * Matrix6::Identity()).inverse() +
                              covariance_of_corners(seen, object, lens, p_.pixel_sigma);
@@ -87,7 +87,8 @@ bool SightingValidator::is_plausible(const Estimate& e, const Prior& prior) cons
   const Vector3d off = e.p_n - prior.p_n;
   const double own_variance = std::max(e.covariance_n(0, 0), e.covariance_n(1, 1));
   if (!prior.placed)
-    return prior.coarse_error_m <= 0 || off.head<2>().norm() < prior.coarse_error_m + p_.gate_sigmas * std::sqrt(own_variance);
+    return prior.coarse_error_m <= 0 ||
+           off.head<2>().norm() < prior.coarse_error_m + p_.gate_sigmas * std::sqrt(own_variance);
   // Position and heading jointly: a smaller print some metres aside, seen obliquely, is at the limit of each alone.
   const double drifted = p_.drift * std::max(0.0, prior.path_m - path_at_fix_m_);
   const auto cost = [](double by, double prior_sigma, double step_sigma, double variance) {
@@ -105,7 +106,7 @@ bool SightingValidator::is_plausible(const Estimate& e, const Prior& prior) cons
 /// True if the sighting is not a neighbouring copy of the object: on each side the position of a copy was seen to be
 /// empty, or the prior excludes the camera position that a copy implies.
 bool SightingValidator::excludes_copies(const Estimate& e, const PlaneObject& object, const Prior& prior,
-                     const Encounter& encounter) const {
+                                        const Encounter& encounter) const {
   const double drifted = p_.drift * std::max(0.0, prior.path_m - path_at_fix_m_);
   Matrix3d covariance = e.covariance_n;
   covariance.diagonal() += Vector3d(std::hypot(prior.horizontal_sigma_m, drifted),
@@ -136,8 +137,8 @@ bool SightingValidator::is_stationary(const Encounter& encounter, int64_t t_ns) 
   return true;
 }
 
-std::optional<Estimate> SightingValidator::validate(const Sighting& sighting, const PlaneObject& object, const RollingLens& lens,
-                                     const Prior& prior) {
+std::optional<Estimate> SightingValidator::validate(const Sighting& sighting, const PlaneObject& object,
+                                                    const RollingLens& lens, const Prior& prior) {
   std::vector<Candidate> upright;
   for (const Alignment& alignment : sighting.poses) {
     Candidate c = candidate(alignment, object, lens, prior);

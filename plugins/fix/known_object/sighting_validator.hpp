@@ -18,9 +18,9 @@ struct Prior {
   Eigen::Quaterniond q_n_c = Eigen::Quaterniond::Identity();
   Eigen::Vector3d p_n = Eigen::Vector3d::Zero();
   double tilt_sigma_rad = 0, yaw_sigma_rad = 0, horizontal_sigma_m = 0, vertical_sigma_m = 0;
-  double path_m = 0;    ///< length of the path so far
-  bool placed = false;  ///< position and heading are in the objects' frame
-  double coarse_error_m = 0;   ///< if not placed: accuracy of the position (GNSS); 0: unknown
+  double path_m = 0;          ///< length of the path so far
+  bool placed = false;        ///< position and heading are in the objects' frame
+  double coarse_error_m = 0;  ///< if not placed: accuracy of the position (GNSS); 0: unknown
 };
 
 /// The camera's pose from an object.
@@ -48,10 +48,10 @@ class SightingValidator {
     double gravity_sigma_rad = 0.017;     ///< lower bound, of the prior's inclination
     double pixel_sigma = 0.15;            ///< px, of each corner, common to the frame: interpolation, lens; bench
     double focal_sigma = 0.003;           ///< relative, of the focal length: autofocus, calibration
-    double correlation_s = 5;                   ///< correlation time of the errors of fixes by one object
+    double correlation_s = 5;             ///< correlation time of the errors of fixes by one object
     double drift = 0.05;                  ///< of the path since the last fix: error of the prior beyond its sigma
     double max_horizontal_sigma_m = 1.0;  ///< fixes with a larger sigma are not emitted
-    double unobserved_copy = 4;               ///< chi-square by which the prior must exclude a copy on an unseen side
+    double unobserved_copy = 4;           ///< chi-square by which the prior must exclude a copy on an unseen side
     double gate_sigmas = 3.5;             ///< for gravity, and for a position known from GNSS only
     double max_prior_cost = 16.25;        ///< chi-square of position, height and heading: rejects 0.3 % of true ones
     /// In addition to the prior's: errors of surveys and priors change in steps; empirical.
@@ -66,7 +66,7 @@ class SightingValidator {
 
   /// Nothing if the sighting is rejected, not confirmed yet, or not due.
   std::optional<Estimate> validate(const Sighting& sighting, const PlaneObject& object, const RollingLens& lens,
-                                const Prior& prior);
+                                   const Prior& prior);
   void clear();
   /// Counts of the reasons for rejection, for tests and reports.
   struct Rejections {
@@ -94,7 +94,7 @@ class SightingValidator {
                       const Prior& prior) const;
   bool is_plausible(const Estimate& estimate, const Prior& prior) const;
   bool excludes_copies(const Estimate& estimate, const PlaneObject& object, const Prior& prior,
-                const Encounter& encounter) const;
+                       const Encounter& encounter) const;
   bool is_stationary(const Encounter& encounter, int64_t t_ns) const;
 
   Parameters p_;

@@ -100,7 +100,8 @@ class DatabaseExtension {
       self.city_->horizon(at, horizon, edge_indices);
       std::copy(horizon.elevation.begin(), horizon.elevation.end(), elevation_rad);
       for (size_t j = 0; j < edge_indices.size(); ++j)
-        object[j] = edge_indices[j] < 0 ? Edge::kUnknown : self.city_->edges()[static_cast<size_t>(edge_indices[j])].object;
+        object[j] =
+            edge_indices[j] < 0 ? Edge::kUnknown : self.city_->edges()[static_cast<size_t>(edge_indices[j])].object;
       return ODO_OK;
     });
   }

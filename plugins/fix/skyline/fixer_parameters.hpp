@@ -14,11 +14,11 @@ struct FixerParameters {
 
   // The prior.
   double unplaced_sigma_m = 1000;  ///< sigma of a pose without an initial position
-  double unscaled_sigma_m = 2.5;  ///< min sigma without metric scale: a car's displacement between its first fixes
+  double unscaled_sigma_m = 2.5;   ///< min sigma without metric scale: a car's displacement between its first fixes
   double min_yaw_rad = 1 * kDegree, max_yaw_rad = 60 * kDegree;  ///< sigma; three times the latter means any heading
   double max_tilt_rad = 3 * kDegree;                             ///< sigma
   double no_heading_rad = 20 * kDegree;  ///< sigma above which the heading is treated as unknown
-  double max_off = 2;       ///< of the path since the last fix: the error of motion opposite to the estimated heading
+  double max_off = 2;  ///< of the path since the last fix: the error of motion opposite to the estimated heading
   double max_scale_sigma = 0.2;  ///< max relative sigma of the scale: beyond, a path of 20 m fits no place
 
   // Before the first fix: the ring around the start.
@@ -26,8 +26,8 @@ struct FixerParameters {
   double farthest_from_start_m = 150;        ///< no ring is searched beyond: the work grows with its length
 
   // Failures in a row.
-  int failures_until_lost = 4;                     ///< then the offset on which several pictures agree is searched
-  int failures_until_search = 20;                    ///< then the whole database is searched
+  int failures_until_lost = 4;          ///< then the offset on which several pictures agree is searched
+  int failures_until_search = 20;       ///< then the whole database is searched
   double failed_yaw_rad = 1 * kDegree;  ///< added to the heading's sigma per failure, with joined pictures
 
   // A place found in a database.
@@ -48,7 +48,7 @@ struct FixerParameters {
   uint64_t min_slice = 400'000, max_slice = 3'200'000;  ///< per frame: 2 and 16 ms
   uint64_t sky_work = 10;                               ///< per pixel
 
-  double max_elsewhere = 0.1;       ///< probability of other places above which the reason for no fix is ambiguity
+  double max_elsewhere = 0.1;   ///< probability of other places above which the reason for no fix is ambiguity
   double min_integrity = 0.01;  ///< lower bound of the risk that a fix is wrong
 };
 

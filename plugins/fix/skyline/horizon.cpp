@@ -73,7 +73,8 @@ struct SeenEdge {
 /// The highest edge in each direction, updated edge by edge.
 class Envelope {
  public:
-  Envelope(const Sector& sector, Horizon& out, City::EdgeIndices* edge_indices) : out_(out), edge_indices_(edge_indices) {
+  Envelope(const Sector& sector, Horizon& out, City::EdgeIndices* edge_indices)
+      : out_(out), edge_indices_(edge_indices) {
     // Directions outside the sector are treated as blocked: no edge exceeds them.
     for (int i = sector.blocks; i < kBlocks; ++i) {
       const int b = (sector.first + i) % kBlocks;
@@ -216,7 +217,7 @@ void City::quick_horizon(const Eigen::Vector3d& p_n, Horizon& out, EdgeIndices& 
 }
 
 void City::select_edges(const Eigen::Vector3d& p_n, double radius_m, double min_tan, double lower_m,
-                       const Spend& spend) {
+                        const Spend& spend) {
   if (spend) spend(kEdgeWork * edges_.size());
   select_near_edges(p_n, radius_m, min_tan, lower_m);
   std::vector<char> seen(near_.size(), 0);

@@ -52,7 +52,7 @@ class City {
   void select_near_edges(const Eigen::Vector3d& p_n, double radius_m, double min_tan, double lower_m = 0);
   /// The same for quick_horizon() too. `spend` is called with the amount of work before it is done.
   void select_edges(const Eigen::Vector3d& p_n, double radius_m, double min_tan, double lower_m = 0,
-                   const Spend& spend = nullptr);
+                    const Spend& spend = nullptr);
   /// The skyline from a place, of the edges that select_edges() selected. Thread: any, between calls of select_edges().
   void horizon(const Eigen::Vector3d& p_n, Horizon& out) const { envelope(near_, p_n, out, nullptr, Sector::all()); }
   /// With the number of the edge that is highest in each direction, -1 where none is.

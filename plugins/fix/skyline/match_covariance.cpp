@@ -92,7 +92,8 @@ bool Matcher::estimate_covariance(const Place& best, double second_best_cost, Ma
   const Matrix6d P = H.inverse() * (left * left);
   // The fewer directions agree, the more of them agree by chance.
   const double disagreement_sigma_m = p_.disagreement_m * (1 - match.agreement);
-  match.covariance = P.topLeftCorner<2, 2>() + cloud + Eigen::Matrix2d::Identity() * (disagreement_sigma_m * disagreement_sigma_m);
+  match.covariance =
+      P.topLeftCorner<2, 2>() + cloud + Eigen::Matrix2d::Identity() * (disagreement_sigma_m * disagreement_sigma_m);
   match.height_sigma_m = std::sqrt(std::max(1e-6, P(2, 2)));
   match.yaw_sigma_rad =
       std::clamp(std::sqrt(std::max(0.0, P(3, 3)) + around.yaw_variance), 0.1 * kDegree, 30 * kDegree);

@@ -23,7 +23,7 @@ struct MatcherParameters {
   double nearest_m = 6;                           ///< min radius of the search: priors are optimistic
   double wide_m = 12;                             ///< radius above which the lattice is coarse:
   double fine_step_m = 1.5, coarse_step_m = 2.0;  ///< between its places
-  uint64_t rotated_cheaper = 3;  ///< factor by which a direction's loss is cheaper in a rotated skyline; measured
+  uint64_t rotated_cheaper = 3;      ///< factor by which a direction's loss is cheaper in a rotated skyline; measured
   double prune_rad = 0.3 * kDegree;  ///< increase of the mean loss by a move that no heading compensates
   // The refinement.
   double spread_m = 2.5;                  ///< min distance between places that are refined
@@ -39,12 +39,13 @@ struct MatcherParameters {
   int pictures = 4;    ///< needed before a match is accepted when lost
   // Uncertainty of the best place.
   double disagreement_m = 2.5;  ///< standard deviation at zero agreement; measured in Delft
-  double max_axis_sigma_m = 10;       ///< max sigma along the best-determined axis, by the curvature; above, there is no match
-  int neighbours = 3;            ///< neighbours of the best place to each side,
-  double neighbour_step_m = 2;  ///< their spacing,
-  size_t neighbour_starts = 3;  ///< and the number of those that are refined
-  double alike = 0.1;         ///< likelihood ratio of a place at the rim above which the ridge continues
-  double unobserved_sigma_m = 30;       ///< standard deviation along a direction that a picture does not determine
+  double max_axis_sigma_m =
+      10;              ///< max sigma along the best-determined axis, by the curvature; above, there is no match
+  int neighbours = 3;  ///< neighbours of the best place to each side,
+  double neighbour_step_m = 2;     ///< their spacing,
+  size_t neighbour_starts = 3;     ///< and the number of those that are refined
+  double alike = 0.1;              ///< likelihood ratio of a place at the rim above which the ridge continues
+  double unobserved_sigma_m = 30;  ///< standard deviation along a direction that a picture does not determine
 };
 
 }  // namespace odograph::skyline

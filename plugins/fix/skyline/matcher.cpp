@@ -295,7 +295,7 @@ bool Matcher::describe(const Place& best, Match& match) {
 }
 
 bool Matcher::has_enough_edges(const std::vector<SkyEdge>& edges, const std::vector<View>& older,
-                           const MatcherParameters& p) {
+                               const MatcherParameters& p) {
   size_t closed = closed_edges(edges);
   for (const View& view : older) closed += closed_edges(view.edges);
   return closed >= p.min_edges;
@@ -319,7 +319,7 @@ std::optional<Match> Matcher::match(const std::vector<SkyEdge>& edges, const Pri
   const Eigen::Vector3d middle_n = seen_.middle_n();
   const double path_m = seen_.half_length_m() + std::min(yaw_reach, 2.0) * middle_n.norm();
   city_.select_edges(prior_.p_n + middle_n, radius + 3 + path_m,
-                    std::tan(std::max(p_.lowest_rad, seen_.lowest_rad() - 0.1)), 3 * prior.height_sigma_m, spend);
+                     std::tan(std::max(p_.lowest_rad, seen_.lowest_rad() - 0.1)), 3 * prior.height_sigma_m, spend);
   if (prior.pivot_n)
     search_circle(displacement, step);
   else if (seen_.is_path())

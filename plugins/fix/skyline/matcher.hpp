@@ -66,7 +66,7 @@ class Matcher {
                              const std::vector<View>& older = {});
   /// Whether enough directions of the pictures have a roof's edge.
   static bool has_enough_edges(const std::vector<SkyEdge>& edges, const std::vector<View>& older = {},
-                           const Parameters& parameters = {});
+                               const Parameters& parameters = {});
   const City& city() const { return city_; }
   City& city() { return city_; }
   /// Reason why the latest match() returned no match.

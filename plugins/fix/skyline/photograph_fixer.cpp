@@ -32,7 +32,8 @@ PhotographFixer::Outcome PhotographFixer::estimate_pose(Picture picture, const P
   if (prior.tilt_sigma_rad > p_.level_rad)
     levels = levels_of(lines_of(picture.grey, picture.lens, p_.level.lines), prior_up_c, p_.level);
   Outcome found[2];  // from the sky in colour and in grey
-  for (Outcome& outcome : found) outcome.no_sky = true, outcome.gain = -1e300, outcome.why = "no sky is visible above roofs";
+  for (Outcome& outcome : found)
+    outcome.no_sky = true, outcome.gain = -1e300, outcome.why = "no sky is visible above roofs";
   const Chroma chroma = picture.chroma;
   for (const PhotographLevel& level : levels) {
     PhotographPrior held = prior;

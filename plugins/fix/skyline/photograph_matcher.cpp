@@ -197,11 +197,12 @@ bool PhotographMatcher::accept(const Candidate& best, Match& match) {
   match.agreement = fit_.agreement();
   if (none > others && other_ > p_.max_other)
     why_ = format_text("only %.0f %% of the sky's edge coincides with a roof of the model: that may be chance",
-                 100 * match.agreement);
+                       100 * match.agreement);
   else if (other_ > p_.max_other)
     why_ = format_text("it fits elsewhere too: the best place is right with %.0f %%", 100 * (1 - other_));
   else if (worst_m > p_.max_sigma_m)
-    why_ = format_text("the visible roofs determine the place only to %.1f m; %.1f m are required", worst_m, p_.max_sigma_m);
+    why_ = format_text("the visible roofs determine the place only to %.1f m; %.1f m are required", worst_m,
+                       p_.max_sigma_m);
   return why_.empty();
 }
 
@@ -226,7 +227,7 @@ std::optional<Match> PhotographMatcher::match(const std::vector<SkyEdge>& edges,
   why_.clear(), tried_.reset();
   if (const size_t closed = closed_edges(edges); closed < p_.min_edges) {
     why_ = format_text("roofs end against the sky in %.0f degrees of the picture only, %.0f are wanted",
-                 0.5 * static_cast<double>(closed), 0.5 * static_cast<double>(p_.min_edges));
+                       0.5 * static_cast<double>(closed), 0.5 * static_cast<double>(p_.min_edges));
     return std::nullopt;
   }
   fit_.set(edges, prior.q_n_c);

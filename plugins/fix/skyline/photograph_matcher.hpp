@@ -38,8 +38,8 @@ struct PhotographParameters {
   double max_sigma_m = 3;    ///< of the position along its worst axis
   double min_sigma_m = 0.5;  ///< of north and of east: no model's corners are more accurate (CityGML 2.0, LOD3: 0.5 m)
   double max_other = 0.1;    ///< total probability of all other places and of no place
-  double roof_distance_m = 10;  ///< the position's sigma over this distance adds to the heading's: a typical distance of a
-                             ///< roof (K7's drives)
+  double roof_distance_m = 10;  ///< the position's sigma over this distance adds to the heading's: a typical distance
+                                ///< of a roof (K7's drives)
 };
 
 struct PhotographPrior {

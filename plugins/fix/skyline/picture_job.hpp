@@ -29,7 +29,7 @@ struct PictureJob {
   double path_m = 0;                                          ///< length of the path so far
   Prior prior{};
   bool global_search = false;  ///< the place is searched in all of the database
-  bool may_join = false;  ///< a picture that sees too little is matched jointly with `older`
+  bool may_join = false;       ///< a picture that sees too little is matched jointly with `older`
   std::vector<View> older;
 
   bool sky_seen = false;

@@ -150,23 +150,23 @@ class Skyline : public FixerConfig {
     if (global_search && !place_finder_->is_far_enough(p_n)) return;
     if (!global_search && joins_ && !window_.adds_information(p_n, q_n_c)) return;
     job_ = {picture,
-             p_n,
-             q_n_c,
-             pose_->distance_m,
-             Prior{.p_n = p_n - Eigen::Vector3d(0, 0, up_m_),
-                   .q_n_c = q_n_c,
-                   .position_sigma_m = std::max(sigma + failures_, drift_m / 3),
-                   .yaw_sigma_rad = joins_ ? yaw_sigma + failures_ * kParameters.failed_yaw_rad : yaw_sigma,
-                   .tilt_sigma_rad = tilt,
-                   .farthest_m = radius,
-                   .lost = failures_ >= kParameters.failures_until_lost,
-                   .height_sigma_m = std::sqrt(up_variance_),
-                   .pivot_n = slack_m ? start_n_ : std::nullopt,
-                   .slack_m = slack_m.value_or(0)},
-             global_search,
-             join && !global_search && yaw_sigma < kParameters.no_heading_rad &&
-                 pose_->scale_sigma < kParameters.max_scale_sigma * pose_->scale,
-             window_.views()};
+            p_n,
+            q_n_c,
+            pose_->distance_m,
+            Prior{.p_n = p_n - Eigen::Vector3d(0, 0, up_m_),
+                  .q_n_c = q_n_c,
+                  .position_sigma_m = std::max(sigma + failures_, drift_m / 3),
+                  .yaw_sigma_rad = joins_ ? yaw_sigma + failures_ * kParameters.failed_yaw_rad : yaw_sigma,
+                  .tilt_sigma_rad = tilt,
+                  .farthest_m = radius,
+                  .lost = failures_ >= kParameters.failures_until_lost,
+                  .height_sigma_m = std::sqrt(up_variance_),
+                  .pivot_n = slack_m ? start_n_ : std::nullopt,
+                  .slack_m = slack_m.value_or(0)},
+            global_search,
+            join && !global_search && yaw_sigma < kParameters.no_heading_rad &&
+                pose_->scale_sigma < kParameters.max_scale_sigma * pose_->scale,
+            window_.views()};
     worker_.start([this](const Spend& spend) { process_picture(spend); }, slice_);
   }
 
@@ -174,9 +174,9 @@ class Skyline : public FixerConfig {
   void place_photograph(const Picture& picture, odo::Output& output) {
     const auto outcome = photograph_fixer_->estimate_pose(picture, photograph_prior(*pose_, height_sigma));
     if (!outcome.match)
-      return refuse(outcome.no_sky                          ? kSky
+      return refuse(outcome.no_sky                              ? kSky
                     : outcome.other > kParameters.max_elsewhere ? kAmbiguity
-                                                           : kAgreement,
+                                                                : kAgreement,
                     outcome.why, output);
     odo_fix fix = fix_of(*outcome.match, picture.t_ns);
     fix.header.flags |= ODO_FIX_DOWN;
@@ -238,8 +238,7 @@ class Skyline : public FixerConfig {
     prior.position_sigma_m = kParameters.found_sigma_m, prior.yaw_sigma_rad = kParameters.found_sigma_rad;
     prior.height_sigma_m = kParameters.found_sigma_m, prior.lost = false;
     job_.match = matcher_->match(edges, prior, spend);
-    if (job_.match && (job_.match->p_n - found->p_n).head<2>().norm() > kParameters.found_apart_m)
-      job_.match.reset();
+    if (job_.match && (job_.match->p_n - found->p_n).head<2>().norm() > kParameters.found_apart_m) job_.match.reset();
   }
 
   void finish(odo::Output& output) {

@@ -30,8 +30,8 @@ struct RoofErrorParameters {
   /// Cost of a run of directions with an object that the model lacks (a new house, a tree), for its free ends and
   /// height; and cost per direction, higher where sky is visible instead of the model's roof.
   double run_loss = 9, run_above = 0.35, run_below = 0.5;
-  double correlated = 5;  ///< neighbouring directions with a common error: two and a half degrees
-  double likelihood_power = 1;       ///< power of the whole likelihood
+  double correlated = 5;        ///< neighbouring directions with a common error: two and a half degrees
+  double likelihood_power = 1;  ///< power of the whole likelihood
 };
 
 /// The model's skyline from a place, with the object of each direction.

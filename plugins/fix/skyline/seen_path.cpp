@@ -67,7 +67,8 @@ bool SeenPath::must_recompute(const Seen& seen, const Eigen::Vector3d& newest_n,
   return !((seen.place(newest_n, yaw_rad) - seen.computed_n).norm() < p_.moved_m);
 }
 
-uint64_t SeenPath::work_to_recompute(const City& city, const Eigen::Vector3d& newest_n, double yaw_rad, bool recompute_all) const {
+uint64_t SeenPath::work_to_recompute(const City& city, const Eigen::Vector3d& newest_n, double yaw_rad,
+                                     bool recompute_all) const {
   uint64_t work = 0;
   for (const Seen& seen : seen_)
     if (recompute_all || (is_path() && must_recompute(seen, newest_n, yaw_rad))) work += city.quick_work(seen.sector);

@@ -30,9 +30,9 @@ class SeenPath {
 
   struct Seen {
     SeenSkyline skyline;
-    Eigen::Vector3d offset_n;  ///< from the newest place
-    Sector sector;             ///< that contains its directions for all headings in reach
-    Horizon horizon;           ///< of the city, at computed_n
+    Eigen::Vector3d offset_n;    ///< from the newest place
+    Sector sector;               ///< that contains its directions for all headings in reach
+    Horizon horizon;             ///< of the city, at computed_n
     Eigen::Vector3d computed_n;  ///< the place of the latest evaluation
 
     Eigen::Vector3d place(const Eigen::Vector3d& newest_n, double yaw_rad) const;
@@ -58,9 +58,11 @@ class SeenPath {
   Eigen::Vector3d middle_n() const;
   double half_length_m() const;
 
-  /// Computes the city's skyline at all places of the path; unless `recompute_all`, only at those that the heading has moved.
+  /// Computes the city's skyline at all places of the path; unless `recompute_all`, only at those that the heading has
+  /// moved.
   void look(const City& city, const Eigen::Vector3d& newest_n, double yaw_rad, bool recompute_all);
-  uint64_t work_to_recompute(const City& city, const Eigen::Vector3d& newest_n, double yaw_rad, bool recompute_all) const;
+  uint64_t work_to_recompute(const City& city, const Eigen::Vector3d& newest_n, double yaw_rad,
+                             bool recompute_all) const;
   /// Mean loss of a direction, rad, against the computed skylines.
   double loss(const Guess& guess, double max_rad) const;
   /// Fraction of the directions in which picture and model agree, against the computed skylines.

@@ -211,7 +211,7 @@ void SkyNetwork::summarise() {
 }
 
 const SkyView& SkyNetwork::segment(const cv::Mat& grey, const cv::Mat& mask, const Chroma& chroma,
-                                const Eigen::Vector3d& up_c) {
+                                   const Eigen::Vector3d& up_c) {
   measure(grey, mask);
   set_inputs(grey, chroma, up_c);
   forward();

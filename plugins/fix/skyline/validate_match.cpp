@@ -31,7 +31,7 @@ Rejection rejection_of(Refusal refusal) {
 }
 
 std::optional<Rejection> validate_match(const Match& match, double min_agreement, bool several_agree,
-                               const MatchValidationParameters& p) {
+                                        const MatchValidationParameters& p) {
   const bool sure = several_agree || match.second_best_ratio < p.unrivalled_ratio;
   const double least = sure ? p.min_agreement_factor * min_agreement : min_agreement;
   if (match.agreement < least) return few_agree(match.agreement, least);
@@ -39,8 +39,8 @@ std::optional<Rejection> validate_match(const Match& match, double min_agreement
   return std::nullopt;
 }
 
-std::optional<Rejection> PathMatchValidator::validate(const Match& match, const Eigen::Vector3d& p_n, const Eigen::Quaterniond& q_n_c,
-                                    double min_agreement) {
+std::optional<Rejection> PathMatchValidator::validate(const Match& match, const Eigen::Vector3d& p_n,
+                                                      const Eigen::Quaterniond& q_n_c, double min_agreement) {
   const Eigen::Quaterniond q = (match.q_n_c * q_n_c.conjugate()).normalized();
   const auto before = std::exchange(before_, std::nullopt);
   if (match.agreement < p_.min_agreement) return few_agree(match.agreement, p_.min_agreement);

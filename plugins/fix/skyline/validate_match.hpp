@@ -20,14 +20,15 @@ Rejection rejection_of(Refusal refusal);
 
 /// For a match of one picture. Unless a source is named, chosen empirically on drives through a model of Delft.
 struct MatchValidationParameters {
-  double min_agreement_factor = 0.8;  ///< factor on min_agreement for a place by several pictures or without an alternative:
-  double unrivalled_ratio = 1e-20;       ///< a likelihood ratio below this (42 such in Delft: one was 1.1 m off)
+  double min_agreement_factor =
+      0.8;  ///< factor on min_agreement for a place by several pictures or without an alternative:
+  double unrivalled_ratio = 1e-20;     ///< a likelihood ratio below this (42 such in Delft: one was 1.1 m off)
   double max_second_best_ratio = 0.2;  ///< of another place's likelihood
 };
 
 /// The reason to reject a match of one picture, if any. `several_agree`: earlier pictures gave the same place.
 std::optional<Rejection> validate_match(const Match& match, double min_agreement, bool several_agree,
-                               const MatchValidationParameters& p = {});
+                                        const MatchValidationParameters& p = {});
 
 /// Accepts or rejects matches of several narrow pictures along a path. Such pictures see walls rather than roofs:
 /// picture and model agree in fewer directions, and a single match may fit by chance. Therefore no other place may be
@@ -46,7 +47,7 @@ class PathMatchValidator {
 
   /// The reason to reject a match, if any. `p_n`, `q_n_c`: the prior pose.
   std::optional<Rejection> validate(const Match& match, const Eigen::Vector3d& p_n, const Eigen::Quaterniond& q_n_c,
-                           double min_agreement);
+                                    double min_agreement);
   /// A correction of n moves x to q x + p. The city does not move.
   void correct(const Eigen::Quaterniond& q, const Eigen::Vector3d& p);
   void clear() { before_.reset(); }

@@ -39,7 +39,7 @@ class SlantDistance {
       throw odo::Error(ODO_E_DISCARD, "landmark_n or slant_distance_m is out of range or not finite");
     literal_.add_position(place, fix.slant_distance_m);
     scale_.add_position(fix.header.t_ns, place.head<2>(),
-                     std::max(1e-6, 0.5 * (fix.covariance_n[0] + fix.covariance_n[4])));
+                        std::max(1e-6, 0.5 * (fix.covariance_n[0] + fix.covariance_n[4])));
   }
 
   void on(const odo_vo_motion& motion, odo::Output& output) {

@@ -25,8 +25,8 @@ class SlantScale {
   /// Empirical, not tuned.
   struct Parameters {
     double huber = 1.5;         ///< standard deviations of a position beyond which the loss is linear
-    double max_jump = 0.7;          ///< change of the log-scale within a window, a factor of two: a similar place
-    int confirmations = 20;            ///< consecutive fixes that confirm the change
+    double max_jump = 0.7;      ///< change of the log-scale within a window, a factor of two: a similar place
+    int confirmations = 20;     ///< consecutive fixes that confirm the change
     double guess = 0.3;         ///< relative sigma of a scale from the previous speed
     double guess_s = 1;         ///< of motions from which it is computed
     double standing_mps = 0.5;  ///< below it the previous speed carries no information

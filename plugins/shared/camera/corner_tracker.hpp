@@ -13,7 +13,7 @@ namespace odograph {
 class CornerTracker {
  public:
   struct Parameters {
-    int max_corners = 500;         ///< max corners
+    int max_corners = 500;  ///< max corners
     int cell_px = 32;       ///< at most one new corner per cell
     double quality = 0.01;  ///< relative to the best corner
     int window_px = 21;     ///< of Lucas-Kanade

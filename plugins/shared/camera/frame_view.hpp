@@ -31,15 +31,17 @@ class CalibratedCamera {
   /// Takes a calibration. True if it is a different camera; a phone with autofocus or stabiliser sends its own lens
   /// repeatedly.
   bool take(const odo_calibration& c) {
-    const bool same = calibration_ && calibration_->header.source == c.header.source && calibration_->model == c.model &&
-                      calibration_->width == c.width && calibration_->height == c.height;
+    const bool same = calibration_ && calibration_->header.source == c.header.source &&
+                      calibration_->model == c.model && calibration_->width == c.width &&
+                      calibration_->height == c.height;
     calibration_ = c;
     return !same;
   }
 
   const std::optional<odo_calibration>& calibration() const { return calibration_; }
   cv::Size size() const {
-    return calibration_ ? cv::Size(static_cast<int>(calibration_->width), static_cast<int>(calibration_->height)) : cv::Size();
+    return calibration_ ? cv::Size(static_cast<int>(calibration_->width), static_cast<int>(calibration_->height))
+                        : cv::Size();
   }
 
   /// The lens of a frame: that of the calibration, with the frame's own focal length and principal point if given.
@@ -48,11 +50,13 @@ class CalibratedCamera {
     const auto discard = [](const std::string& text) { throw odo::Error(ODO_E_DISCARD, text); };
     if (!calibration_ || frame.header.source != calibration_->header.source)
       discard("header.source = " + std::to_string(frame.header.source) +
-              (calibration_ ? "; expected the camera of the last calibration, " + std::to_string(calibration_->header.source)
-                     : "; this camera has no calibration"));
+              (calibration_
+                   ? "; expected the camera of the last calibration, " + std::to_string(calibration_->header.source)
+                   : "; this camera has no calibration"));
     if (frame.width != calibration_->width || frame.height != calibration_->height)
       discard("width x height = " + std::to_string(frame.width) + " x " + std::to_string(frame.height) +
-              "; expected its calibration's " + std::to_string(calibration_->width) + " x " + std::to_string(calibration_->height));
+              "; expected its calibration's " + std::to_string(calibration_->width) + " x " +
+              std::to_string(calibration_->height));
     CameraModel lens = camera_of(*calibration_);
     if (frame.header.flags & ODO_FRAME_INTRINSICS)
       lens.fx = frame.fx, lens.fy = frame.fy, lens.cx = frame.cx, lens.cy = frame.cy;

@@ -25,7 +25,7 @@ class CarryModeClassifier {
     double thigh_ends_radps = 1.1;                        ///< below it the phone is no longer on a thigh
     double worn_part = 0.56, worn_radps = 0.45;  ///< vertical part below and rate above: bag or body, treated as pocket
     double learn_rate = 0.15;                    ///< weight of the newest step in the mean rate
-    int min_agreeing_steps = 2;                    ///< consecutive agreeing steps
+    int min_agreeing_steps = 2;                  ///< consecutive agreeing steps
   };
   CarryModeClassifier() : CarryModeClassifier(Parameters{}) {}
   explicit CarryModeClassifier(const Parameters& parameters) : p_(parameters) {}

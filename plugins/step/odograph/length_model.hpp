@@ -62,7 +62,7 @@ class Walker {
     double min_path_m = 4.0;             ///< min path between two fixes used
     double fix_sigmas = 3;               ///< min path in sigmas of the fixes; empirical
     double gate = 9.0;                   ///< chi-square with two components: rejects 1 % of good paths
-    int max_rejected = 3;               ///< consecutive rejected paths after which the anchor is dropped
+    int max_rejected = 3;                ///< consecutive rejected paths after which the anchor is dropped
     double min_factor = 0.6, max_factor = 1.6;              ///< limits of the walker's factor; empirical
     double min_gentle_ratio = 0.5, max_gentle_ratio = 1.6;  ///< empirical
     /// Lower bounds of the standard deviations, since a walker varies during a day; empirical.

@@ -72,7 +72,7 @@ void StepFinder::confirm(const WalkSignal& signal) {
   if (peak_count_ == p_.kept_peaks)
     std::copy(peaks_.begin() + 1, peaks_.begin() + static_cast<long>(peak_count_--), peaks_.begin());
   best_.may_be_foot = p_.gentle ? !hand_moves(signal, best_.value - best_.low, p_.part_over_s)
-                           : signal.vertical_part(p_.part_over_s) > 0.4 * p_.upright;
+                                : signal.vertical_part(p_.part_over_s) > 0.4 * p_.upright;
   peaks_[peak_count_++] = best_;
   if (walking_)
     continue_walk(signal);
@@ -85,10 +85,10 @@ void StepFinder::confirm(const WalkSignal& signal) {
 void StepFinder::continue_walk(const WalkSignal& signal) {
   const double swing = std::max(typical_swing_, best_.value - best_.low);
   const bool invalid = p_.gentle
-                         ? hand_moves(signal, swing, p_.part_over_s) || hand_moves(signal, swing, p_.gentle_over_s)
-                         : signal.vertical_part(p_.part_over_s) < p_.still_upright &&
-                               repetition(signal, typical_s_, 2) < p_.regular &&
-                               stride_repetition(signal, typical_s_, 1) < p_.regular;
+                           ? hand_moves(signal, swing, p_.part_over_s) || hand_moves(signal, swing, p_.gentle_over_s)
+                           : signal.vertical_part(p_.part_over_s) < p_.still_upright &&
+                                 repetition(signal, typical_s_, 2) < p_.regular &&
+                                 stride_repetition(signal, typical_s_, 1) < p_.regular;
   invalid_ = invalid ? invalid_ + 1 : 0;
   if (invalid_ >= p_.max_invalid) {
     walking_ = false;

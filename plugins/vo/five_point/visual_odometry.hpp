@@ -42,7 +42,7 @@ class VisualOdometry {
     /// Largest mean difference between a frame's rotation by the map and by the two latest pictures: 1 px of 400;
     /// empirical.
     double contradiction_rad = 0.0025;
-    int check_every = 2;        ///< frames
+    int check_every = 2;             ///< frames
     double max_deviation_rad = 0.5;  ///< largest change of a frame's rotation from the previous one: 860 deg/s at 30 Hz
   };
 

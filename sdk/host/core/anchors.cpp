@@ -181,7 +181,8 @@ void Anchors::update(RetainedPoses& poses, int64_t t_ns, const Rigid* correction
   RetainedPose now;
   if (anchors_.empty() || !poses.pose_now(now)) return;
   for (Anchor& anchor : anchors_) {
-    const bool was_placed = anchor.placed, stays = anchor.reference == Reference::geodetic || anchor.reference == Reference::navigation;
+    const bool was_placed = anchor.placed,
+               stays = anchor.reference == Reference::geodetic || anchor.reference == Reference::navigation;
     const Rigid before = correction ? *correction * anchor.T_n_a : anchor.T_n_a;
     if (anchor.reference == Reference::awaiting_pose) attach_to_pose(anchor, poses);
     RetainedPose retained;
@@ -207,7 +208,8 @@ void Anchors::drop_retained_poses() {
   queried_ns_ = INT64_MIN;  // the sensor clock was set back
   poses_to_release_.clear();
   for (Anchor& anchor : anchors_) {
-    if (anchor.reference == Reference::pose || anchor.reference == Reference::awaiting_pose) anchor.reference = Reference::track;
+    if (anchor.reference == Reference::pose || anchor.reference == Reference::awaiting_pose)
+      anchor.reference = Reference::track;
     anchor.pose_id = 0;
     anchor.smooth.reset();
   }
@@ -232,7 +234,8 @@ bool is_valid(const Saved& saved) {
     return false;
   const double norm = Eigen::Vector4d(saved.q).norm();
   return norm > 0.9 && norm < 1.1 && std::abs(saved.geodetic[0]) <= EIGEN_PI / 2 &&
-         (saved.reference == kSavedGeodetic || saved.reference == kSavedNavigation) && saved.name[sizeof saved.name - 1] == 0;
+         (saved.reference == kSavedGeodetic || saved.reference == kSavedNavigation) &&
+         saved.name[sizeof saved.name - 1] == 0;
 }
 
 }  // namespace

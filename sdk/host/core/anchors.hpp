@@ -27,12 +27,12 @@ struct Rigid {
 };
 
 /// The app's anchors. The pipeline reports changes of the track; the app creates, queries and removes anchors. A local
-/// anchor refers to a retained pose (RetainedPoses::retain_pose); where none is available, each correction moves it as a
-/// whole. Thread-safe; a call holds the lock for microseconds.
+/// anchor refers to a retained pose (RetainedPoses::retain_pose); where none is available, each correction moves it as
+/// a whole. Thread-safe; a call holds the lock for microseconds.
 class Anchors {
  public:
   struct Parameters {
-    size_t max_anchors = 1024;               ///< anchors; each costs under 1 us per update
+    size_t max_anchors = 1024;        ///< anchors; each costs under 1 us per update
     double max_smooth_jump_m = 1e-6;  ///< m, smaller changes are not blended
     SmoothPose::Parameters smooth;
   };

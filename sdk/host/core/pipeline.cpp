@@ -217,7 +217,8 @@ void Pipeline::on_vo_motion(odo_vo_motion& motion) {
   publisher_.publish_estimates();
   roster_.forward_event(motion.header, false);  // the scale sources have received it already
   odo_fix reference;
-  while (composer_.take_step_reference(reference)) roster_.forward_to_kind(ODO_INTERFACE_STEP_ESTIMATOR, reference.header);
+  while (composer_.take_step_reference(reference))
+    roster_.forward_to_kind(ODO_INTERFACE_STEP_ESTIMATOR, reference.header);
 }
 
 void Pipeline::report_notice() {

@@ -26,7 +26,7 @@ class PosePredictor {
     double attitude_after_s = 0.25;
     double velocity_window_s = 0.35;  ///< window of poses for the velocity fit: more than half a step (judgement)
     size_t velocity_poses = 3;        ///< minimum number of poses for the fit
-    double planar_m = 0.001;    ///< m, height differences below which the pipeline is taken to move only horizontally
+    double planar_m = 0.001;   ///< m, height differences below which the pipeline is taken to move only horizontally
     double force_tau_s = 3.0;  ///< s, time constant of the force error in n (inclination, bias) with fitted velocities
     double largest_force_mps2 = 1.0;  ///< clamp of that error: 6 degrees of inclination
     double jump_m = 0.15;             ///< m from the predicted position, beyond which the track has jumped (judgement)
@@ -107,7 +107,7 @@ class PosePredictor {
   Eigen::Vector3d v_n_b_ = Eigen::Vector3d::Zero();
   Eigen::Vector3d rate_b_ = Eigen::Vector3d::Zero();   // between the last two poses, used without a gyroscope
   Eigen::Vector3d force_n_ = Eigen::Vector3d::Zero();  // m/s^2, correction added to force and gravity
-  bool planar_ = false;                                 // the pipeline moves only horizontally
+  bool planar_ = false;                                // the pipeline moves only horizontally
   Velocity velocity_ = Velocity::none;
   std::optional<InertialTrack::Point> base_point_;
   Attitude attitude_;

@@ -78,8 +78,8 @@ TimeOrder::Verdict TimeOrder::classify_late(Stream& stream, const odo_header& me
   if (stream.latest_ns == INT64_MIN || silent(stream)) stream.joined = false;
   stream.latest_ns = message.t_ns;
   stream.behind = 0;
-  const bool joins =
-      !stream.joined && is_waited_for(message.type) && saturating_difference(released_ns_, message.t_ns) <= max_wait_ns_;
+  const bool joins = !stream.joined && is_waited_for(message.type) &&
+                     saturating_difference(released_ns_, message.t_ns) <= max_wait_ns_;
   return joins ? Verdict::accepted : Verdict::late;
 }
 

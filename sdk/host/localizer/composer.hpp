@@ -92,7 +92,7 @@ class Composer : public RetainedPoses {
   LiftDetector lift_;
   FloorEstimator floors_;
   int64_t stepped_ns_ = INT64_MIN / 2;  ///< end of the newest step
-  int32_t reported_floor_ = 0;              ///< last reported floor
+  int32_t reported_floor_ = 0;          ///< last reported floor
   std::array<char, 80> floor_text_{};   ///< text of that report
   MotionSource source_;
   bool shown_ = false;    ///< positions are published

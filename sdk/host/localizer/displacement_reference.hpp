@@ -15,9 +15,9 @@ namespace odograph {
 class DisplacementReference {
  public:
   struct Parameters {
-    double spacing_m = 5;      ///< displacement between two references: seven steps; judgement
-    double correlation_m = 20;       ///< distance over which the scale error is fully correlated; judgement
-    double min_sigma = 0.01;   ///< relative error of a scaled odometry (docs/accuracy.md: 0.8 % in nine walks)
+    double spacing_m = 5;        ///< displacement between two references: seven steps; judgement
+    double correlation_m = 20;   ///< distance over which the scale error is fully correlated; judgement
+    double min_sigma = 0.01;     ///< relative error of a scaled odometry (docs/accuracy.md: 0.8 % in nine walks)
     double fix_priority_s = 60;  ///< after an external fix, which is the better reference; judgement
   };
 
@@ -41,7 +41,8 @@ class DisplacementReference {
     path_m_ = begins ? 0 : path_m_ + step_m;
     if (!begins && path_m_ < p_.spacing_m) return {};
     path_m_ = 0;
-    if (fixed_ns_ != INT64_MIN && static_cast<double>(pose.header.t_ns - fixed_ns_) * 1e-9 < p_.fix_priority_s) return {};
+    if (fixed_ns_ != INT64_MIN && static_cast<double>(pose.header.t_ns - fixed_ns_) * 1e-9 < p_.fix_priority_s)
+      return {};
     auto fix = make_message<odo_fix>(ODO_TYPE_FIX, pose.header.t_ns);
     fix.header.flags = ODO_FIX_NORTH | ODO_FIX_EAST | ODO_FIX_COVARIANCE;
     std::copy(pose.p_n, pose.p_n + 3, fix.p_n);

@@ -17,7 +17,7 @@ using Eigen::Vector3d;
 namespace {
 
 constexpr double kUninformedVariance = 1e12;  // variance of a component that the fix lacks
-constexpr int kYaw = 0;            // row of a fix's innovation; position follows
+constexpr int kYaw = 0;                       // row of a fix's innovation; position follows
 
 bool has_yaw(const odo_fix& fix) { return (fix.header.flags & (ODO_FIX_YAW | ODO_FIX_ORIENTATION)) != 0; }
 

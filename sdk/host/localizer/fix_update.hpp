@@ -17,7 +17,7 @@ class FixUpdate {
     double max_integrity_risk = 0.5;  ///< a fix that is more likely wrong than right is ignored
     double arc_rad = 0.05;            ///< rad: a larger heading error is corrected before the position
     int max_rejected = 5;             ///< consecutive rejections, after which the track is assumed wrong; judgement
-    int min_accepted = 10;           ///< consecutive acceptances, after which a metric inertial front-end outweighs fixes ...
+    int min_accepted = 10;  ///< consecutive acceptances, after which a metric inertial front-end outweighs fixes ...
     double accepted_for_s = 90;  ///< s: ... for that long; reflections last a minute (bench canyon)
   };
 
@@ -32,7 +32,7 @@ class FixUpdate {
     Eigen::Vector3d start_n;     ///< centre of the rotation of n when the first fix gives the heading
     bool north = false;          ///< a compass has given the heading
     bool path_is_given = false;  ///< paper mode: a fix moves the position, not the scale and heading of the path
-    bool has_priority = false;          ///< the front-end may outweigh a few fixes
+    bool has_priority = false;   ///< the front-end may outweigh a few fixes
     int64_t priority_since_ns = INT64_MIN;
   };
   UpdateResult use(Localizer& localizer, const odo_fix& fix, const Context& at);

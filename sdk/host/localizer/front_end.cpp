@@ -101,7 +101,8 @@ bool FrontEnd::apply_metric_scale(MotionUpdate& motion, const odo_scale* scale) 
     if (motion.translates) {
       const bool stated = motion.inertial || m.scale_sigma > 0;
       tracker_.localizer.add_variance(kLogScale, squared(p_.metric_scale_walk) * motion.dt_s);
-      scale_.use_front_end(tracker_.localizer, stated ? m.scale_sigma : p_.unstated_scale_sigma, is_walking(m.header.t_ns));
+      scale_.use_front_end(tracker_.localizer, stated ? m.scale_sigma : p_.unstated_scale_sigma,
+                           is_walking(m.header.t_ns));
     }
     if (!tracker_.paper()) motion.d_o *= std::exp(tracker_.localizer.x[kLogScale]);
     return true;
@@ -230,18 +231,18 @@ FrontEnd::MotionUpdate FrontEnd::begin_motion(const odo_vo_motion& m) {
   lost_ = m.state == ODO_LOST;
   const TrackPoint from = tracker_.track().at(m.t_from_ns).value_or(tracker_.newest());
   MotionUpdate motion{m,
-                from,
-                from.q_o_b * q_b_c_,
-                from.q_o_b,
-                seconds(t_ns - m.t_from_ns),
-                metric,
-                metric && (flags & ODO_VO_INERTIAL) != 0,
-                false,
-                false,
-                true,
-                m.state,
-                m.reason,
-                Vector3d::Zero()};
+                      from,
+                      from.q_o_b * q_b_c_,
+                      from.q_o_b,
+                      seconds(t_ns - m.t_from_ns),
+                      metric,
+                      metric && (flags & ODO_VO_INERTIAL) != 0,
+                      false,
+                      false,
+                      true,
+                      m.state,
+                      m.reason,
+                      Vector3d::Zero()};
   group_.inertial = motion.inertial;
   motion.rotates = (flags & ODO_VO_ROTATION) != 0 && (!lost_ || tracker_.paper());
   motion.translates = (flags & ODO_VO_TRANSLATION) != 0 && !lost_ && motion.dt_s > 0;
@@ -306,7 +307,9 @@ UpdateResult FrontEnd::apply(const odo_scale& scale) {
   return scale_.use(tracker_.localizer, scale);
 }
 
-bool FrontEnd::has_priority() const { return group_.inertial && scale_.own_information() > 1 / squared(p_.priority_scale_sigma); }
+bool FrontEnd::has_priority() const {
+  return group_.inertial && scale_.own_information() > 1 / squared(p_.priority_scale_sigma);
+}
 
 bool FrontEnd::is_metric_scale_known() const {
   return group_.metric && scale_.own_information() > 1 / squared(p_.converged_scale_sigma);

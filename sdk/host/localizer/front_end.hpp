@@ -32,7 +32,7 @@ class FrontEnd {
     /// Of log-scale. Below it, a front-end with inertia has walked and its scale is better known than step lengths vary
     /// between walkers, so steps do not update it.
     double converged_scale_sigma = 0.10;
-    double priority_scale_sigma = 0.2;     ///< of log-scale: above it, a front-end with inertia does not outweigh fixes
+    double priority_scale_sigma = 0.2;  ///< of log-scale: above it, a front-end with inertia does not outweigh fixes
     double rotation_off_rad = 0.015;   ///< rad between the rotations of front-end and gyroscope, above which the former
                                        ///< is rejected; stabilised lenses differ by 2 to 3 mrad; empirical
     double rotation_off_share = 0.05;  ///< of the rotation, for gyroscope scale factor and rolling shutter; empirical
@@ -45,9 +45,9 @@ class FrontEnd {
     double unstated_scale_sigma = 0.02;  ///< relative, of a metric front-end that states none; judgement
     /// 1/sqrt(s), random walk of log-scale of a metric front-end: 0.5 % in ten minutes; judgement.
     double metric_scale_walk = 2e-4;
-    double scale_walk = 2e-3;           ///< 1/sqrt(m), of any other: 0.9 % between halves of 10 m (odograph bench vo)
+    double scale_walk = 2e-3;            ///< 1/sqrt(m), of any other: 0.9 % between halves of 10 m (odograph bench vo)
     double rejected_scale_walk = 0.015;  ///< 1/sqrt(m), of one whose metric scale contradicts the steps
-    double walking_m = 0.5;             ///< m in one second, above which the camera walks: half the slowest walk
+    double walking_m = 0.5;              ///< m in one second, above which the camera walks: half the slowest walk
   };
 
   FrontEnd(Tracker& tracker, LocalizerInputs inputs) : tracker_(tracker), inputs_(inputs), gyroscope_(tracker) {}

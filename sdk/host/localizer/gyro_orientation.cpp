@@ -32,7 +32,8 @@ std::optional<Quaterniond> GyroOrientation::rotate(const odo_vo_motion& m, doubl
   return Quaterniond(filter_.q_n_c() * q_b_c_.conjugate());
 }
 
-void GyroOrientation::update_inclination(const Quaterniond& q_o_b, const TrackPoint& then, const Matrix3d& covariance_o) {
+void GyroOrientation::update_inclination(const Quaterniond& q_o_b, const TrackPoint& then,
+                                         const Matrix3d& covariance_o) {
   if (!is_enabled()) return;
   constexpr double kUninformedVariance = 1e6;  // rad^2: heading belongs to T_n_o
   Vector3d off_o = log_rotation(q_o_b * then.q_o_b.conjugate());

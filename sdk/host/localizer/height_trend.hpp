@@ -18,7 +18,7 @@ class HeightTrend {
  public:
   struct Parameters {
     double gust_s = 2;                     ///< s, correlation time of the pressure noise; judgement
-    double max_silence_s = 10;               ///< s without a reading, after which the history is discarded
+    double max_silence_s = 10;             ///< s without a reading, after which the history is discarded
     int64_t min_interval_ns = 40'000'000;  ///< faster samples are skipped, so that 256 span ten seconds
   };
   struct Slope {

@@ -19,11 +19,13 @@ class HeightUpdate {
     double correlation_s = 10;  ///< s, correlation time of its error; judgement
     double walk = 0.02;         ///< m/sqrt(s), offset random walk: 20 Pa in an hour, doors
     double lift_mps = 3;        ///< m/s, one sigma, of a lift: in high buildings 2 to 6
-    double max_delay_s = 6;          ///< s, maximum detection delay of a ride, during which the body has moved
+    double max_delay_s = 6;     ///< s, maximum detection delay of a ride, during which the body has moved
   };
 
   void reset() { *this = {}; }
-  void propagate(Localizer& localizer, double dt_s) const { localizer.add_variance(kBarometer, squared(p_.walk) * dt_s); }
+  void propagate(Localizer& localizer, double dt_s) const {
+    localizer.add_variance(kBarometer, squared(p_.walk) * dt_s);
+  }
 
   /// `down_m`: of the body at the barometer's time. `steps`: steps move the track, so no reading waits for another.
   UpdateResult use(Localizer& localizer, const odo_barometer& barometer, double down_m, bool steps) {

@@ -197,7 +197,8 @@ Eigen::Matrix<double, 6, 6> Localizer::pose_covariance(double tilt_variance) con
 }
 
 bool Localizer::retained_pose(uint64_t id, double tilt_variance, RetainedPose& out) const {
-  const auto found = std::find_if(delayed_poses_.begin(), delayed_poses_.end(), [id](const DelayedPose& pose) { return pose.id == id; });
+  const auto found = std::find_if(delayed_poses_.begin(), delayed_poses_.end(),
+                                  [id](const DelayedPose& pose) { return pose.id == id; });
   if (found == delayed_poses_.end()) return false;
   Eigen::Matrix4d cross;
   for (int j = 0; j < 4; ++j) cross.col(j) = found->cross.col(kPose[j]);

@@ -16,7 +16,8 @@ void PoseOutput::publish(odo_pose pose, bool shown, double scale_sigma) {
   if ((pose.header.flags & ODO_POSE_CAMERA) == 0) return;
   const bool is_reference =
       scale_sigma > 0 && scale_sigma < p_.reference_scale_sigma && (pose.header.flags & ODO_POSE_VELOCITY) != 0;
-  if (const auto reference = displacement_reference_.add_pose(pose, is_reference ? scale_sigma : 0)) reference_ = *reference;
+  if (const auto reference = displacement_reference_.add_pose(pose, is_reference ? scale_sigma : 0))
+    reference_ = *reference;
 }
 
 void PoseOutput::settle() {

@@ -21,7 +21,7 @@ class PoseOutput {
     double announced_jump_m = 0.05;        ///< m: smaller corrections are not reported
     double announced_rotation_rad = 0.01;  ///< rad
     double counted_m = 0.1;                ///< m of path: less may be jitter; empirical
-    double reference_scale_sigma = 0.03;    ///< relative: a scale with a larger sigma is no reference for steps
+    double reference_scale_sigma = 0.03;   ///< relative: a scale with a larger sigma is no reference for steps
   };
 
   void reset() { *this = {}; }

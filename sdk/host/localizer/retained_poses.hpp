@@ -25,7 +25,8 @@ class RetainedPoses {
   virtual ~RetainedPoses() = default;
 
   /// Retains the body's pose at t, or the oldest stored one. Later measurements correct it according to its correlation
-  /// with the current state. Returns an id from 1, never reused; 0 if t has not been reached yet. release_pose() releases it.
+  /// with the current state. Returns an id from 1, never reused; 0 if t has not been reached yet. release_pose()
+  /// releases it.
   virtual uint64_t retain_pose(int64_t t_ns) = 0;
   virtual void release_pose(uint64_t id) = 0;
   /// Its current estimate; false if it is not retained (for example after a reset).

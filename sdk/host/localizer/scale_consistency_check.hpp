@@ -23,9 +23,9 @@ class ScaleConsistencyCheck {
     /// Log difference below which the scale is never rejected; from three city walks, and hybrid walks as
     /// counterexamples.
     double min_log = 0.35;
-    double accept_log = 0.15;  ///< below it twice in a row, the scale is accepted again; empirical
-    double min_outage_s = 0.5;     ///< s without tracking; a velocity known to 0.3 m/s is then off by a tenth
-    size_t probation = 36;    ///< steps afterwards during which steps judge the scale: three windows; empirical
+    double accept_log = 0.15;   ///< below it twice in a row, the scale is accepted again; empirical
+    double min_outage_s = 0.5;  ///< s without tracking; a velocity known to 0.3 m/s is then off by a tenth
+    size_t probation = 36;      ///< steps afterwards during which steps judge the scale: three windows; empirical
   };
 
   ScaleConsistencyCheck() : variance_(p_.walker_sigma * p_.walker_sigma) {}
@@ -64,8 +64,8 @@ class ScaleConsistencyCheck {
   double variance() const { return variance_ + p_.window_sigma * p_.window_sigma; }
 
  private:
-  /// Deviation of log(odometry / step) from the walker's factor. The step estimator may have learned part or all of that
-  /// factor meanwhile, so any value between the factor and zero counts as agreement.
+  /// Deviation of log(odometry / step) from the walker's factor. The step estimator may have learned part or all of
+  /// that factor meanwhile, so any value between the factor and zero counts as agreement.
   double deviation(size_t back) const {
     const double ratio = log_ratio(back);
     return ratio - std::clamp(ratio, std::min(factor_, 0.0), std::max(factor_, 0.0));

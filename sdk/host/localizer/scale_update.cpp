@@ -43,7 +43,8 @@ void ScaleUpdate::use_front_end(Localizer& localizer, double sigma, bool is_walk
     return;
   }
   stated_ = std::max(stated_, information);
-  if (information > kMinInformationRatio * held) localizer.update(of_log_scale(0, localizer, 1 / (information - held)), 0);
+  if (information > kMinInformationRatio * held)
+    localizer.update(of_log_scale(0, localizer, 1 / (information - held)), 0);
 }
 
 UpdateResult ScaleUpdate::use(Localizer& localizer, const odo_scale& scale) {

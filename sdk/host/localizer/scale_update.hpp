@@ -22,8 +22,8 @@ class ScaleUpdate {
 
   /// Starts a scale group with unknown scale.
   void begin_group(Localizer& localizer);
-  /// Takes the front-end's own statement, relative sigma. `is_walking`: the camera moves. A camera at rest is uncertain of
-  /// its displacement, not its scale.
+  /// Takes the front-end's own statement, relative sigma. `is_walking`: the camera moves. A camera at rest is uncertain
+  /// of its displacement, not its scale.
   void use_front_end(Localizer& localizer, double sigma, bool is_walking);
   /// Takes a scale source's statement at a time.
   UpdateResult use(Localizer& localizer, const odo_scale& scale);

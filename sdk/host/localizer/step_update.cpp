@@ -53,7 +53,7 @@ void StepUpdate::propagate(Localizer& localizer, const odo_step& step, bool lear
 }
 
 StepUpdate::Stride StepUpdate::apply_step(Localizer& localizer, const odo_step& step, double share,
-                                     double phone_heading_rad) const {
+                                          double phone_heading_rad) const {
   const auto& x = localizer.x;
   const bool heading = (step.header.flags & ODO_STEP_HEADING) != 0;
   const double direction = x[kAttitudeHeading] + (heading ? step.heading_rad + x[kStepHeading] : phone_heading_rad);

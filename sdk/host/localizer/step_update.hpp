@@ -13,17 +13,17 @@ namespace odograph {
 class StepUpdate {
  public:
   struct Parameters {
-    double factor_sigma = 0.10;      ///< walker's log factor: spread of ten walkers (docs/accuracy.md)
-    double factor_steps = 200;       ///< steps, decay constant of the estimated factor; judgement
-    double own_sigma = 0.06;         ///< of a step's length, relative, independent part: step/odograph's README
-    double min_sigma = 0.01;         ///< lower clamp of it; empirical
-    double correlation = 10;         ///< steps over which this error is correlated, beside odometry
-    double odometry_sigma = 0.02;    ///< units, of a front-end's displacement over a step; empirical
-    double min_moved = 0.1;          ///< units a step, below which the logarithm is meaningless; empirical
-    double direction_rad = 0.10;        ///< rad, of one step's direction: a hand sways
-    double loose_direction_rad = 0.5;   ///< rad, the same with the phone swinging or in a pocket
-    double heading_sigma_rad = 0.3;  ///< rad between the phone's axis and the walk at the start; judgement
-    double heading_walk = 0.02;      ///< rad per square root of a step; judgement
+    double factor_sigma = 0.10;        ///< walker's log factor: spread of ten walkers (docs/accuracy.md)
+    double factor_steps = 200;         ///< steps, decay constant of the estimated factor; judgement
+    double own_sigma = 0.06;           ///< of a step's length, relative, independent part: step/odograph's README
+    double min_sigma = 0.01;           ///< lower clamp of it; empirical
+    double correlation = 10;           ///< steps over which this error is correlated, beside odometry
+    double odometry_sigma = 0.02;      ///< units, of a front-end's displacement over a step; empirical
+    double min_moved = 0.1;            ///< units a step, below which the logarithm is meaningless; empirical
+    double direction_rad = 0.10;       ///< rad, of one step's direction: a hand sways
+    double loose_direction_rad = 0.5;  ///< rad, the same with the phone swinging or in a pocket
+    double heading_sigma_rad = 0.3;    ///< rad between the phone's axis and the walk at the start; judgement
+    double heading_walk = 0.02;        ///< rad per square root of a step; judgement
     int settle_steps = 6;  ///< steps after a change of carrying position, during which the estimated step heading is
                            ///< invalid; judgement, 3 s
     double climb_sigma_mps = 0.25;  ///< m/s vertically while steps move the track: stairs rise by 0.25 to 0.35

@@ -83,7 +83,9 @@ double Tracker::unobserved_m(int64_t t_ns) const {
   return rotates_with_attitude_ || unobserved_s < p_.unobserved_s ? 0.0 : unobserved_m_in(unobserved_s);
 }
 
-double Tracker::unobserved_m_in(double unobserved_s) const { return std::min(unobserved_s * config_.fastest_mps, p_.farthest_m); }
+double Tracker::unobserved_m_in(double unobserved_s) const {
+  return std::min(unobserved_s * config_.fastest_mps, p_.farthest_m);
+}
 
 void Tracker::add_gap(int64_t until_ns) {
   const double unobserved_m = this->unobserved_m(until_ns);
@@ -97,7 +99,8 @@ void Tracker::pause(int64_t until_ns, bool placed) {
   const int64_t seen_ns = rotates_with_attitude_ ? now_ns() : std::max(coverage.until_ns(), gap_ns_);
   gap_ns_ = until_ns;  // immediately, so that any later motion source can ignore the pause
   if (placed)
-    localizer.P.diagonal().head<2>().array() += squared(unobserved_m_in(seconds(saturating_difference(until_ns, seen_ns))));
+    localizer.P.diagonal().head<2>().array() +=
+        squared(unobserved_m_in(seconds(saturating_difference(until_ns, seen_ns))));
 }
 
 void Tracker::rotate_with_attitude() {
@@ -110,7 +113,7 @@ std::optional<InertialTrack::Point> Tracker::inertial_point(int64_t t_ns) const 
 }
 
 std::optional<Vector3d> Tracker::inertial_displacement(int64_t from_ns, int64_t to_ns, const Quaterniond& q_o_b,
-                                             const Vector3d& v_o, const Vector3d& accel_bias_b) const {
+                                                       const Vector3d& v_o, const Vector3d& accel_bias_b) const {
   const auto from = inertial_point(from_ns), to = inertial_point(to_ns);
   if (!from || !to || to_ns <= from_ns) return std::nullopt;
   const double T = seconds(to_ns - from_ns);

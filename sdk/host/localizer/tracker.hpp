@@ -24,7 +24,7 @@ namespace odograph {
 class Tracker {
  public:
   struct Parameters {
-    double unobserved_s = 1.0;      ///< s without a displacement until steps move the track; steps are reported 0.4 s late
+    double unobserved_s = 1.0;  ///< s without a displacement until steps move the track; steps are reported 0.4 s late
     double impossible = 5;      ///< times coupling.fastest: a failure of a sensor or of the scale; empirical
     double farthest_m = 100e3;  ///< m, upper clamp of the unobserved motion sigma; the extent of n
   };
@@ -75,7 +75,8 @@ class Tracker {
   /// The body's displacement in o from the samples of an interval, given orientation and velocity at its end: p(T) -
   /// p(0) = v T - int t a dt. Nothing if samples are missing.
   std::optional<Eigen::Vector3d> inertial_displacement(int64_t from_ns, int64_t to_ns, const Eigen::Quaterniond& q_o_b,
-                                             const Eigen::Vector3d& v_o, const Eigen::Vector3d& accel_bias_b) const;
+                                                       const Eigen::Vector3d& v_o,
+                                                       const Eigen::Vector3d& accel_bias_b) const;
   /// The body's rotation from the gyroscope, if there are samples.
   std::optional<Eigen::Quaterniond> gyro_rotation(int64_t from_ns, int64_t to_ns) const;
   /// Its orientation from the attitude source, once aligned with o.

@@ -71,7 +71,7 @@ class FieldCheck {
   /// Variance of a component that is stated as known.
   FieldCheck& known(const char* field, double variance) {
     return require(variance >= bounds::kMinKnownVariance, field, variance,
-                "a variance of at least 1e-12 for a known component");
+                   "a variance of at least 1e-12 for a known component");
   }
   FieldCheck& unit(const char* field, const double* q) {
     finite(field, q, 4);
@@ -114,7 +114,7 @@ void check_frame(FieldCheck& check, const odo_frame& m) {
   check.require(m.width > 0 && m.width <= 16384, "width", m.width, "1 to 16384")
       .require(m.height > 0 && m.height <= 16384, "height", m.height, "1 to 16384")
       .require(uint64_t(m.width) * m.height <= bounds::kMaxPixels, "width * height", double(m.width) * m.height,
-            "at most 2^24 pixels; a smaller picture is as informative")
+               "at most 2^24 pixels; a smaller picture is as informative")
       .require(m.format != 0, "format", m.format, "one of ODO_FORMAT_*")
       .require(m.plane_count <= 4, "plane_count", m.plane_count, "0 to 4");
   if (!native_only) plane(0);
@@ -136,10 +136,11 @@ void check_calibration(FieldCheck& check, const odo_calibration& m) {
       .finite("distortion", m.distortion, 8);
   check.require(m.width > 0 && m.width <= 16384, "width", m.width, "1 to 16384")
       .require(m.height > 0 && m.height <= 16384, "height", m.height, "1 to 16384");
-  check.require(m.distortion_count == 0 || m.distortion_count == 4 || m.distortion_count == 5 || m.distortion_count == 8,
-             "distortion_count", m.distortion_count, "0, 4, 5 or 8");
+  check.require(
+      m.distortion_count == 0 || m.distortion_count == 4 || m.distortion_count == 5 || m.distortion_count == 8,
+      "distortion_count", m.distortion_count, "0, 4, 5 or 8");
   check.require(m.model == ODO_CAMERA_PINHOLE || m.model == ODO_CAMERA_KANNALA_BRANDT, "model", m.model,
-             "one of ODO_CAMERA_*");
+                "one of ODO_CAMERA_*");
   check.when(ODO_CALIBRATION_EXTRINSICS).unit("q_b_c", m.q_b_c).finite("p_b_c", m.p_b_c, 3);
 }
 
@@ -167,7 +168,7 @@ void check_fix(FieldCheck& check, const odo_fix& m) {
   check.when(ODO_FIX_LEVER).finite("lever_b", m.lever_b, 3);
   check.when(ODO_FIX_ORIENTATION)
       .require(flags & ODO_FIX_ORIENTATION_COVARIANCE, "flags", flags,
-            "ODO_FIX_ORIENTATION_COVARIANCE with an orientation")
+               "ODO_FIX_ORIENTATION_COVARIANCE with an orientation")
       .unit("q_n_b", m.q_n_b)
       .covariance("orientation_cov_n", m.orientation_cov_n, 3)
       .known("orientation_cov_n[0]", m.orientation_cov_n[0])

@@ -11,10 +11,10 @@ namespace odograph {
 namespace {
 
 constexpr char kMagic[8] = {'O', 'D', 'O', 'R', 'E', 'C', '1', '\n'};
-constexpr uint32_t kRecord = 0x524F444F;                     // "ODOR"
+constexpr uint32_t kRecord = 0x524F444F;                   // "ODOR"
 constexpr size_t kFirstChunk = 4096, kMaxChunk = 1 << 20;  // bytes read at once while scanning for the next record
-constexpr uint64_t kMinCheckCost = 4096;                             // minimum cost of checking one offset, bytes
-constexpr uint64_t kMinScanBudget = 16u << 20;                   // minimum scan budget, for small files
+constexpr uint64_t kMinCheckCost = 4096;                   // minimum cost of checking one offset, bytes
+constexpr uint64_t kMinScanBudget = 16u << 20;             // minimum scan budget, for small files
 constexpr uint32_t kEndMark = 0x1FFFF;
 constexpr uint32_t kVersion = 2, kMinor = 0;
 

@@ -8,7 +8,7 @@ namespace odograph {
 /// Callbacks for set_crash_handler() while the process ends: they must neither allocate nor lock.
 struct CrashHandler {
   void (*name)(
-      const char* how) noexcept;    ///< "segmentation fault", "exit() was called"; called on the terminating thread
+      const char* how) noexcept;  ///< "segmentation fault", "exit() was called"; called on the terminating thread
   bool (*exits_immediately)() noexcept;  ///< whether exit() on this thread must end the process immediately
 };
 

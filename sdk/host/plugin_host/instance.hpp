@@ -44,7 +44,7 @@ class PluginInstance {
     int failures_before_giving_up = 5;          ///< consecutive
     int64_t first_wait_ns = 100'000'000;        ///< after the second consecutive end; none after the first
     int64_t longest_wait_ns = 10'000'000'000;   ///< judgement: a user looks again after ten seconds
-    int64_t stable_ns = 1'000'000'000;            ///< a longer run resets the count of ends
+    int64_t stable_ns = 1'000'000'000;          ///< a longer run resets the count of ends
     int ends_before_fallback = 3;               ///< consecutive
     int64_t between_saves_ns = 10'000'000'000;  ///< of an isolated plugin's state; the maximum loss
     int64_t recovering_ns = 1'000'000'000;      ///< after a restart, during which the pose is degraded

@@ -31,8 +31,9 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr double kEndLimit_s = 1;
-constexpr int kEndPolls = 100;        // of 1 ms: a process that closed its socket should have ended by then
-constexpr int kSupervisorPolls = 1000;    // of 1 ms: for the supervisor to end the plugin and its namespace's first process
+constexpr int kEndPolls = 100;  // of 1 ms: a process that closed its socket should have ended by then
+constexpr int kSupervisorPolls =
+    1000;                             // of 1 ms: for the supervisor to end the plugin and its namespace's first process
 constexpr size_t kMaxRecords = 4096;  // of one call: 256 events, reports and refused events
 
 std::string number(double value) {
@@ -118,9 +119,9 @@ Result<std::unique_ptr<ProcessBackend>> ProcessBackend::load(const PluginChoice&
   if (host.shared_pixels().descriptor() < 0)
     return Failure{ODO_E_EXHAUSTED,
                    origin + (errno == EINVAL || errno == ENOSYS
-                              ? "isolation: process needs memory that can be sealed (memfd_create with "
-                                "F_SEAL_FUTURE_WRITE: Linux 5.1 or later)"
-                              : std::string("no memory can be shared with its process: ") + std::strerror(errno))};
+                                 ? "isolation: process needs memory that can be sealed (memfd_create with "
+                                   "F_SEAL_FUTURE_WRITE: Linux 5.1 or later)"
+                                 : std::string("no memory can be shared with its process: ") + std::strerror(errno))};
   std::unique_ptr<ProcessBackend> made(new ProcessBackend(choice, host, sink));
   if (!made->launch(program))
     return Failure{ODO_E_EXHAUSTED,

@@ -109,8 +109,8 @@ void close_from(int first) {
   for (int fd = first; fd < static_cast<int>(std::min<rlim_t>(most.rlim_cur, 65536)); ++fd) close(fd);
 }
 
-/// Starts the first process of a process namespace, which ends with it; it idles until the supervisor is gone. Returns its
-/// id.
+/// Starts the first process of a process namespace, which ends with it; it idles until the supervisor is gone. Returns
+/// its id.
 pid_t start_namespace_init() {
   int ends[2];
   if (pipe2(ends, O_CLOEXEC) != 0) _exit(2);

@@ -27,19 +27,20 @@ struct StreamBenchmark : Benchmark {
     if (!stream) return stream.failure();
     const int64_t start_ns = recording.messages.front().message.header().t_ns + nanoseconds(settle_s);
     const StreamFigures f = stream_figures(stream->poses, recording.truth, start_ns);
-    return row_of({{"", "frames", "frames", 0, f.frames},
-                   {"orientation", "deg median", "orientation_deg_median", 2, percentile_or_nan(f.orientation_deg, 0.5)},
-                   {"deg", "99 %", "orientation_deg_p99", 2, percentile_or_nan(f.orientation_deg, 0.99)},
-                   {"position", "mm median", "position_mm_median", 1, 1e3 * percentile_or_nan(f.position_m, 0.5)},
-                   {"mm", "99 %", "position_mm_p99", 1, 1e3 * percentile_or_nan(f.position_m, 0.99)},
-                   {"no", "position", "without_position", 0, f.without_position},
-                   {"repeated", "polls", "repeated", 0, f.repeated},
-                   {"", "corrections", "corrections", 0, stream->corrections},
-                   {"jump", "cm", "jump_cm", 1, 100 * f.jump_m},
-                   {"smooth", "cm", "smooth_jump_cm", 1, 100 * f.smooth_jump_m},
-                   {"get_pose", "us median", "get_pose_us_median", 2, percentile(stream->poll_us, 0.5)},
-                   {"us", "99 %", "get_pose_us_p99", 2, percentile(stream->poll_us, 0.99)},
-                   {"statistics", "us, 99 %", "get_statistics_us_p99", 2, percentile(stream->statistics_us, 0.99)}});
+    return row_of(
+        {{"", "frames", "frames", 0, f.frames},
+         {"orientation", "deg median", "orientation_deg_median", 2, percentile_or_nan(f.orientation_deg, 0.5)},
+         {"deg", "99 %", "orientation_deg_p99", 2, percentile_or_nan(f.orientation_deg, 0.99)},
+         {"position", "mm median", "position_mm_median", 1, 1e3 * percentile_or_nan(f.position_m, 0.5)},
+         {"mm", "99 %", "position_mm_p99", 1, 1e3 * percentile_or_nan(f.position_m, 0.99)},
+         {"no", "position", "without_position", 0, f.without_position},
+         {"repeated", "polls", "repeated", 0, f.repeated},
+         {"", "corrections", "corrections", 0, stream->corrections},
+         {"jump", "cm", "jump_cm", 1, 100 * f.jump_m},
+         {"smooth", "cm", "smooth_jump_cm", 1, 100 * f.smooth_jump_m},
+         {"get_pose", "us median", "get_pose_us_median", 2, percentile(stream->poll_us, 0.5)},
+         {"us", "99 %", "get_pose_us_p99", 2, percentile(stream->poll_us, 0.99)},
+         {"statistics", "us, 99 %", "get_statistics_us_p99", 2, percentile(stream->statistics_us, 0.99)}});
   }
 
   std::string notes(const Rows&) const override {

@@ -52,7 +52,8 @@ int run(Benchmark& b) {
   const auto rows = rows_of(b, *cases);
   if (!rows) return print_failure(rows.failure());
   const BenchReport report = b.report(*rows);
-  const std::string json = b.options.json ? (report.json.is_null() ? visible_rows(*rows) : report.json).dump(2) + '\n' : "";
+  const std::string json =
+      b.options.json ? (report.json.is_null() ? visible_rows(*rows) : report.json).dump(2) + '\n' : "";
   std::fputs((b.options.json ? json : report.text).c_str(), stdout);
   if (b.options.plot.empty()) return kDone;
   b.draw(*rows, b.plot);

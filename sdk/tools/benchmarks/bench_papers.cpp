@@ -72,7 +72,8 @@ struct Walk700 : Benchmark {
       return Json{{"mean_m", e.mean_m}, {"error_m", e.error_m}, {"error_percent", e.error_percent}};
     };
     const Start start = start_of(*config_of(one.run));
-    const Json by_path = errors(start == Start::surveyed ? result.track : aligned_at_start(truth, result.track, kStart_m));
+    const Json by_path =
+        errors(start == Start::surveyed ? result.track : aligned_at_start(truth, result.track, kStart_m));
     Json row = start == Start::by_pose ? errors(aligned_by_pose(truth, result.track, kStart_m)) : by_path;
     for (const WalkedPlace& place : places) row["walked_m"].push_back(place.walked_m);
     row["by_path"] = by_path;

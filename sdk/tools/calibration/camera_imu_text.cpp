@@ -34,7 +34,7 @@ std::vector<std::string> warnings_about(const CameraImuCalibration& c) {
     weak("the row time", 1e6 * c.row_time_s.sigma, "us", "rotate back and forth faster; the given value is kept");
   if (shutter_of(c) == Shutter::global)
     warnings.push_back(text("the row time, %.2f +- %.2f us, cannot be distinguished from that of a global shutter",
-                          1e6 * c.row_time_s.value, 1e6 * c.row_time_s.sigma));
+                            1e6 * c.row_time_s.value, 1e6 * c.row_time_s.sigma));
   if (shutter_of(c) == Shutter::rolling_up)
     warnings.push_back(
         text("the last row seems to be read first (row time %.2f us): are the pictures upside down? It is "
@@ -45,12 +45,12 @@ std::vector<std::string> warnings_about(const CameraImuCalibration& c) {
          {std::pair{"focal length", &c.focal_px}, {"cx", &c.cx}, {"cy", &c.cy}, {"k1", &c.k1}}) {
       if (e->observable) continue;
       warnings.push_back(e->sigma > 0
-                           ? text("%s is not observable in this recording (known to %.3g only); the given one is "
-                                  "kept",
-                                  name, e->sigma)
-                           : text("%s is not observable: too little rotation across the optical axis; the given "
-                                  "one is kept",
-                                  name));
+                             ? text("%s is not observable in this recording (known to %.3g only); the given one is "
+                                    "kept",
+                                    name, e->sigma)
+                             : text("%s is not observable: too little rotation across the optical axis; the given "
+                                    "one is kept",
+                                    name));
     }
   if (c.correlation < 0.9)
     warnings.push_back(

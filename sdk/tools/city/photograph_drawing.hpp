@@ -11,7 +11,8 @@
 namespace odograph {
 
 /// The photograph with the model's roof line at the estimated pose drawn over it.
-cv::Mat roofs_over(const cv::Mat& bgr, double focal_px, const PhotographPose& placed, const PhotographLocalizer& placer);
+cv::Mat roofs_over(const cv::Mat& bgr, double focal_px, const PhotographPose& placed,
+                   const PhotographLocalizer& placer);
 
 /// A photograph on the map: the prior position, and the estimate if it was placed.
 struct MappedPhotograph {

@@ -51,9 +51,7 @@ double PhotographPose::heading_rad() const {
   const Vector3d axis = q_n_c * Vector3d::UnitZ();
   return std::atan2(axis.y(), axis.x());
 }
-double PhotographPose::pitch_rad() const {
-  return std::asin(std::clamp(-(q_n_c * Vector3d::UnitZ()).z(), -1.0, 1.0));
-}
+double PhotographPose::pitch_rad() const { return std::asin(std::clamp(-(q_n_c * Vector3d::UnitZ()).z(), -1.0, 1.0)); }
 double PhotographPose::roll_rad() const {
   return std::atan2((q_n_c * Vector3d::UnitX()).z(), (q_n_c * Vector3d::UnitY()).z());
 }
@@ -76,7 +74,7 @@ PhotographLocalizer::PhotographLocalizer() = default;
 PhotographLocalizer::~PhotographLocalizer() = default;
 
 Result<std::unique_ptr<PhotographLocalizer>> PhotographLocalizer::make(const fs::path& model,
-                                                                 const PhotographOrigin& origin) {
+                                                                       const PhotographOrigin& origin) {
   std::string yaml = text(
       "odograph: 1\nabsolute_fixers:\n  - plugin: fix/skyline\n    parameters:\n      model: %s\n"
       "      photographs: true\n      interval: 0 s\n      height_sigma: 0.6 m\n",
@@ -103,7 +101,7 @@ Result<std::unique_ptr<PhotographLocalizer>> PhotographLocalizer::make(const fs:
 }
 
 Result<PhotographPose> PhotographLocalizer::estimate_pose(const cv::Mat& photograph, double focal_px,
-                                                 const PhotographGuess& guess) {
+                                                          const PhotographGuess& guess) {
   t_ns_ += kBetween_ns;
   cv::Mat bgr = photograph.clone();
   if (const double part = kWidest_px / std::max(bgr.cols, bgr.rows); part < 1) {

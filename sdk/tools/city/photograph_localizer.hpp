@@ -52,7 +52,7 @@ struct PhotographPose {
 class PhotographLocalizer {
  public:
   static Result<std::unique_ptr<PhotographLocalizer>> make(const std::filesystem::path& model,
-                                                        const PhotographOrigin& origin);
+                                                           const PhotographOrigin& origin);
   ~PhotographLocalizer();
 
   /// `photograph`: 8-bit BGR, upright, square pixels, with the optical axis at its centre.

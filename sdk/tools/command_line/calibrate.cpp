@@ -188,8 +188,8 @@ int calibrate(const CalibrateArguments& a) {
   if (a.inputs.empty()) {
     if (!imu.recording.empty()) return calibrate_imu(imu, nullptr);
     return print_failure({ODO_E_ARGUMENT,
-                     "calibrate: no pictures; expected pictures, folders, a recording or a video (or "
-                     "--imu RECORDING without a board, or --print FILE.svg for a board)"});
+                          "calibrate: no pictures; expected pictures, folders, a recording or a video (or "
+                          "--imu RECORDING without a board, or --print FILE.svg for a board)"});
   }
   std::vector<PictureSource> sources;
   for (const auto& input : a.inputs) {

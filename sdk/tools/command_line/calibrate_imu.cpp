@@ -180,7 +180,8 @@ int calibrate_imu(const CalibrateImuArguments& a, const LensCalibration* board) 
   for (const auto& [name, text] : {std::pair{"camera.yaml", camera_yaml(*found)},
                                    {"camera_imu.html", plots_page("Camera and IMU", figures_of(*found), warnings,
                                                                   camera_yaml(*found), plots_of(*found))}})
-    if (const auto written = write_file(fs::path(a.output) / name, text); !written) return print_failure(written.failure());
+    if (const auto written = write_file(fs::path(a.output) / name, text); !written)
+      return print_failure(written.failure());
   if (a.json) {
     std::printf("%s\n", json_of(*found, warnings).dump(2).c_str());
     return exit_status(recording->loss, kDone);

@@ -56,8 +56,8 @@ class Skylines {
       static_cast<Progress*>(context)->show(done, all);
       return 1;
     };
-    return result_of(table_->build(table_->user, &name, places.front().data(), places.size(), spacing_m, show, &progress),
-                file);
+    return result_of(
+        table_->build(table_->user, &name, places.front().data(), places.size(), spacing_m, show, &progress), file);
   }
   Result<odo_skyline_database> open(const std::string& file) {
     odo_skyline_database what{};

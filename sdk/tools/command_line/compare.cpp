@@ -30,9 +30,10 @@ Row errors_of(const Recording& recording, const RunResult& result) {
   if (aligned.error_m.empty()) return nullptr;
   std::vector<double> errors;
   for (const auto& [t, error] : aligned.error_m) errors.push_back(error);
-  Row row = {{"rms", aligned.rms_m()},  {"median", percentile(errors, 0.5)}, {"largest", percentile(errors, 1.0)},
-             {"end", errors.back()}, {"rms_with_true_scale", nullptr},    {"scale", nullptr}};
-  if (aligned.scale_part) row["rms_with_true_scale"] = aligned.scale_part->rms_m, row["scale"] = aligned.scale_part->scale;
+  Row row = {{"rms", aligned.rms_m()}, {"median", percentile(errors, 0.5)}, {"largest", percentile(errors, 1.0)},
+             {"end", errors.back()},   {"rms_with_true_scale", nullptr},    {"scale", nullptr}};
+  if (aligned.scale_part)
+    row["rms_with_true_scale"] = aligned.scale_part->rms_m, row["scale"] = aligned.scale_part->scale;
   return row;
 }
 

@@ -183,9 +183,9 @@ int convert(const ConvertArguments& a) {
     const auto recording = open_recording(input);
     if (!recording || recording->truth.empty())
       return print_failure(!fs::is_directory(input, error) ? track.failure()
-                      : recording
-                          ? Failure{ODO_E_DATA, a.input + ": no truth in it; convert a run's folder"}
-                          : Failure{ODO_E_DATA, a.input + ": not the folder of a run (no trajectory.tum in it)"});
+                           : recording
+                               ? Failure{ODO_E_DATA, a.input + ": no truth in it; convert a run's folder"}
+                               : Failure{ODO_E_DATA, a.input + ": not the folder of a run (no trajectory.tum in it)"});
     track = recording->truth;
     status = exit_status(recording->loss, kDone);
   }

@@ -84,12 +84,13 @@ int check(const CheckWish& wish) {
     for (const auto& [id, what] : plugin_check_cases()) std::printf("%-26s %s\n", id.c_str(), what.c_str());
     return kDone;
   }
-  if (wish.file.empty()) return print_failure({ODO_E_ARGUMENT, "which plugin library? (odograph plugin check FILE.so)"});
+  if (wish.file.empty())
+    return print_failure({ODO_E_ARGUMENT, "which plugin library? (odograph plugin check FILE.so)"});
   std::error_code error;
   if (!std::filesystem::is_regular_file(wish.file, error))
     return print_failure({ODO_E_NOT_FOUND, wish.file + (std::filesystem::exists(wish.file, error)
-                                                       ? ": is not a regular file; expected a plugin library"
-                                                       : ": does not exist; expected a plugin library")});
+                                                            ? ": is not a regular file; expected a plugin library"
+                                                            : ": does not exist; expected a plugin library")});
   if (!wish.statement.empty() && !wish.only.empty())
     return print_failure({ODO_E_ARGUMENT, "--statement covers all cases; omit --only"});
   CheckOptions options;
@@ -108,7 +109,8 @@ int check(const CheckWish& wish) {
   }
   const auto checks = check_plugin(wish.file, options);
   if (checks.empty())
-    return print_failure({ODO_E_ARGUMENT, "--only: no case has this prefix; `odograph plugin check --list` names them"});
+    return print_failure(
+        {ODO_E_ARGUMENT, "--only: no case has this prefix; `odograph plugin check --list` names them"});
   const std::string text = wish.format == "json"    ? check_as_json(wish.file, checks)
                            : wish.format == "junit" ? check_as_junit(wish.file, checks)
                                                     : check_as_text(checks, wish.times);

@@ -27,7 +27,7 @@ struct Degradation {
   double time_offset_s = 0;    ///< s, by which the camera's true time offset exceeds the stated one
   double line_time_factor = 1;
   double stamp_jitter_s = 0;               ///< s, standard deviation of IMU time stamps; their order is kept
-  double outliers_per_minute = 0;              ///< IMU samples per minute with a full-scale reading of both sensors
+  double outliers_per_minute = 0;          ///< IMU samples per minute with a full-scale reading of both sensors
   double lost_frames = 0;                  ///< fraction of frames missing at random
   double gamma = 1;                        ///< of the pictures: 255 (g / 255)^gamma
   double flicker = 0, flicker_hz = 0.5;    ///< relative amplitude and rate of a brightness oscillation

@@ -366,7 +366,8 @@ LegErrors leg_errors(const Trajectory& track, const std::vector<Waypoint>& waypo
   }
   out.true_headings_m = waypoint_errors(headed, waypoints).position_m;
   out.true_lengths_m =
-      waypoint_errors(align_to_waypoints(measured, waypoints, heading_offset(measured, waypoints, metres)), waypoints).position_m;
+      waypoint_errors(align_to_waypoints(measured, waypoints, heading_offset(measured, waypoints, metres)), waypoints)
+          .position_m;
   const auto yaw_of = [](const auto& leg) {
     return std::atan2(leg.first.x() * leg.second.y() - leg.first.y() * leg.second.x(), leg.first.dot(leg.second));
   };

@@ -15,17 +15,17 @@ namespace odograph {
 /// 1991), because that part of the error is indistinguishable from such motion. The errors-in-variables attenuation of
 /// the scale is S^2 / (S^2 + N^2).
 struct Excitation {
-  double motion_m = 0;  ///< S, median over windows
-  double error_m = 0;   ///< N, median over windows
-  double attenuation = 1;      ///< of the medians
+  double motion_m = 0;     ///< S, median over windows
+  double error_m = 0;      ///< N, median over windows
+  double attenuation = 1;  ///< of the medians
   size_t windows = 0;
 };
 
 struct ExcitationParameters {
   double window_s = 4;
   double overlap = 0.5;         ///< fraction shared by consecutive windows
-  double min_speed_mps = 0.25;    ///< windows whose true path per window length is shorter are at rest and skipped
-  double max_gap_s = 0.35;  ///< windows with longer gaps between poses are skipped
+  double min_speed_mps = 0.25;  ///< windows whose true path per window length is shorter are at rest and skipped
+  double max_gap_s = 0.35;      ///< windows with longer gaps between poses are skipped
 };
 
 /// `pairs`: the true and the estimated pose at common times. Empty if no window remains.

@@ -60,7 +60,8 @@ bool one_group(const Matched& m, size_t from, size_t to) {
 
 /// Ratio of the odometry's displacement, in its own units, to the true one; 0 if the true displacement is too small.
 double scale_over(const Matched& m, size_t from, size_t to, double min_straight) {
-  const double true_m = (m.truth[to].p - m.truth[from].p).norm(), own = (m.pose(to).unscaled - m.pose(from).unscaled).norm();
+  const double true_m = (m.truth[to].p - m.truth[from].p).norm(),
+               own = (m.pose(to).unscaled - m.pose(from).unscaled).norm();
   return true_m > min_straight * (m.path_m[to] - m.path_m[from]) && true_m > 0 ? own / true_m : 0;
 }
 

@@ -55,7 +55,7 @@ struct VoFigureParameters {
   double window_m = 5;
   double min_straight = 0.25;    ///< displacement over path length beside a stop; below it, the scale is not observable
   double min_tracked_m = 5;      ///< m of the true path, minimum length of a tracked stretch for a relative error
-  double confident_sigmas = 3;     ///< beyond it, the odometry's scale was confidently wrong
+  double confident_sigmas = 3;   ///< beyond it, the odometry's scale was confidently wrong
   double first_motion_m = 0.05;  ///< m from the first position, at which the camera has started to move
   double largest_gap_s = 0.25;   ///< s, true poses further apart are not interpolated
 };
@@ -79,11 +79,11 @@ struct VoFigures {
   std::vector<StopFigures> stops;
   std::vector<ScaleWindow> windows;
   std::vector<TrackedStretch> tracked;
-  double worst_tracked;          ///< of the tracked stretches, error over path; NaN: none
-  double worst_jump;             ///< of the measured stops, absolute, relative; NaN: none
-  double standing_drift_m_min;   ///< over all stops with metric poses; NaN: none
-  double overconfident_share;  ///< of the windows' time; NaN: no window with a sigma
-  double scale_nees;             ///< mean of (log scale / sigma)^2 over the windows; NaN: none
+  double worst_tracked;         ///< of the tracked stretches, error over path; NaN: none
+  double worst_jump;            ///< of the measured stops, absolute, relative; NaN: none
+  double standing_drift_m_min;  ///< over all stops with metric poses; NaN: none
+  double overconfident_share;   ///< of the windows' time; NaN: no window with a sigma
+  double scale_nees;            ///< mean of (log scale / sigma)^2 over the windows; NaN: none
 };
 
 /// `emitted_ns`: for each motion, the time of the input after which it was emitted. `frames_ns`: in order. All on one

@@ -53,8 +53,9 @@ class PageOfRun {
   Json json() {
     add_poses();
     const Eigen::Vector3d& p = aligned_.to_truth.p;
-    Json aligned = {
-        {"q", json_of(aligned_.to_truth.q)}, {"p", {rounded(p.x()), rounded(p.y()), rounded(p.z())}}, {"s", aligned_.scale}};
+    Json aligned = {{"q", json_of(aligned_.to_truth.q)},
+                    {"p", {rounded(p.x()), rounded(p.y()), rounded(p.z())}},
+                    {"s", aligned_.scale}};
     Series errors, work, relative;
     if (!r_.track.empty())
       for (const auto& [t, error] : aligned_.error_m) errors.add(t + time(r_.track.front().t_ns), error);
@@ -239,8 +240,8 @@ class PageOfRun {
       return rows;
     }
     rows.push_back({"Error, rms", aligned_.error_m.empty() ? "no truth" : text_of("%.3f m", aligned_.rms_m())});
-    rows.push_back(
-        {"Error at the end", aligned_.error_m.empty() ? "no truth" : text_of("%.3f m", aligned_.error_m.back().second)});
+    rows.push_back({"Error at the end",
+                    aligned_.error_m.empty() ? "no truth" : text_of("%.3f m", aligned_.error_m.back().second)});
     rows.push_back({"Distance", text_of("%.2f m", s.distance_m)});
     rows.push_back({"Steps", count(s.steps)});
     rows.push_back({"Camera frames", count(s.frames)});

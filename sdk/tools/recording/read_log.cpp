@@ -221,7 +221,7 @@ class LogReading {
     size_t named = 0, more = 0;
     for (const auto& [name, t] : topics_) {
       if (only_unused && (used_.contains(name) || t.type == ODO_TYPE_CALIBRATION ||
-                           t.topic.type == "tf2_msgs/TFMessage" || t.topic.type == "foxglove.FrameTransform"))
+                          t.topic.type == "tf2_msgs/TFMessage" || t.topic.type == "foxglove.FrameTransform"))
         continue;
       if (++named > kMaxNamed) {
         ++more;

@@ -82,10 +82,10 @@ struct TrueFloor {
 
 /// Losses of a recording.
 struct RecordingLoss {
-  RecordLoss file;          ///< of an Odograph recording
-  uint64_t pictures = 0;    ///< missing or damaged, among those loaded; each costs its frame
+  RecordLoss file;                  ///< of an Odograph recording
+  uint64_t pictures = 0;            ///< missing or damaged, among those loaded; each costs its frame
   uint64_t times_out_of_range = 0;  ///< messages further from the clock's zero than kFarthestTime_ns, skipped
-  uint64_t impossible = 0;  ///< messages that message_fault() refuses, skipped; the host would refuse them too
+  uint64_t impossible = 0;          ///< messages that message_fault() refuses, skipped; the host would refuse them too
   std::string first_impossible;
   bool any() const { return file.any() || pictures > 0 || times_out_of_range > 0 || impossible > 0; }
 };

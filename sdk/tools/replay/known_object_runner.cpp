@@ -74,8 +74,8 @@ std::vector<odo_fix> Fixer::process_frame(const odo_pose& prior, const cv::Mat& 
   return fixes;
 }
 
-std::vector<TimedFix> run_scene(Fixer& fixer, const std::vector<WallPicture>& hung, const Viewpoint& start, int frames, uint64_t scene,
-                       Random& random, double position_sigma_m, const std::string& keep) {
+std::vector<TimedFix> run_scene(Fixer& fixer, const std::vector<WallPicture>& hung, const Viewpoint& start, int frames,
+                                uint64_t scene, Random& random, double position_sigma_m, const std::string& keep) {
   const odo_calibration lens = lens_of(scene);
   static std::map<uint64_t, PosterCamera> cameras;
   const PosterCamera& camera = cameras.try_emplace(scene % 3, lens).first->second;
@@ -111,7 +111,8 @@ std::vector<TimedFix> run_scene(Fixer& fixer, const std::vector<WallPicture>& hu
       prior.covariance[7 * i] = turned * turned, prior.covariance[7 * (i + 3)] = off * off;
     }
     prior.state = ODO_TRACKING;
-    for (const odo_fix& fix : fixer.process_frame(prior, grey, nanoseconds(shot.line_time_s))) fixes.push_back({fix, v});
+    for (const odo_fix& fix : fixer.process_frame(prior, grey, nanoseconds(shot.line_time_s)))
+      fixes.push_back({fix, v});
   }
   return fixes;
 }
@@ -175,8 +176,8 @@ Result<CellFigures> scenes_of(const Target& target, size_t number, uint64_t scen
     Random random(seed * 100003 + scene, 31);
     const auto v = viewpoint_of(cell, {picture, target.width_m, target.height_m, {}}, frames, random);
     if (!v) continue;
-    const auto fixes = run_scene(**fixer, {{picture, target.width_m, target.height_m, kMiddle}}, *v, frames, scene, random,
-                           1.0, k < 2 ? keep : "");
+    const auto fixes = run_scene(**fixer, {{picture, target.width_m, target.height_m, kMiddle}}, *v, frames, scene,
+                                 random, 1.0, k < 2 ? keep : "");
     ++figures.scenes;
     if (fixes.empty()) continue;
     const TimedFix& last = fixes.back();

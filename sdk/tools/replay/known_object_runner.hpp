@@ -46,8 +46,8 @@ struct TimedFix {
   odo_fix fix;
   Viewpoint truth;
 };
-std::vector<TimedFix> run_scene(Fixer& fixer, const std::vector<WallPicture>& hung, const Viewpoint& start, int frames, uint64_t scene,
-                       Random& random, double position_sigma_m, const std::string& keep);
+std::vector<TimedFix> run_scene(Fixer& fixer, const std::vector<WallPicture>& hung, const Viewpoint& start, int frames,
+                                uint64_t scene, Random& random, double position_sigma_m, const std::string& keep);
 
 /// A combination of distance, obliqueness, and walking past or standing.
 struct Cell {

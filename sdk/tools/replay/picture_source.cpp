@@ -123,7 +123,7 @@ Result<std::vector<PictureSource>> pictures_of(const std::string& path) {
 }
 
 Result<TrackFigures> measure_corner_flow(const Recording& recording, size_t most,
-                                      const std::function<void(size_t done, size_t all)>& progress) {
+                                         const std::function<void(size_t done, size_t all)>& progress) {
   odo_calibration calibration{};
   std::vector<const RecordedMessage*> frames;
   for (const auto& m : recording.messages) {

@@ -30,6 +30,6 @@ Result<std::vector<PictureSource>> pictures_of(const std::string& path);
 /// Trackability of corners in a recording's first frames, `most` at most. ODO_E_DATA with fewer than ten frames or
 /// without a calibration.
 Result<TrackFigures> measure_corner_flow(const Recording& recording, size_t most,
-                                      const std::function<void(size_t done, size_t all)>& progress = {});
+                                         const std::function<void(size_t done, size_t all)>& progress = {});
 
 }  // namespace odograph

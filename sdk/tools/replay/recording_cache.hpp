@@ -13,7 +13,7 @@ Result<std::string> text_of(const std::filesystem::path& file);
 /// The recording of a scenario and seed in the folder `keep`; simulated unless an earlier run of the same scenario and
 /// simulator version left it there. `first_m` above 0 limits the path. Shows progress.
 Result<std::filesystem::path> cached_recording(const std::filesystem::path& scenario, uint64_t seed,
-                                             const std::filesystem::path& keep, double first_m);
+                                               const std::filesystem::path& keep, double first_m);
 
 /// The folder beside a kept recording with its assets: the generated town's model, `city.json`.
 std::filesystem::path assets_of(const std::filesystem::path& recording);

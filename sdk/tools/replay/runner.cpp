@@ -211,7 +211,8 @@ void align_tracks(const ReplayConfig& replay, const Recording& recording, RunRes
   if (replay.align_heading_over_m > 0)
     result.heading_offset_rad = heading_offset(result.track, waypoints, replay.align_heading_over_m);
   result.track = align_to_waypoints(result.track, waypoints, result.heading_offset_rad);
-  if (!result.corrected.empty()) result.corrected = align_to_waypoints(result.corrected, waypoints, result.heading_offset_rad);
+  if (!result.corrected.empty())
+    result.corrected = align_to_waypoints(result.corrected, waypoints, result.heading_offset_rad);
   for (odo_step& step : result.steps)
     step.heading_rad = std::remainder(step.heading_rad + result.heading_offset_rad, 2 * EIGEN_PI);
 }

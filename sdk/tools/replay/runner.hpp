@@ -31,7 +31,7 @@ struct RunResult {
   std::vector<odo_step> steps;
   std::vector<odo_vo_motion> motions;
   std::vector<int64_t> motions_emitted_ns;  // for each motion, the time of the newest input when it was emitted
-  std::vector<odo_calibration> refined;   // camera parameters as refined by the front-end
+  std::vector<odo_calibration> refined;     // camera parameters as refined by the front-end
   std::vector<odo_scale> scales;
   std::vector<Fix> fixes;
   std::vector<odo_fix> accepted() const {

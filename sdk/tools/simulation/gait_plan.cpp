@@ -74,7 +74,8 @@ class Feet {
       if (stairs) nominal = 0.29, speed = std::min(speed, 0.5);  // one step per tread
       if (shuffles) nominal = random_.uniform(0.12, 0.28), speed = nominal * random_.uniform(1.1, 1.8);
       if (aside) nominal = random_.uniform(0.18, 0.32), speed = nominal * random_.uniform(1.0, 1.5);
-      const double period = nominal / speed * (1 + limited(random_, walker_.step_time_sigma, 3 * walker_.step_time_sigma));
+      const double period =
+          nominal / speed * (1 + limited(random_, walker_.step_time_sigma, 3 * walker_.step_time_sigma));
       double length = nominal * (1 + limited(random_, walker_.step_length_sigma, 3 * walker_.step_length_sigma)) *
                       (left_ ? 1 + walker_.asymmetry : 1 - walker_.asymmetry);
       if (!stairs) length *= walker_.length_factor * (1 - walker_.fatigue_per_km * s_ * 1e-3);
@@ -86,7 +87,8 @@ class Feet {
         length = left / n;
       }
       const uint32_t mode = stairs ? ODO_MODE_STAIRS : speed > kRunning_mps ? ODO_MODE_RUNNING : carry_mode(carry_);
-      const double rise = walker_.rise_sigma > 0 ? 1 + limited(random_, walker_.rise_sigma, 3 * walker_.rise_sigma) : 1.0;
+      const double rise =
+          walker_.rise_sigma > 0 ? 1 + limited(random_, walker_.rise_sigma, 3 * walker_.rise_sigma) : 1.0;
       plan.steps.push_back({t_, t_ + time, s_, s_ + length, length, mode, rise});
       t_ += time;
       s_ += length;

@@ -54,10 +54,10 @@ struct GaitPlan {
   std::vector<Step> steps;
   std::vector<Stand> stands;
   std::vector<std::pair<double, std::string>> carry_changes;  ///< valid from this time on
-  std::vector<std::pair<double, double>> roads;         ///< crossed from kerb to kerb: from, to
-  std::vector<std::pair<double, double>> darknesses;    ///< from, to
-  std::vector<std::pair<double, double>> evasions;      ///< middle, duration
-  std::vector<std::pair<double, double>> marks;         ///< time, distance along the route
+  std::vector<std::pair<double, double>> roads;               ///< crossed from kerb to kerb: from, to
+  std::vector<std::pair<double, double>> darknesses;          ///< from, to
+  std::vector<std::pair<double, double>> evasions;            ///< middle, duration
+  std::vector<std::pair<double, double>> marks;               ///< time, distance along the route
   struct Facing {
     double t0, t1, yaw_rad;
   };

@@ -88,9 +88,11 @@ Viewpoint viewpoint(Random& random, double distance_m, double oblique_rad, bool 
   return v;
 }
 
-std::vector<WallPicture> make_look_alike(size_t kind, const Target& target, const cv::Mat& original, uint64_t seed, Random& random,
-                           Viewpoint& v, uint64_t scene) {
-  const auto as_target = [&](cv::Mat grey) { return WallPicture{std::move(grey), target.width_m, target.height_m, kMiddle}; };
+std::vector<WallPicture> make_look_alike(size_t kind, const Target& target, const cv::Mat& original, uint64_t seed,
+                                         Random& random, Viewpoint& v, uint64_t scene) {
+  const auto as_target = [&](cv::Mat grey) {
+    return WallPicture{std::move(grey), target.width_m, target.height_m, kMiddle};
+  };
   switch (kind) {
     case 0: {  // another board of the same layout, or another tag
       Target other = target;

@@ -83,7 +83,7 @@ constexpr const char* kLookAlikes[] = {"the same layout, another content",
 constexpr size_t kOtherBoards = 6, kRightOneOutOfView = 7;
 
 /// The pictures shown instead of a target; may move the viewpoint.
-std::vector<WallPicture> make_look_alike(size_t kind, const Target& target, const cv::Mat& original, uint64_t seed, Random& random,
-                           Viewpoint& v, uint64_t scene);
+std::vector<WallPicture> make_look_alike(size_t kind, const Target& target, const cv::Mat& original, uint64_t seed,
+                                         Random& random, Viewpoint& v, uint64_t scene);
 
 }  // namespace odograph::known_object_scene

@@ -98,8 +98,9 @@ PseudoMeasurement::Vector known(const Vector3d& value_n, double horizontal_sigma
 }
 
 /// Pseudo-measurements from waypoints, floor and standstill, once a second and at each waypoint.
-std::vector<PseudoMeasurement> pseudo_measurements(const std::vector<InertialSample>& samples, const std::vector<WalkState>& guess,
-                            const std::vector<Journey::Mark>& marks) {
+std::vector<PseudoMeasurement> pseudo_measurements(const std::vector<InertialSample>& samples,
+                                                   const std::vector<WalkState>& guess,
+                                                   const std::vector<Journey::Mark>& marks) {
   std::vector<PseudoMeasurement> out;
   size_t next_mark = 0;
   double next_s = 0;
@@ -110,7 +111,7 @@ std::vector<PseudoMeasurement> pseudo_measurements(const std::vector<InertialSam
     next_s = samples[i].t_s + 1;
     out.push_back({i, known(guess[i].p_n, kAnywhere_m, kHeight_m),
                    is_at_rest(samples, i) ? known(Vector3d::Zero(), kStanding_mps, kStanding_mps)
-                                      : known(guess[i].v_n, kUsual_mps, kUsual_mps)});
+                                          : known(guess[i].v_n, kUsual_mps, kUsual_mps)});
   }
   return out;
 }

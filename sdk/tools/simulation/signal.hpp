@@ -42,7 +42,8 @@ inline void add_gauss_markov(Signal& signal, Random random, double constant_s, d
 
 /// Adds narrow-band noise: a damped oscillator of that frequency and damping, driven by white noise, scaled to the
 /// standard deviation.
-inline void add_narrow_band(Signal& signal, Random random, double frequency_hz, double damping, double sigma, double rate_hz) {
+inline void add_narrow_band(Signal& signal, Random random, double frequency_hz, double damping, double sigma,
+                            double rate_hz) {
   const double w = 2 * 3.14159265358979323846 * frequency_hz, dt = 1 / rate_hz;
   const double drive = sigma * std::sqrt(4 * damping * w * w * w / dt);  // variance of x is q / (4 zeta w^3)
   double x = 0, v = 0;

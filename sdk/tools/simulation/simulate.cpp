@@ -74,8 +74,8 @@ Journey travel(const Scenario& c, const Route& route, uint64_t seed) {
 class Simulation {
  public:
   /// `city` and `reconstructed` may be null.
-  Simulation(const Scenario& c, uint64_t seed, OdoWriter& writer, const CityModel* city, const ReconstructedWalk* reconstructed,
-             unsigned threads, bool frames)
+  Simulation(const Scenario& c, uint64_t seed, OdoWriter& writer, const CityModel* city,
+             const ReconstructedWalk* reconstructed, unsigned threads, bool frames)
       : c_(c),
         writer_(writer),
         start_ns_(reconstructed ? reconstructed->start_ns : kStart_ns),
@@ -359,8 +359,8 @@ Result<SimulationReport> simulate(const Scenario& scenario, uint64_t seed, const
   }
   auto writer = OdoWriter::create(output, c.camera.jpeg_quality);
   if (!writer) return writer.failure();
-  Simulation simulation(c, seed, **writer, city ? &*city : nullptr, reconstructed ? &*reconstructed : nullptr, options.threads,
-                        options.frames);
+  Simulation simulation(c, seed, **writer, city ? &*city : nullptr, reconstructed ? &*reconstructed : nullptr,
+                        options.threads, options.frames);
   if (const auto blocked = simulation.world().route_blocked_at_m())
     return Failure{ODO_E_CONFIG, scenario.world.model + ": the route leads into a building after " +
                                      std::to_string(std::lround(*blocked)) + " m"};

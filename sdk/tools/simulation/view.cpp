@@ -131,7 +131,8 @@ void View::look_along_row() {
     const Vector3f origin(hit.ray.org_x, hit.ray.org_y, hit.ray.org_z);
     hit.ray.tfar = face.normal.dot(face.origin - origin) / face.normal.dot(direction(hit.ray));
   }
-  if (!undecided_.empty()) rtcIntersect1Mp(scene_, &context, undecided_.data(), static_cast<unsigned>(undecided_.size()));
+  if (!undecided_.empty())
+    rtcIntersect1Mp(scene_, &context, undecided_.data(), static_cast<unsigned>(undecided_.size()));
 }
 
 /// Removes sunlight from shaded pixels; every second ray first, as above.

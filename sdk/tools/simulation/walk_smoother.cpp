@@ -21,7 +21,8 @@ double squared(double x) { return x * x; }
 
 /// One filter step, stored for the backward pass.
 struct Step {
-  Matrix15 transition, covariance, predicted_covariance;  // to the next sample; here; there before its pseudo-measurements
+  Matrix15 transition, covariance,
+      predicted_covariance;  // to the next sample; here; there before its pseudo-measurements
   Vector15 error, predicted_error;
 };
 
@@ -80,8 +81,9 @@ void see(Vector15& error, Matrix15& P, Column column, const Vector3d& nominal, c
 
 }  // namespace
 
-std::vector<WalkState> smooth_walk(const std::vector<InertialSample>& samples, const std::vector<PseudoMeasurement>& measurements,
-                                   std::vector<WalkState> walk, const SmootherParameters& p) {
+std::vector<WalkState> smooth_walk(const std::vector<InertialSample>& samples,
+                                   const std::vector<PseudoMeasurement>& measurements, std::vector<WalkState> walk,
+                                   const SmootherParameters& p) {
   if (samples.empty()) return walk;
   const WalkState first = walk.front();
   std::vector<Step> steps(samples.size());

@@ -48,10 +48,12 @@ struct SmootherParameters {
   int iterations = 6;         ///< Gauss-Newton; four suffice on the 80 walks
 };
 
-/// Maximum a posteriori motion given the inertial samples and the pseudo-measurements: an iterated extended Rauch-Tung-Striebel
-/// smoother over orientation (left error), position, velocity and both biases (Bell 1994: equivalent to Gauss-Newton on
-/// the whole walk). `start` is the initial guess, one state per sample. Returns the improved states.
-std::vector<WalkState> smooth_walk(const std::vector<InertialSample>& samples, const std::vector<PseudoMeasurement>& measurements,
-                                   std::vector<WalkState> start, const SmootherParameters& parameters = {});
+/// Maximum a posteriori motion given the inertial samples and the pseudo-measurements: an iterated extended
+/// Rauch-Tung-Striebel smoother over orientation (left error), position, velocity and both biases (Bell 1994:
+/// equivalent to Gauss-Newton on the whole walk). `start` is the initial guess, one state per sample. Returns the
+/// improved states.
+std::vector<WalkState> smooth_walk(const std::vector<InertialSample>& samples,
+                                   const std::vector<PseudoMeasurement>& measurements, std::vector<WalkState> start,
+                                   const SmootherParameters& parameters = {});
 
 }  // namespace odograph

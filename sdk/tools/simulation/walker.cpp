@@ -39,8 +39,9 @@ class Body {
     walk.modes = modes();
     for (size_t k = 0; k < plan_.carry_changes.size(); ++k)
       if (is_covered(plan_.carry_changes[k].second))
-        walk.covers.push_back(
-            {plan_.carry_changes[k].first, k + 1 < plan_.carry_changes.size() ? plan_.carry_changes[k + 1].first : plan_.duration_s + 1});
+        walk.covers.push_back({plan_.carry_changes[k].first, k + 1 < plan_.carry_changes.size()
+                                                                 ? plan_.carry_changes[k + 1].first
+                                                                 : plan_.duration_s + 1});
     for (const auto& [from, to] : plan_.darknesses) walk.covers.push_back({from, to});
     for (const auto& [t, s] : plan_.marks) {
       const auto place = route_.at(s);
@@ -120,7 +121,8 @@ class Body {
       const double forward = sway * walker_.surge_m * vigour_[i] * std::sin(2 * kPi * ph + 0.8) + nod[i];
       const double right =
           lateral_[i] + sway_noise[i] + sway * walker_.sway_m * std::min(vigour_[i], 1.2) * std::sin(kPi * ph);
-      const double rise = -0.5 * bounce_[i] * (std::cos(2 * kPi * ph) + 0.18 * std::cos(4 * kPi * ph + walker_.phases[0]));
+      const double rise =
+          -0.5 * bounce_[i] * (std::cos(2 * kPi * ph) + 0.18 * std::cos(4 * kPi * ph + walker_.phases[0]));
       base_[i] = {north[i] + forward * std::cos(h) - right * std::sin(h),
                   east[i] + forward * std::sin(h) + right * std::cos(h), -(up[i] + rise)};
     }

@@ -29,7 +29,8 @@ void put_at(Json& row, const std::string& key, Json value) {
 
 Json aggregate(const Format& format, const std::vector<double>& values) {
   double sum = 0, whole = 0;
-  for (size_t i = 0; i < values.size(); ++i) (format.aggregate == Aggregate::share && i % 2 == 1 ? whole : sum) += values[i];
+  for (size_t i = 0; i < values.size(); ++i)
+    (format.aggregate == Aggregate::share && i % 2 == 1 ? whole : sum) += values[i];
   switch (format.aggregate) {
     case Aggregate::sum: return sum;
     case Aggregate::mean: return sum / static_cast<double>(values.size());
@@ -104,7 +105,8 @@ double percentile_at(const Rows& rows, const std::string& key, double part, bool
 Json summary_of(Json labels, const Rows& rows, const std::vector<Column>& columns) {
   for (const Column& column : columns)
     put_at(labels, column.key,
-           aggregate(column.format, numbers_at(rows, column.from.empty() ? column.key : column.from, column.format.absolute)));
+           aggregate(column.format,
+                     numbers_at(rows, column.from.empty() ? column.key : column.from, column.format.absolute)));
   return labels;
 }
 
@@ -139,7 +141,8 @@ Json row_of(const std::vector<Figure>& figures, const std::string& table) {
     const std::string from = f.format.parts.empty() ? f.key : '_' + f.key;
     put_at(row, from, f.value);
     const auto add = [&](const std::string& unit, const std::string& key, double part) {
-      columns.push_back({f.head, unit, key, f.digits, f.format.sign, f.format.aggregate, part, f.format.absolute, from});
+      columns.push_back(
+          {f.head, unit, key, f.digits, f.format.sign, f.format.aggregate, part, f.format.absolute, from});
     };
     if (f.format.parts.empty()) add(f.unit, f.key, f.format.part);
     for (const double part : f.format.parts)

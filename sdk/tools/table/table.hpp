@@ -24,8 +24,9 @@ struct Format {
   bool absolute = false;        ///< aggregates absolute values
   std::vector<double> parts{};  ///< a column for each of these percentiles: KEY/median, KEY/p90, KEY/worst
 };
-inline const Format kSigned{.sign = true}, kMean{.aggregate = Aggregate::mean}, kSum{.aggregate = Aggregate::sum}, kFirst{.aggregate = Aggregate::first},
-    kShare{.aggregate = Aggregate::share}, kAll{.aggregate = Aggregate::all}, kWorst{.part = 1};
+inline const Format kSigned{.sign = true}, kMean{.aggregate = Aggregate::mean}, kSum{.aggregate = Aggregate::sum},
+    kFirst{.aggregate = Aggregate::first}, kShare{.aggregate = Aggregate::share}, kAll{.aggregate = Aggregate::all},
+    kWorst{.part = 1};
 
 /// A named figure of a table. `key` and `from` may be nested: "count_percent/median". With negative digits, it appears
 /// only in summaries and JSON.

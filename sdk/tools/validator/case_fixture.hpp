@@ -64,7 +64,8 @@ class CaseFixture {
   /// Makes walked_instance() use the messages of a recording instead of the walk.
   void replay(Messages messages) { recording_ = std::move(messages); }
   /// The events of a new instance for some input. Throws a Verdict if it does not start or process fails.
-  std::vector<std::vector<unsigned char>> run(const std::vector<AnyMessage>& messages, const MessageLayout& layout) const;
+  std::vector<std::vector<unsigned char>> run(const std::vector<AnyMessage>& messages,
+                                              const MessageLayout& layout) const;
 
  private:
   std::vector<std::pair<std::string, std::string>> settings_;

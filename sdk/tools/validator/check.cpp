@@ -14,7 +14,7 @@
 namespace odograph {
 
 CaseFixture::CaseFixture(std::filesystem::path library_path, std::vector<std::pair<std::string, std::string>> settings,
-             double input_s)
+                         double input_s)
     : path(std::move(library_path)),
       host(1, {std::filesystem::current_path()}, [this](const Report& report) { reports.push_back(report.text); }),
       all_input(input_s),
@@ -51,7 +51,7 @@ std::unique_ptr<PluginDriver> CaseFixture::started() const {
 }
 
 std::vector<std::vector<unsigned char>> CaseFixture::run(const std::vector<AnyMessage>& messages,
-                                                   const MessageLayout& layout) const {
+                                                         const MessageLayout& layout) const {
   const auto made = started();
   if (const int32_t status = made->process(messages, layout); status < 0)
     throw Verdict("process failed with status " + std::to_string(status));

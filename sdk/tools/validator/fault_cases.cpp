@@ -71,7 +71,9 @@ Verdict subnormal(CaseFixture& fixture) {
 }
 
 Verdict huge(CaseFixture& fixture) { return survives(fixture, fixture.input, every_tenth(1e300).change); }
-Verdict not_a_number(CaseFixture& fixture) { return survives(fixture, fixture.input, every_tenth(std::nan("")).change); }
+Verdict not_a_number(CaseFixture& fixture) {
+  return survives(fixture, fixture.input, every_tenth(std::nan("")).change);
+}
 
 Verdict long_steps(CaseFixture& fixture) {
   if (!fixture.accepts(ODO_TYPE_STEP)) return not_applicable("it receives no steps");

@@ -49,8 +49,7 @@ Verdict balance(CaseFixture& fixture) {
   if (loans.released > loans.retained) return "released more often than retained";
   driver->destroy();
   if (loans.released == loans.retained) return "";
-  return "retained " + std::to_string(loans.retained) + " times, released " + std::to_string(loans.released) +
-         " times";
+  return "retained " + std::to_string(loans.retained) + " times, released " + std::to_string(loans.released) + " times";
 }
 
 Verdict quota(CaseFixture& fixture) {

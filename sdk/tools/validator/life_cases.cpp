@@ -198,8 +198,9 @@ Verdict unknown_extension(CaseFixture& fixture) {
   if (!fixture.table().get_interface) return not_applicable("it has no get_interface");
   const auto driver = fixture.started();
   note_phase("get_interface");
-  return fixture.table().get_interface(driver->instance(), "vendor.none/1", 13) ? "it returned a table for an unknown id"
-                                                                               : "";
+  return fixture.table().get_interface(driver->instance(), "vendor.none/1", 13)
+             ? "it returned a table for an unknown id"
+             : "";
 }
 
 // ---- save and load -------------------------------------------------------------------------------------------------

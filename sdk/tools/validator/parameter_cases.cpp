@@ -182,7 +182,7 @@ Verdict larger_rows(CaseFixture& fixture) {
   int32_t status = driver->create();
   if (status >= 0)
     status = fixture.table().configure(driver->instance(), rows.empty() ? nullptr : &rows[0].value,
-                                     static_cast<uint32_t>(rows.size()), sizeof(Later));
+                                       static_cast<uint32_t>(rows.size()), sizeof(Later));
   if (status >= 0) status = driver->activate();
   if (status < 0) return "status " + std::to_string(status);
   driver->process(fixture.input);

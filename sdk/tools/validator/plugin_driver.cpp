@@ -65,7 +65,8 @@ void PluginDriver::violation(const std::string& text) {
 
 int32_t PluginDriver::emit(const odo_header* event) {
   if (!event) return violation("emitted null"), ODO_E_ARGUMENT;
-  if (std::this_thread::get_id() != thread_) return violation("thread: emitted on the plugin's own thread"), ODO_E_STATE;
+  if (std::this_thread::get_id() != thread_)
+    return violation("thread: emitted on the plugin's own thread"), ODO_E_STATE;
   if (!in_process_) return violation("phase: emitted outside of process"), ODO_E_STATE;
   if (++events_in_call_ > kMaxEvents)
     return violation("count: more than " + std::to_string(kMaxEvents) + " events in one call"), ODO_E_EXHAUSTED;
@@ -76,7 +77,7 @@ int32_t PluginDriver::emit(const odo_header* event) {
   SeenEvent seen;
   if (!seen.message.assign(*event)) {
     violation("size: emitted a " + message_name(event->type) +
-           " with struct_size = " + std::to_string(event->struct_size));
+              " with struct_size = " + std::to_string(event->struct_size));
     return ODO_E_STRUCT_SIZE;
   }
   if (const std::string fault = message_fault(seen.message.header()); !fault.empty()) {

@@ -32,7 +32,8 @@ Verdict counted(const Range& messages, Header&& header) {
 
 std::string verdicts(CaseFixture& fixture) try {
   const PluginDriver* driver = fixture.walked_instance();
-  std::string text = encoded(counted(fixture.input, [](const AnyMessage& m) -> const odo_header& { return m.header(); }));
+  std::string text =
+      encoded(counted(fixture.input, [](const AnyMessage& m) -> const odo_header& { return m.header(); }));
   text += kBetween;
   text += encoded(counted(driver->events, [](const SeenEvent& e) -> const odo_header& { return e.message.header(); }));
   for (const Case& one : rows())

@@ -111,8 +111,8 @@ double GuidedCorners::brightness_ratio(const std::vector<cv::Point2f>& to) const
 const GuidedCorners::Pyramid& GuidedCorners::correct_brightness(double ratio) {
   cv::Mat picture;
   smooth_.convertTo(picture, CV_8U, 1 / ratio);
-  cv::buildOpticalFlowPyramid(picture, brightness_corrected_, {p_.window_px, p_.window_px}, p_.levels, true, cv::BORDER_REFLECT_101,
-                              cv::BORDER_CONSTANT, false);
+  cv::buildOpticalFlowPyramid(picture, brightness_corrected_, {p_.window_px, p_.window_px}, p_.levels, true,
+                              cv::BORDER_REFLECT_101, cv::BORDER_CONSTANT, false);
   return brightness_corrected_;
 }
 
@@ -200,7 +200,8 @@ void GuidedCorners::refill(const cv::Mat& picture, const cv::Mat& mask) {
   const cv::Mat& half = before_[kHalf];
   cv::Mat half_mask;
   if (!mask.empty()) cv::resize(mask, half_mask, half.size(), 0, 0, cv::INTER_NEAREST);
-  cv::goodFeaturesToTrack(half, corners, 4 * p_.max_corners, p_.quality, p_.min_distance_px / 2, half_mask, p_.block_px);
+  cv::goodFeaturesToTrack(half, corners, 4 * p_.max_corners, p_.quality, p_.min_distance_px / 2, half_mask,
+                          p_.block_px);
   for (cv::Point2f& corner : corners) corner *= 2;
   for (const cv::Point2f& corner : corners) {
     if (chosen.size() >= wanted) break;

@@ -18,7 +18,7 @@ namespace odograph::vio {
 class GuidedCorners {
  public:
   struct Parameters {
-    int max_corners = 220;               ///< max corners
+    int max_corners = 220;        ///< max corners
     int cell_px = 28;             ///< at most one new corner per cell
     double min_distance_px = 10;  ///< between new corners
     double quality = 0.01;        ///< relative to the best corner

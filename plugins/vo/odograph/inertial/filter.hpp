@@ -86,8 +86,8 @@ class Filter {
     Eigen::Vector3d v_w;
     Eigen::Quaterniond q_w_b;
   };
-  std::deque<Motion> motions_;            // over the last mean_s
-  bool fixed_lens_ = false;               // the lens is known to have no stabiliser
+  std::deque<Motion> motions_;             // over the last mean_s
+  bool fixed_lens_ = false;                // the lens is known to have no stabiliser
   std::optional<int64_t> fixed_since_ns_;  // time since which the lens appears fixed
   double scale_sigma_ = 1;
 };

@@ -33,7 +33,11 @@ double lasts_s(bool holds, int64_t t_ns, std::optional<int64_t>& since_ns) {
 }  // namespace
 
 InertialOdometry::InertialOdometry(const Parameters& parameters, const Camera& camera)
-    : p_(parameters), camera_(camera), frame_lens_(camera.lens), corners_(parameters.corners), phase_(initial_phase()) {}
+    : p_(parameters),
+      camera_(camera),
+      frame_lens_(camera.lens),
+      corners_(parameters.corners),
+      phase_(initial_phase()) {}
 
 InertialOdometry::Initialising InertialOdometry::initial_phase() const {
   return {std::make_unique<vo::Odometry>(vo::Odometry::Parameters{}, frame_lens_), {}, Isometry3d::Identity(), 0, {}};
@@ -238,7 +242,8 @@ FailureReason InertialOdometry::dark_or_few_features() const {
 }
 
 /// Motion to the filter's pose at a frame: that of the newest clone, or `nav` if there is none.
-InertialMotion InertialOdometry::make_motion(Filtering& phase, int64_t t_ns, const Navigation& nav, bool with_clone) const {
+InertialMotion InertialOdometry::make_motion(Filtering& phase, int64_t t_ns, const Navigation& nav,
+                                             bool with_clone) const {
   const Filter& filter = phase.filter;
   const State& state = filter.state();
   const Isometry3d T_w_c = with_clone ? pose_of(filter.newest()) : pose_of(state.camera, nav);

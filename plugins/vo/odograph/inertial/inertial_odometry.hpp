@@ -41,8 +41,9 @@ struct InertialOdometryParameters {
   double degraded_sigma_mps = 0.3;   ///< velocity sigma above which it is degraded; empirical
   double max_speed_mps = 15;         ///< max for a hand-held phone
   double max_accel_bias_mps2 = 1.5;  ///< above that of any phone; empirical
-  double max_calibration_chi2 = 100;  ///< Filter::calibration_chi2 above which the filter, not the camera, is wrong; empirical
-  int min_tried = 8;             ///< min tracks for the test of min_accepted; empirical
+  double max_calibration_chi2 =
+      100;                    ///< Filter::calibration_chi2 above which the filter, not the camera, is wrong; empirical
+  int min_tried = 8;          ///< min tracks for the test of min_accepted; empirical
   double min_accepted = 0.3;  ///< share of the tracks; less for `diverged_s` means that the filter is wrong; empirical
   double diverged_s = 1.0;
   /// Min accepted tracks; with fewer, over `unseen_s` of motion, the velocity comes from accelerometer and tilt alone.
@@ -121,9 +122,9 @@ class InertialOdometry {
   /// The filter runs.
   struct Filtering {
     Filter filter;
-    Eigen::Isometry3d T_w_previous;  ///< previous frame as reported
-    std::vector<ReportedFrame> reported;          ///< the same relative to the newest clone and the one before it
-    double moved_s = 0;              ///< since the start, without standing
+    Eigen::Isometry3d T_w_previous;       ///< previous frame as reported
+    std::vector<ReportedFrame> reported;  ///< the same relative to the newest clone and the one before it
+    double moved_s = 0;                   ///< since the start, without standing
     std::optional<int64_t> rejected_since_ns, unseen_since_ns;
     unsigned tracked = 0, accepted = 0;  ///< corners of the newest estimated frame
     double spread = 0;                   ///< of the hypotheses that started the filter
@@ -164,7 +165,7 @@ class InertialOdometry {
   FailureReason dark_or_few_features() const;
 
   Parameters p_;
-  Camera camera_;          ///< as calibrated at the start
+  Camera camera_;           ///< as calibrated at the start
   CameraModel frame_lens_;  ///< of the newest frame
   ImuBuffer imu_;
   GuidedCorners corners_;

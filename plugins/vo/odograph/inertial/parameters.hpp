@@ -67,8 +67,8 @@ struct Priors {
 /// frequencies of the rotation within its travel and yields near the end, in a manner specific to each maker. The model
 /// is a gain and a leak, with an error proportional to the compensation.
 struct StabiliserParameters {
-  double gain_sigma = 0.3;   ///< of the gain before the first measurement; gain 0: fixed lens, 1: full compensation
-  double gain_walk = 0.2;    ///< proportional to the gain, 1/sqrt(s): a fixed lens stays fixed
+  double gain_sigma = 0.3;     ///< of the gain before the first measurement; gain 0: fixed lens, 1: full compensation
+  double gain_walk = 0.2;      ///< proportional to the gain, 1/sqrt(s): a fixed lens stays fixed
   double leak_hz = 0.9;        ///< at small shifts; 0.5 to 0.9 in a driver for an IMX214 module
   double end_leak_hz = 13;     ///< at the end of its travel; the same
   double travel_rad = 0.0157;  ///< 0.9 degrees; 0.5 to 1.2
@@ -152,9 +152,9 @@ struct FilterParameters {
   /// track are several times as large, and such corners made the scale 1 % too long (walk700, seeds 4 and 5). The noise
   /// of a corner is scaled by the square of the ratio of its track's rms residual to that of a typical track.
   double typical_residual_px = 0.3;  ///< initial; then the median of the latest tracks, with a lower bound of
-  double min_residual_px = 0.3;    ///< this. 0.2 is as good on simulated streets, but penalises near corners on
-                                   ///< euroc_mh05 (scale error 1.4 % instead of 1.0 %).
-  double residual_part = 0.2;      ///< weight of the newest corner in a landmark's residual
+  double min_residual_px = 0.3;      ///< this. 0.2 is as good on simulated streets, but penalises near corners on
+                                     ///< euroc_mh05 (scale error 1.4 % instead of 1.0 %).
+  double residual_part = 0.2;        ///< weight of the newest corner in a landmark's residual
   /// A tracked corner drifts off its point: random walk, px/sqrt(s); 0.2 on simulated streets, 0.6 on euroc_mh05.
   double corner_walk_px = 0.3;
   double rotation_jitter_rad = 2e-4;  ///< between picture and gyroscope: stabilised lens, time stamps

@@ -127,10 +127,9 @@ void shift_lens(State& state, int64_t to_ns, const ImuBuffer& imu, const FilterP
   const double dt_s = seconds(to_ns - state.t_ns), stays = std::exp(-dt_s / s.leak_change_s);
   P.middleRows<2>(block::shift) =
       (keep * P.middleRows<2>(block::shift) + by_gain * P.row(block::gain) + by_leak * P.row(block::leak)).eval();
-  P.middleCols<2>(block::shift) =
-      (P.middleCols<2>(block::shift) * keep.transpose() + P.col(block::gain) * by_gain.transpose() +
-       P.col(block::leak) * by_leak.transpose())
-          .eval();
+  P.middleCols<2>(block::shift) = (P.middleCols<2>(block::shift) * keep.transpose() +
+                                   P.col(block::gain) * by_gain.transpose() + P.col(block::leak) * by_leak.transpose())
+                                      .eval();
   P.block<2, 2>(block::shift, block::shift).diagonal().array() += noise;
   P(block::gain, block::gain) += s.gain_walk * s.gain_walk * likely * dt_s;
   apply_gauss_markov(camera.leak, P, block::leak, stays, s.leak_sigma);

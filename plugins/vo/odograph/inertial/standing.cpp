@@ -9,7 +9,7 @@
 namespace odograph::vio {
 
 std::optional<double> residual_flow(const FrameCorners& before, const FrameCorners& now, const Camera& camera,
-                                           size_t least) {
+                                    size_t least) {
   std::vector<cv::Point2d> first, second;
   Clone still;
   still.focal_px = camera.lens.focal();

@@ -26,6 +26,6 @@ struct FrameCorners {
 /// Median residual flow between two frames after the best rotation, over their common corners, px. Nothing if there are
 /// fewer than `least` of them, or if no rotation is found.
 std::optional<double> residual_flow(const FrameCorners& before, const FrameCorners& now, const Camera& camera,
-                                           size_t least);
+                                    size_t least);
 
 }  // namespace odograph::vio

@@ -41,9 +41,9 @@ struct Camera {
   /// A stabilised lens shifts the picture against the shake of the phone: s' = gain f (w_y, -w_x) - e^leak L(s) s,
   /// with w the rate in c and L as in StabiliserParameters.
   Eigen::Vector2d shift_px = Eigen::Vector2d::Zero();
-  double gain = 0;  ///< gain; 0: fixed lens, 1: full compensation
-  double leak = 0;    ///< log of the factor on the leak
-  double focus = 0;   ///< log of the present focal length over the lens's, moved by autofocus
+  double gain = 0;   ///< gain; 0: fixed lens, 1: full compensation
+  double leak = 0;   ///< log of the factor on the leak
+  double focus = 0;  ///< log of the present focal length over the lens's, moved by autofocus
 
   double focal_px() const { return lens.focal() * std::exp(focus); }
 };

@@ -69,7 +69,8 @@ void Odometry::make_keyframe(const Frame& frame, MapTracking& map) {
   map.keyframe = RelocalisationKeyframe{tracker_.snapshot(), seen_};
   map.corners_at_keyframe = seen_.corners.size();
   map.triangulated_at_keyframe = 0;
-  for (const SeenCorner& corner : seen_.corners) map.triangulated_at_keyframe += window_.landmarks()[corner.track].triangulated;
+  for (const SeenCorner& corner : seen_.corners)
+    map.triangulated_at_keyframe += window_.landmarks()[corner.track].triangulated;
 }
 
 /// Removes observations with large residuals after an adjustment: moving objects and tracking errors.

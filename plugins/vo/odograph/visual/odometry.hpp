@@ -98,7 +98,7 @@ class Odometry {
   Initialising begin_group(const Frame& frame);
   Matches matches_with_reference() const;
   void update_bias(const Initialising& state, const Prediction& predicted, const Eigen::Quaterniond& seen_rotation,
-                  double sigma_rad);
+                   double sigma_rad);
   std::optional<SecondView> find_second_view(const Matches& matches, const Eigen::Quaterniond& rotation_alone);
   Motion begin_map(const SecondView& view, const Matches& matches, const Initialising& state,
                    const Prediction& predicted);

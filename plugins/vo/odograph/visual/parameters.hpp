@@ -29,24 +29,24 @@ struct GyroscopeParameters {
   double bias_sigma_radps = 0.01;         ///< before the first estimate: 0.6 deg/s
   double known_bias_sigma_radps = 5e-4;   ///< lower bound from the rotation of a picture; empirical
   double known_bias_drift_radps = 0.003;  ///< uncertainty of the rate while the camera is lost; empirical
-  double min_bias_s = 0.4;        ///< of pure rotation; empirical
+  double min_bias_s = 0.4;                ///< of pure rotation; empirical
 };
 
 /// Standard deviation of a corner in the picture, estimated online because it depends on the light.
 struct CornerNoiseParameters {
   double begin_px = 0.4;              ///< initial: a corner tracked in daylight; empirical
   double min_px = 0.3, max_px = 1.2;  ///< limits of the estimate; empirical
-  double update_weight = 0.1;                 ///< weight of the newest frame; empirical
+  double update_weight = 0.1;         ///< weight of the newest frame; empirical
   double coarser = 1.3;               ///< factor after a frame that only a larger noise explains; empirical
 };
 
 /// Starting a map from two views.
 struct MapStartParameters {
-  double min_parallax_rad = 0.004;  ///< median: 2 px with a focal length of 500 px, five sigmas of a corner
-  double min_parallax_ratio = 0.25;       ///< min residual parallax after one rotation, of min_parallax_rad, to run RANSAC
-  int trials = 200;                 ///< of the five-point RANSAC: 0.998 with half of the matches wrong
-  double inlier_sigmas = 3;         ///< epipolar distance of an inlier
-  double min_inliers = 0.5;         ///< of the matches
+  double min_parallax_rad = 0.004;   ///< median: 2 px with a focal length of 500 px, five sigmas of a corner
+  double min_parallax_ratio = 0.25;  ///< min residual parallax after one rotation, of min_parallax_rad, to run RANSAC
+  int trials = 200;                  ///< of the five-point RANSAC: 0.998 with half of the matches wrong
+  double inlier_sigmas = 3;          ///< epipolar distance of an inlier
+  double min_inliers = 0.5;          ///< of the matches
   /// Of the parallax. A wrong rotation may compensate a wrong displacement, but not by more than this.
   double rotation_agrees = 1.5;
   double rotation_sigma = 0.25;       ///< of the parallax: rotation error after a start; `odograph bench vo`
@@ -73,11 +73,11 @@ struct PoseParameters {
   double ransac_sigmas = 4;   ///< of an inlier of P3P
   int ransac_trials = 200;
   double ransac_confidence = 0.999;
-  double after_ransac = 0.3;  ///< of loose_px, after P3P; empirical
+  double after_ransac = 0.3;       ///< of loose_px, after P3P; empirical
   double max_deviation_rad = 0.5;  ///< max deviation of a frame's rotation from the prediction; empirical
-  int max_misses = 2;         ///< consecutive frames that may contradict a point; the next one drops it
-  /// Min share of agreeing points while the first window fills: less in more than max_suspect_frames consecutive frames means
-  /// that the start from little parallax was wrong; empirical.
+  int max_misses = 2;              ///< consecutive frames that may contradict a point; the next one drops it
+  /// Min share of agreeing points while the first window fills: less in more than max_suspect_frames consecutive frames
+  /// means that the start from little parallax was wrong; empirical.
   double suspect_inliers = 0.72;
   int max_suspect_frames = 1;
   double rotation_floor_rad = 1e-4;  ///< of a motion: time stamps, displacement between rows; `odograph bench vo`

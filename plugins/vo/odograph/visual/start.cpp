@@ -55,7 +55,7 @@ Odometry::Matches Odometry::matches_with_reference() const {
 /// Without displacement the visual rotation since the reference is drift-free, unlike the gyroscope's: estimates the
 /// bias.
 void Odometry::update_bias(const Initialising& state, const Prediction& predicted, const Quaterniond& seen_rotation,
-                          double sigma_rad) {
+                           double sigma_rad) {
   const double since_s = seconds(last_ns_ - state.reference_ns) + predicted.step_s;
   if (!predicted.gyro || since_s < p_.gyroscope.min_bias_s) return;
   const auto gyro = gyroscope_.between(state.reference_ns, state.reference_ns + nanoseconds(since_s), bias_c_);

@@ -54,8 +54,8 @@ struct RelocalisationKeyframe {
 /// Tracking by the map.
 struct MapTracking {
   size_t corners_at_keyframe = 0, triangulated_at_keyframe = 0;  ///< triangulated: triangulated
-  size_t corners_before = 0;                                ///< in the previous frame
-  int suspect_frames = 0;                                           ///< consecutive frames that indicate a wrong map
+  size_t corners_before = 0;                                     ///< in the previous frame
+  int suspect_frames = 0;                                        ///< consecutive frames that indicate a wrong map
   std::optional<RelocalisationKeyframe> keyframe;
 };
 

@@ -51,7 +51,7 @@ class Window {
   void slide();
   void remove_landmark(uint64_t track) { landmarks_.erase(track); }
   void remove_untracked(const std::vector<uint64_t>&
-                      alive);  ///< removes points with fewer than two observations that are no longer tracked
+                            alive);  ///< removes points with fewer than two observations that are no longer tracked
 
   Eigen::Vector4d point(const Landmark& landmark) const;  ///< in w, homogeneous
   Eigen::Vector3d anchor(const Landmark& landmark) const {

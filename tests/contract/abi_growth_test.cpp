@@ -1,0 +1,280 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Structs of other versions and unknown messages: accepted, kept whole, ordered, recorded and passed on.
+#include <doctest/doctest.h>
+
+#include <odograph/messages.h>
+
+#include "sdk/host/core/scale_join.hpp"
+#include "sdk/host/messages/messages.hpp"
+#include "tests/support/session_app.hpp"
+#include "tests/support/test_plugins.hpp"
+
+using namespace odograph;
+
+TEST_SUITE_BEGIN("abi_growth");
+
+namespace {
+
+constexpr uint32_t kWifi = ODO_TYPE_VENDOR(7, 1);
+
+/// A vendor's message of any size, filled with its index.
+std::vector<uint64_t> vendor_message(uint32_t type, int64_t t_ns, size_t size) {
+  std::vector<uint64_t> bytes((size + 7) / 8);
+  auto* all = reinterpret_cast<unsigned char*>(bytes.data());
+  for (size_t i = sizeof(odo_header); i < size; ++i) all[i] = static_cast<unsigned char>(i);
+  auto& header = *reinterpret_cast<odo_header*>(all);
+  header.struct_size = static_cast<uint32_t>(size);
+  header.type = type;
+  header.t_ns = t_ns;
+  return bytes;
+}
+const odo_header& head(const std::vector<uint64_t>& bytes) {
+  return *reinterpret_cast<const odo_header*>(bytes.data());
+}
+
+}  // namespace
+
+TEST_CASE("every message's struct of version 1.0 is a prefix of the present one, and names and numbers are unique") {
+  std::vector<uint32_t> numbers;
+  std::vector<std::string> names;
+#define ODO_ROW(number, type, name, min_size)        \
+  CHECK(min_size <= sizeof(type));                   \
+  CHECK(min_size >= sizeof(odo_header));             \
+  CHECK(std::ranges::count(numbers, number) == 0);   \
+  CHECK(std::ranges::count(names, #name) == 0);      \
+  CHECK(message_info(number)->size == sizeof(type)); \
+  numbers.push_back(number), names.emplace_back(#name);
+  ODO_FOR_EACH_MESSAGE(ODO_ROW)
+#undef ODO_ROW
+  CHECK(numbers.size() >= 18);
+}
+
+TEST_CASE("a message smaller than version 1.0 is rejected, and one of a newer writer is kept whole") {
+  auto old = make_message<odo_magnetometer>(ODO_TYPE_MAGNETOMETER, 5);
+  AnyMessage any;
+  REQUIRE(any.assign(old.header));
+  old.header.struct_size = ODO_MAGNETOMETER_SIZE_MIN - 1;
+  CHECK_FALSE(any.assign(old.header));
+
+  for (const size_t size : {sizeof(odo_gnss) + 8, size_t(4000), size_t(ODO_LARGEST_MESSAGE)}) {
+    const auto newer = vendor_message(ODO_TYPE_GNSS, 5, size);
+    REQUIRE(any.assign(head(newer)));
+    CHECK(any.bytes().size() == size);
+    CHECK(std::memcmp(any.bytes().data(), newer.data(), size) == 0);
+    const AnyMessage copy = any;
+    OwnedMessage moved(std::move(any));
+    CHECK(std::memcmp(copy.bytes().data(), &moved.header(), size) == 0);
+    any = copy;
+    CHECK(copy_as<odo_gnss>(any.header()).header.struct_size == sizeof(odo_gnss));
+  }
+  CHECK_FALSE(any.assign(head(vendor_message(ODO_TYPE_GNSS, 5, ODO_LARGEST_MESSAGE + 8))));
+}
+
+TEST_CASE("a copied message ends at the end of the message or of the reader's struct") {
+  struct Larger {
+    odo_magnetometer message;
+    double later;
+  } larger{};
+  larger.message = make_message<odo_magnetometer>(ODO_TYPE_MAGNETOMETER, 5);
+  larger.message.header.struct_size = sizeof larger;
+  larger.message.field_b[2] = 3, larger.later = 7;
+  odo_magnetometer mine{};
+  odo_copy(&mine, sizeof mine, &larger.message.header);
+  CHECK(mine.header.struct_size == sizeof mine);
+  CHECK(mine.field_b[2] == 3);
+  Larger grown{};
+  grown.later = 9;
+  larger.message.header.struct_size = sizeof larger.message;
+  odo_copy(&grown, sizeof grown, &larger.message.header);
+  CHECK(grown.message.header.struct_size == sizeof larger.message);
+  CHECK(grown.message.field_b[2] == 3);
+  CHECK(grown.later == 0);
+}
+
+TEST_CASE("a session accepts structs smaller or larger than its own, and names those it rejects") {
+  App app(kWalk);
+  auto pressure = make_message<odo_barometer>(ODO_TYPE_BAROMETER, 1'000'000'000);
+  pressure.pressure_pa = 101325;
+  pressure.header.struct_size = ODO_BAROMETER_SIZE_MIN;
+  CHECK(odo_session_push(app.session, &pressure.header) == ODO_OK);
+  auto larger = vendor_message(ODO_TYPE_BAROMETER, 1'100'000'000, 200);
+  reinterpret_cast<odo_barometer*>(larger.data())->pressure_pa = 101325;
+  CHECK(odo_session_push(app.session, &head(larger)) == ODO_OK);
+  pressure.header.struct_size = 47;
+  CHECK(odo_session_push(app.session, &pressure.header) == ODO_E_STRUCT_SIZE);
+  odo_error error{};
+  error.struct_size = sizeof error;
+  CHECK(odo_session_last_error(app.session, &error) == ODO_E_STRUCT_SIZE);
+  CHECK(std::string(error.message).find("struct_size = 47; expected 48 to 65536") != std::string::npos);
+  auto field = make_message<odo_magnetometer>(ODO_TYPE_MAGNETOMETER, 1'200'000'000);
+  field.field_b[1] = std::nan("");
+  CHECK(odo_session_push(app.session, &field.header) == ODO_E_DISCARD);
+  CHECK(odo_session_last_error(app.session, &error) == ODO_E_DISCARD);
+  CHECK(std::string(error.message).find("field_b[1] = nan; expected a finite number") != std::string::npos);
+}
+
+TEST_CASE("messages of unknown types are counted and otherwise ignored") {
+  App app(kWalk);
+  app.walk(0, 300);
+  for (const uint32_t type : {kWifi, uint32_t(0x42), ODO_TYPE_VENDOR(9, 9)})
+    CHECK(odo_session_push(app.session, &head(vendor_message(type, 2'500'000'000, 96))) == ODO_OK);
+  for (const uint32_t type : {0u, 0x2000u, 0x1FFFFu, 0x7FFFFFFFu})
+    CHECK(odo_session_push(app.session, &head(vendor_message(type, 2'500'000'000, 96))) == ODO_E_ARGUMENT);
+  CHECK(odo_session_push(app.session, &head(vendor_message(ODO_TYPE_POSE, 2'500'000'000, 432))) == ODO_E_ARGUMENT);
+  app.walk(300, 400);
+  odo_session_flush(app.session);
+  CHECK(app.statistics().unknown == 3);
+  CHECK(app.statistics().invalid == 5);
+  CHECK(app.statistics().plugin_faults == 0);
+}
+
+TEST_CASE(
+    "a vendor's message reaches the plugin that declares it, in time order, and the plugin's answer reaches the app") {
+  const TestPlugins plugins{"wifi_fixer"};
+  App app("odograph: 1\nabsolute_fixers:\n  - plugin: test/wifi_fixer\n  - plugin: fix/gnss\n", ODO_RUN_REPLAY,
+          plugins.path());
+  REQUIRE_MESSAGE(app.status == ODO_OK, app.message);
+  app.walk(0, 200);
+  // Ahead of the inertial samples, and out of order.
+  CHECK(odo_session_push(app.session, &head(vendor_message(kWifi, 3'050'000'000, 2000))) == ODO_OK);
+  CHECK(odo_session_push(app.session, &head(vendor_message(kWifi, 3'040'000'000, 40))) == ODO_OK);
+  app.walk(200, 300);
+  odo_session_flush(app.session);
+  const auto fixes = app.all<odo_fix>(ODO_TYPE_FIX);
+  REQUIRE(fixes.size() == 2);
+  CHECK(fixes[0].header.t_ns == 3'040'000'000);
+  CHECK(fixes[1].header.t_ns == 3'050'000'000);
+  CHECK(fixes[1].p_n[0] == 2000);  // the plugin saw the whole message
+  CHECK(app.statistics().unknown == 0);
+  const auto answers = app.all<odo_fix>(ODO_TYPE_VENDOR(7, 2));
+  CHECK(answers.size() == 2);
+  CHECK(app.statistics().plugin_faults == 0);
+}
+
+TEST_CASE(
+    "with two step estimators and two scale sources the first estimator's steps are used and the scales are joined" *
+    doctest::skip(!kCameraPlugins)) {
+  const std::string yaml =
+      "odograph: 1\nattitude:\n  plugin: attitude/vqf\nstep_estimator:\n  - plugin: step/renaudin2012\n"
+      "  - plugin: step/weinberg2002\nvo_frontend:\n  plugin: vo/five_point\nscale_source:\n"
+      "  - plugin: scale/fixed_step\n  - plugin: scale/step_length\n";
+  App app(yaml), alone(kWalk);
+  REQUIRE_MESSAGE(app.status == ODO_OK, app.message);
+  for (App* each : {&app, &alone}) {
+    each->walk(0, 2000);
+    odo_session_flush(each->session);
+  }
+  const auto steps = app.all<odo_step>(ODO_TYPE_STEP);
+  std::vector<int64_t> first, second;
+  for (const odo_step& step : steps) (step.header.source == 2 ? first : second).push_back(step.t_end_ns);
+  CHECK(first.size() > 10);
+  CHECK(second.size() > 10);
+  CHECK(first.size() == alone.all<odo_step>(ODO_TYPE_STEP).size());
+  CHECK(app.statistics().steps == first.size());
+}
+
+TEST_CASE("scales of independent sources are averaged in the logarithm, weighted by their variances") {
+  odo_vo_motion motion = make_message<odo_vo_motion>(ODO_TYPE_VO_MOTION, 100);
+  const auto scale = [](double metres, double sigma, uint32_t flags = 0) {
+    auto s = make_message<odo_scale>(ODO_TYPE_SCALE, 100);
+    s.valid_to_ns = 100, s.scale = metres, s.sigma = sigma, s.header.flags = flags;
+    return s;
+  };
+  ScaleJoin join(2);
+  join.begin(motion);
+  CHECK(join.joined() == nullptr);
+  join.answer(1, scale(2.0, 0.0));
+  CHECK(join.joined()->scale == 2.0);  // a single source: unchanged
+  join.answer(0, scale(1.0, 0.1));
+  join.answer(1, scale(2.0, 0.2));
+  CHECK(join.joined()->scale == doctest::Approx(std::sqrt(2.0)));
+  CHECK(join.joined()->sigma / join.joined()->scale == doctest::Approx(0.1 / std::sqrt(2.0)));
+  join.answer(1, scale(2.0, 0.2, ODO_SCALE_HORIZONTAL));
+  CHECK(join.joined()->scale == 1.0);  // of another quantity: not averaged
+  motion.header.t_ns = 150;
+  join.begin(motion);
+  CHECK(join.joined() == nullptr);  // the answer applied to the previous motion only
+  auto early = scale(3.0, 0.1);
+  early.valid_from_ns = 150, early.valid_to_ns = 1000;
+  CHECK(join.answer(0, early));
+  CHECK(join.joined() == nullptr);  // not of this motion
+  motion.header.t_ns = 200;
+  join.begin(motion);
+  CHECK(join.joined()->scale == 3.0);  // of motions to come
+}
+
+TEST_CASE("a late scale is published as not accepted and reported, unlike one for motions to come" *
+          doctest::skip(!kCameraPlugins)) {
+  const odo_vo_motion motion = make_message<odo_vo_motion>(ODO_TYPE_VO_MOTION, 100);
+  auto scale = make_message<odo_scale>(ODO_TYPE_SCALE, 100);
+  scale.valid_to_ns = 100, scale.scale = 2, scale.sigma = 0.1;
+  ScaleJoin join(1);
+  CHECK(join.note(0, scale));  // no motion yet: may apply
+  join.begin(motion);
+  CHECK(join.answer(0, scale));
+  CHECK_FALSE(join.note(0, scale));
+  scale.valid_to_ns = 101;
+  CHECK(join.note(0, scale));
+  scale.scale_group = 1;
+  CHECK_FALSE(join.note(0, scale));
+
+  const TestPlugins plugins{"late_scale"};
+  App app(kWalk + "vo_frontend:\n  plugin: vo/five_point\nscale_source:\n  plugin: test/late_scale\n", ODO_RUN_REPLAY,
+          plugins.path());
+  REQUIRE_MESSAGE(app.status == ODO_OK, app.message);
+  const odo_calibration camera = calibration(64, 48);
+  odo_session_push(app.session, &camera.header);
+  for (int i = 0; i < 20; ++i) {
+    app.walk(10 * i, 10 * i + 10);
+    app.frame(1'000'000'000 + i * int64_t{100'000'000});
+  }
+  odo_session_flush(app.session);
+  const auto scales = app.all<odo_scale>(ODO_TYPE_SCALE);
+  REQUIRE(scales.size() == 19);
+  const auto accepted = [](const odo_scale& s) { return (s.header.flags & ODO_FLAG_ACCEPTED) != 0; };
+  CHECK(std::count_if(scales.begin(), scales.end(), accepted) == 6);
+  CHECK(accepted(scales[2]));
+  CHECK(std::any_of(app.reports.begin(), app.reports.end(),
+                    [](const odo_report& r) { return std::string(r.key) == "late_scale"; }));
+}
+
+TEST_CASE("the next step estimator replaces one that has failed") {
+  const std::string yaml =
+      "odograph: 1\nattitude:\n  plugin: attitude/vqf\nstep_estimator:\n  - plugin: test/failing_steps\n"
+      "  - plugin: step/renaudin2012\n";
+  const TestPlugins plugins{"failing_steps"};
+  App app(yaml, ODO_RUN_REPLAY, plugins.path());
+  REQUIRE_MESSAGE(app.status == ODO_OK, app.message);
+  app.walk(0, 2000);
+  odo_session_flush(app.session);
+  CHECK(app.statistics().steps > 10);
+  CHECK(app.pose(ODO_TIME_LATEST).reason != ODO_REASON_PLUGIN_FAILED);
+}
+
+TEST_CASE("a report is an event with the plugin, a key, the status and a count") {
+  App app(kWalk);
+  app.walk(0, 100);
+  auto bad = make_message<odo_gnss>(ODO_TYPE_GNSS, 1'500'000'000);
+  bad.header.flags = ODO_GNSS_POSITION;
+  bad.latitude_rad = 3;
+  odo_session_push(app.session, &bad.header);
+  app.walk(100, 101);
+  REQUIRE(!app.reports.empty());
+  const odo_report& report = app.reports.back();
+  CHECK(std::string(report.plugin) == "host");
+  CHECK(std::string(report.key) == "invalid_gnss");
+  CHECK(std::string(report.text) == "dropped a sample of gnss: latitude_rad = 3; expected -pi/2 to pi/2 (degrees?)");
+  CHECK(report.status == ODO_E_DISCARD);
+  CHECK(report.severity == ODO_SEVERITY_WARNING);
+  CHECK(report.count == 1);
+}
+
+TEST_CASE("the text of a number from a newer list is 'unknown', and the number indexes nothing") {
+  CHECK(std::string(odo_mode_text(99)) == "unknown");
+  CHECK(std::string(odo_state_text(99)) == "unknown");
+  CHECK(std::string(odo_reason_text(99)) == "unknown");
+  CHECK(std::string(odo_status_text(-99)) == "unknown status");
+}
+
+TEST_SUITE_END();

@@ -1,0 +1,193 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Registered plugins that are linked into the program: the test program's own.
+#include <doctest/doctest.h>
+
+#include <thread>
+
+#include <odograph/odograph.h>
+#include <odograph/plugin.hpp>
+
+#include "sdk/host/config/pipeline_config.hpp"
+#include "sdk/host/platform/library.hpp"
+#include "sdk/host/plugin_host/services.hpp"
+#include "sdk/tools/validator/write_manifest.hpp"
+#include "tests/support/session_app.hpp"
+#include "tests/support/support.hpp"
+
+extern "C" {
+int32_t ODO_CALL same_entry_1(const struct odo_host* host, struct odo_plugin* out);
+int32_t ODO_CALL same_entry_2(const struct odo_host* host, struct odo_plugin* out);
+}
+
+namespace {
+
+constexpr const char* kIds[3] = {"linked/one", "same/library_1", "linked/one"};
+
+template <int Number>
+struct Linked {
+  double gain = 1;
+  static constexpr odo::Description description{kIds[Number], "1.2.3", "Says how often it is called.",
+                                                ODO_INTERFACE_ATTITUDE};
+  static std::vector<odo::Parameter<Linked>> parameters() {
+    return {odo::real("gain", "m", 0.5, 2, &Linked::gain, "Does nothing.")};
+  }
+  void on(const odo_imu& imu, odo::Output& output) {
+    auto attitude = odo::make<odo_attitude>(imu.header.t_ns);
+    attitude.q_n_b[0] = 1;
+    output.report(ODO_SEVERITY_INFO, "called", "gain " + std::to_string(gain));
+    output.emit(attitude);
+    ++calls;
+  }
+  std::vector<uint8_t> save() const { return {calls}; }
+  void load(const uint8_t* data, size_t size) { calls = size == 1 ? data[0] : 99; }
+  uint8_t calls = 0;
+};
+
+}  // namespace
+
+ODO_PLUGIN_NAMED(Linked<0>, linked_entry)
+ODO_PLUGIN_NAMED(Linked<1>, shadowing_entry)
+ODO_PLUGIN_NAMED(Linked<2>, same_id_entry)
+
+namespace {
+
+int32_t ODO_CALL refusing_entry(const odo_host*, odo_plugin* out) {
+  out->refusal = odo::str("the licence has expired");
+  return ODO_E_DATA;
+}
+int32_t ODO_CALL newer_entry(const odo_host* host, odo_plugin* out) {
+  const int32_t status = linked_entry(host, out);
+  out->abi_major = 7;
+  return status;
+}
+
+bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+struct Registered {
+  int32_t status;
+  std::string why;
+};
+Registered registered(odo_plugin_entry entry) {
+  odo_error error{};
+  error.struct_size = sizeof error;
+  const int32_t status = odo_register_plugin(entry, &error);
+  return {status, error.message};
+}
+
+std::string id_of(odo_plugin_entry entry) {
+  const odograph::HostServices host(0, {}, nullptr);
+  odo_plugin table{};
+  table.struct_size = sizeof table;
+  REQUIRE(entry(&host, &table) == ODO_OK);
+  return std::string(odo::view(table.id));
+}
+
+}  // namespace
+
+using namespace odograph;
+
+TEST_SUITE_BEGIN("linked_plugins");
+
+TEST_CASE(
+    "an entry is registered once, and null, another ABI, a refusal and a second plugin with its id are rejected") {
+  std::vector<std::thread> threads;
+  std::atomic<int> good{0};
+  for (int i = 0; i < 8; ++i)
+    threads.emplace_back([&] { good += odo_register_plugin(linked_entry, nullptr) == ODO_OK ? 1 : 0; });
+  for (std::thread& thread : threads) thread.join();
+  CHECK(good == 8);
+  CHECK(registered(nullptr).status == ODO_E_ARGUMENT);
+  CHECK(registered(newer_entry).status == ODO_E_VERSION);
+  const Registered refused = registered(refusing_entry);
+  CHECK(refused.status == ODO_E_DATA);
+  CHECK(contains(refused.why, "the licence has expired"));
+  const Registered again = registered(same_id_entry);
+  CHECK(again.status == ODO_E_CONFIG);
+  CHECK(contains(again.why, "another registered plugin has the id 'linked/one'"));
+}
+
+TEST_CASE("a registered plugin is found by its id without a file, and its parameters are checked") {
+  REQUIRE(registered(linked_entry).status == ODO_OK);
+  App app("odograph: 1\nattitude: {plugin: linked/one, parameters: {gain: 2 m}}\n");
+  REQUIRE_MESSAGE(app.status == ODO_OK, app.message);
+  app.walk(0, 20);
+  odo_session_flush(app.session);
+  CHECK(app.all<odo_attitude>(ODO_TYPE_ATTITUDE).size() == 20);
+  CHECK(contains(app.said(), "linked/one: gain 2.0"));
+  CHECK(contains(App("odograph: 1\nattitude: {plugin: linked/one, parameters: {gain: 3 m}}\n").message,
+                 "expected a number in m from 0.5 to 2"));
+  CHECK(contains(App("odograph: 1\nattitude: {plugin: linked/on}\n").message, "(nearest: 'linked/one')"));
+  CHECK(contains(App("odograph: 1\nscale_source: {plugin: linked/one}\n").message, "plugin 'linked/one' serves"));
+}
+
+TEST_CASE("saved state belongs to the plugin's id, and a new version of the plugin keeps it") {
+  REQUIRE(registered(linked_entry).status == ODO_OK);
+  const std::string yaml = "odograph: 1\nattitude: {plugin: linked/one}\n";
+  const auto saved = [](const App& app) {
+    std::string blob(static_cast<size_t>(odo_session_save(app.session, nullptr, 0)), '\0');
+    odo_session_save(app.session, blob.data(), blob.size());
+    return blob;
+  };
+  App first(yaml);
+  first.walk(0, 20);
+  odo_session_flush(first.session);
+  const std::string blob = saved(first);
+  CHECK(contains(blob, "linked/one\x14"));
+  CHECK_FALSE(contains(blob, ODO_INTERFACE_ATTITUDE));
+  const App second(yaml);
+  CHECK(odo_session_load(second.session, blob.data(), blob.size()) == ODO_OK);
+  CHECK(saved(second) == blob);
+}
+
+TEST_CASE("a registered plugin cannot be isolated, and the allow list applies to its id") {
+  REQUIRE(registered(linked_entry).status == ODO_OK);
+  for (const char* config : {"attitude: {plugin: linked/one, isolation: process}\n",
+                             "plugins: {isolation: process}\nattitude: {plugin: linked/one}\n",
+                             "attitude: {plugin: attitude/magyq, fallback: linked/one, isolation: process}\n"}) {
+    const App app(std::string("odograph: 1\n") + config);
+    CHECK(app.status == ODO_E_CONFIG);
+    const std::string cannot = "cannot run in a process of its own";  // without processes no plugin can
+    CHECK(contains(app.message,
+                   kPlatform.processes ? "plugin 'linked/one' is linked into the app and " + cannot : cannot));
+  }
+  CHECK(contains(App("odograph: 1\nplugins: {allow: [a/b]}\nattitude: {plugin: linked/one}\n").message,
+                 "is not on the allow list"));
+  const std::string key(64, 'a');  // with an empty signer list
+  const App app("odograph: 1\nplugins: {allow: [linked/one], signers: [{key: " + key +
+                "}]}\nattitude: {plugin: linked/one}\n");
+  CHECK_MESSAGE(app.status == ODO_OK, app.message);
+}
+
+TEST_CASE("a registered plugin takes precedence over one with its id in a folder") {
+  const auto folder = std::filesystem::path(ODOGRAPH_BUILD) / "tests/same_class";
+  REQUIRE(write_manifest_beside(folder / (std::string("same_class_1") + ODOGRAPH_LIBRARY)).ok());
+  const auto config = [&] {
+    auto read = read_pipeline_config("odograph: 1\nattitude: {plugin: same/library_1}\n", "test", {folder});
+    REQUIRE_MESSAGE(read.ok(), read.failure().text);
+    return read->attitudes.front().manifest;
+  };
+  CHECK((config().entry == nullptr));
+  REQUIRE(registered(shadowing_entry).status == ODO_OK);
+  const Manifest manifest = config();
+  CHECK((manifest.entry == shadowing_entry));
+  CHECK(manifest.library.empty());
+  CHECK(manifest.version == "1.2.3");
+}
+
+TEST_CASE("plugins with the same class name share nothing, linked or loaded") {
+  CHECK(id_of(same_entry_1) == "same/linked_1");
+  CHECK(id_of(same_entry_2) == "same/linked_2");
+  for (const char* number : {"1", "2"}) {
+    const auto library = std::filesystem::path(ODOGRAPH_BUILD) / "tests/same_class" /
+                         (std::string("same_class_") + number + ODOGRAPH_LIBRARY);
+    std::string why;
+    void* handle = open_library(library, why);
+    REQUIRE_MESSAGE(handle, why);
+    const auto entry = reinterpret_cast<odo_plugin_entry>(library_symbol(handle, ODO_PLUGIN_ENTRY_SYMBOL));
+    REQUIRE((entry != nullptr));
+    CHECK(id_of(entry) == std::string("same/library_") + number);
+  }
+}
+
+TEST_SUITE_END();

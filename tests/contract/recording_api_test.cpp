@@ -1,0 +1,308 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Recordings through the C API: messages are written and read in time order, whatever the version of the structs.
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <cstring>
+#include <tuple>
+
+#include <odograph/messages.h>
+#include <odograph/recording.h>
+
+#include "sdk/host/messages/record_file.hpp"
+#include "tests/support/session_app.hpp"
+#include "tests/support/test_plugins.hpp"
+
+using namespace odograph;
+
+TEST_SUITE_BEGIN("recording_api");
+
+namespace {
+
+constexpr uint32_t kWifi = ODO_TYPE_VENDOR(7, 1);
+
+struct Wifi {
+  odo_header header;
+  double rssi_dbm[250];
+};
+
+odo_string text(const std::string& s) { return {s.data(), s.size()}; }
+
+odo_recorder* recorder(const std::filesystem::path& path) {
+  odo_recorder* made = nullptr;
+  const std::string name = path.string();
+  const odo_string file = text(name);
+  REQUIRE(odo_recorder_create(&file, &made, nullptr) == ODO_OK);
+  return made;
+}
+
+odo_recording* recording(const std::filesystem::path& path, int32_t expected = ODO_OK, std::string* why = nullptr) {
+  odo_recording* made = nullptr;
+  const std::string name = path.string();
+  const odo_string file = text(name);
+  odo_error error{};
+  error.struct_size = sizeof error;
+  CHECK(odo_recording_open(&file, &made, &error) == expected);
+  if (why) *why = error.message;
+  return made;
+}
+
+}  // namespace
+
+TEST_CASE("messages, including vendors' and those of other versions, are read back unchanged in time order") {
+  const TemporaryFolder folder;
+  const auto path = folder / "mixed.odo";
+  odo_recorder* out = recorder(path);
+  Wifi wifi{};
+  wifi.header.struct_size = sizeof wifi, wifi.header.type = kWifi, wifi.header.t_ns = 30;
+  wifi.rssi_dbm[249] = -70;
+  auto older = make_message<odo_magnetometer>(ODO_TYPE_MAGNETOMETER, 20);
+  older.header.struct_size = ODO_MAGNETOMETER_SIZE_MIN;
+  struct {
+    odo_barometer barometer;
+    double grown;
+  } newer{make_message<odo_barometer>(ODO_TYPE_BAROMETER, 10), 7.5};
+  newer.barometer.header.struct_size = sizeof newer;
+  for (const odo_header* message : {&wifi.header, &older.header, &newer.barometer.header})
+    CHECK(odo_recorder_write(out, message, nullptr, 0) == ODO_OK);
+  CHECK(odo_recorder_close(out) == ODO_OK);
+
+  odo_recording* in = recording(path);
+  REQUIRE(in);
+  const odo_header* message = nullptr;
+  REQUIRE(odo_recording_next(in, &message, nullptr, nullptr) == ODO_OK);
+  CHECK(message->struct_size == sizeof newer);
+  CHECK(std::memcmp(message, &newer, sizeof newer) == 0);
+  REQUIRE(odo_recording_next(in, &message, nullptr, nullptr) == ODO_OK);
+  CHECK(message->struct_size == ODO_MAGNETOMETER_SIZE_MIN);
+  REQUIRE(odo_recording_next(in, &message, nullptr, nullptr) == ODO_OK);
+  CHECK(std::memcmp(message, &wifi, sizeof wifi) == 0);
+  CHECK(odo_recording_next(in, &message, nullptr, nullptr) == ODO_NOT_READY);
+  CHECK(message == nullptr);
+  odo_recording_close(in);
+}
+
+TEST_CASE("a frame is read back with its encoded picture and without pointers") {
+  const TemporaryFolder folder;
+  odo_recorder* out = recorder(folder / "frame.odo");
+  auto frame = make_message<odo_frame>(ODO_TYPE_FRAME, 5);
+  frame.width = 8, frame.height = 6, frame.format = ODO_FORMAT_GREY8;
+  frame.fx = frame.fy = 5, frame.header.flags = ODO_FRAME_INTRINSICS | ODO_FRAME_MASK;
+  frame.planes[0].data = reinterpret_cast<const uint8_t*>(&frame);
+  frame.loan.owner = &frame;
+  const std::string picture = "as the app encoded it";
+  CHECK(odo_recorder_write(out, &frame.header, picture.data(), picture.size()) == ODO_OK);
+  CHECK(odo_recorder_close(out) == ODO_OK);
+  odo_recording* in = recording(folder / "frame.odo");
+  REQUIRE(in);
+  const odo_header* message = nullptr;
+  const void* found = nullptr;
+  uint64_t size = 0;
+  REQUIRE(odo_recording_next(in, &message, &found, &size) == ODO_OK);
+  CHECK(std::string(static_cast<const char*>(found), size) == picture);
+  CHECK(as<odo_frame>(*message).planes[0].data == nullptr);
+  CHECK(as<odo_frame>(*message).loan.owner == nullptr);
+  CHECK(as<odo_frame>(*message).fx == 5);
+  CHECK(message->flags == ODO_FRAME_INTRINSICS);
+  odo_recording_close(in);
+}
+
+TEST_CASE("a truncated recording is read up to its end, and a file that is not a recording is rejected with a reason") {
+  const TemporaryFolder folder;
+  const auto path = folder / "cut.odo";
+  odo_recorder* out = recorder(path);
+  for (int i = 0; i < 3; ++i) {
+    const auto imu = make_message<odo_imu>(ODO_TYPE_IMU, i);
+    CHECK(odo_recorder_write(out, &imu.header, nullptr, 0) == ODO_OK);
+  }
+  CHECK(odo_recorder_close(out) == ODO_OK);
+  const auto whole = std::filesystem::file_size(path);
+  struct Cut {
+    int bytes, messages;
+    const char* words;
+  };
+  for (const Cut& row :
+       {Cut{0, 3, ""}, {5, 3, "end mark is missing"}, {24, 3, "cut off"}, {29, 2, "2 records were read"}}) {
+    const int cut = row.bytes, messages = row.messages;
+    const char* words = row.words;
+    CAPTURE(cut);
+    std::filesystem::resize_file(path, whole - static_cast<uintmax_t>(cut));
+    odo_recording* in = recording(path);
+    REQUIRE(in);
+    odo_error loss{};
+    loss.struct_size = sizeof loss;
+    CHECK(odo_recording_loss(in, &loss) == (cut > 0 ? ODO_E_DATA : ODO_OK));
+    CHECK(std::string(loss.message).find(words) != std::string::npos);
+    const odo_header* message = nullptr;
+    int count = 0;
+    while (odo_recording_next(in, &message, nullptr, nullptr) == ODO_OK) ++count;
+    CHECK(count == messages);
+    odo_recording_close(in);
+  }
+  std::string why;
+  CHECK(recording(folder / "none.odo", ODO_E_NOT_FOUND, &why) == nullptr);
+  CHECK(why.find("none.odo: cannot be opened") != std::string::npos);
+  CHECK(recording(write_text(folder / "text.odo", "no recording at all"), ODO_E_DATA) == nullptr);
+  CHECK(odo_recording_open(nullptr, nullptr, nullptr) == ODO_E_ARGUMENT);
+  CHECK(odo_recorder_close(nullptr) == ODO_OK);
+}
+
+namespace {
+struct Plain {
+  odo_header header;
+};
+}  // namespace
+
+TEST_CASE("a recorder accepts neither the format's own numbers nor memory that it cannot keep") {
+  const TemporaryFolder folder;
+  const std::string path = (folder / "a.odo").string();
+  const odo_string name{path.data(), path.size()};
+  odo_recorder* recorder = nullptr;
+  REQUIRE(odo_recorder_create(&name, &recorder, nullptr) == ODO_OK);
+  auto message = make_message<Plain>(ODO_TYPE_VENDOR(0, 1), 7);
+  CHECK(odo_recorder_write(recorder, &message.header, nullptr, 0) == ODO_OK);
+  for (const uint32_t reserved : {0u, 0x2000u, 0x10000u, 0x10004u, 0x1FFFFu, 0x7FFFFFFFu}) {
+    message.header.type = reserved;
+    CHECK(odo_recorder_write(recorder, &message.header, nullptr, 0) == ODO_E_ARGUMENT);
+  }
+  auto lent = make_message<odo_borrowed>(ODO_TYPE_VENDOR(0, ODO_BORROWED), 7);
+  CHECK(odo_recorder_write(recorder, &lent.header, nullptr, 0) == ODO_E_UNSUPPORTED);
+  REQUIRE(odo_recorder_close(recorder) == ODO_OK);
+  odo_recording* recording = nullptr;
+  REQUIRE(odo_recording_open(&name, &recording, nullptr) == ODO_OK);
+  odo_error loss{};
+  loss.struct_size = sizeof loss;
+  CHECK(odo_recording_loss(recording, &loss) == ODO_OK);
+  const odo_header* read = nullptr;
+  CHECK(odo_recording_next(recording, &read, nullptr, nullptr) == ODO_OK);
+  CHECK(odo_recording_next(recording, &read, nullptr, nullptr) == ODO_NOT_READY);
+  odo_recording_close(recording);
+}
+
+TEST_CASE("a recorder validates like a session: impossible numbers are rejected and nothing else is lost") {
+  const TemporaryFolder folder;
+  odo_recorder* out = recorder(folder / "bounds.odo");
+  auto gnss = make_message<odo_gnss>(ODO_TYPE_GNSS, 5);
+  gnss.header.flags = ODO_GNSS_POSITION;
+  gnss.latitude_rad = 0.8;
+  CHECK(odo_recorder_write(out, &gnss.header, nullptr, 0) == ODO_OK);
+  for (const double wrong : {48.1, std::nan(""), 1e300}) {
+    gnss.latitude_rad = wrong;
+    CHECK(odo_recorder_write(out, &gnss.header, nullptr, 0) == ODO_E_DISCARD);
+  }
+  auto frame = make_message<odo_frame>(ODO_TYPE_FRAME, 6);
+  frame.header.flags = ODO_FRAME_INTRINSICS;
+  CHECK(odo_recorder_write(out, &frame.header, nullptr, 0) == ODO_E_DISCARD);  // a focal length of 0
+  frame.header.flags = 0;
+  CHECK(odo_recorder_write(out, &frame.header, nullptr, 0) == ODO_OK);
+  CHECK(odo_recorder_close(out) == ODO_OK);
+  odo_recording* in = recording(folder / "bounds.odo");
+  REQUIRE(in);
+  const odo_header* message = nullptr;
+  for (const uint32_t type : {ODO_TYPE_GNSS, ODO_TYPE_FRAME}) {
+    REQUIRE(odo_recording_next(in, &message, nullptr, nullptr) == ODO_OK);
+    CHECK(message->type == type);
+  }
+  CHECK(odo_recording_next(in, &message, nullptr, nullptr) == ODO_NOT_READY);
+  odo_recording_close(in);
+}
+
+TEST_CASE("a crafted recording yields no borrowed memory and no reserved number") {
+  const TemporaryFolder folder;
+  const auto path = folder / "crafted.odo";
+  {
+    auto writer = RecordWriter::create(path);
+    REQUIRE(writer.ok());
+    auto lent = make_message<odo_borrowed>(ODO_TYPE_VENDOR(3, 0x801), 5);
+    lent.loan.owner = &lent;
+    for (const uint32_t type : {ODO_TYPE_VENDOR(3, 0x801), 0x5000u, ODO_TYPE_VENDOR(3, 1)}) {
+      lent.header.type = type;
+      CHECK(writer->write(type, {reinterpret_cast<const unsigned char*>(&lent), sizeof lent}));
+    }
+    CHECK(writer->finish().ok());
+  }
+  const std::string file = path.string();
+  const odo_string name{file.data(), file.size()};
+  odo_recording* recording = nullptr;
+  REQUIRE(odo_recording_open(&name, &recording, nullptr) == ODO_OK);
+  const odo_header* message = nullptr;
+  REQUIRE(odo_recording_next(recording, &message, nullptr, nullptr) == ODO_OK);
+  CHECK(message->type == ODO_TYPE_VENDOR(3, 1));
+  CHECK(odo_recording_next(recording, &message, nullptr, nullptr) == ODO_NOT_READY);
+  odo_recording_close(recording);
+}
+
+TEST_CASE("a pipeline with two step estimators, two scale sources and vendors' messages replays bit-identically" *
+          doctest::skip(!kCameraPlugins)) {
+  const TestPlugins plugins{"wifi_fixer"};
+  const std::string yaml =
+      "odograph: 1\nattitude:\n  plugin: attitude/vqf\nstep_estimator:\n  - plugin: step/renaudin2012\n"
+      "  - plugin: step/weinberg2002\nvo_frontend:\n  plugin: vo/five_point\nscale_source:\n"
+      "  - plugin: scale/fixed_step\n  - plugin: scale/step_length\nabsolute_fixers:\n  - plugin: test/wifi_fixer\n";
+  const TemporaryFolder folder;
+  const auto path = folder / "run.odo";
+  App live(yaml, ODO_RUN_REPLAY, plugins.path());
+  REQUIRE_MESSAGE(live.status == ODO_OK, live.message);
+  odo_recorder* out = recorder(path);
+  const auto push = [&](const odo_header& message) {
+    CHECK(odo_recorder_write(out, &message, nullptr, 0) == ODO_OK);
+    CHECK(odo_session_push(live.session, &message) == ODO_OK);
+  };
+  for (int i = 0; i < 1500; ++i) {
+    const double t = i / 100.0;
+    auto imu = make_message<odo_imu>(ODO_TYPE_IMU, static_cast<int64_t>(t * 1e9) + 1'000'000'000);
+    imu.header.flags = ODO_IMU_GYRO | ODO_IMU_ACCEL;
+    imu.gyro_b[2] = 0.1 * std::sin(3 * t), imu.accel_b[1] = 9.81 + 2.2 * std::sin(2 * 3.14159265 * 1.9 * t);
+    push(imu.header);
+    Wifi wifi{};
+    wifi.header.struct_size = sizeof wifi, wifi.header.type = kWifi, wifi.header.t_ns = imu.header.t_ns + 7;
+    if (i % 100 == 50) push(wifi.header);
+  }
+  odo_session_flush(live.session);
+  CHECK(odo_recorder_close(out) == ODO_OK);
+  CHECK(live.all<odo_fix>(ODO_TYPE_FIX).size() == 15);
+  CHECK(live.statistics().unknown == 0);
+  CHECK(live.statistics().plugin_faults == 0);
+
+  App again(yaml, ODO_RUN_REPLAY, plugins.path());
+  odo_recording* in = recording(path);
+  REQUIRE(in);
+  const odo_header* message = nullptr;
+  while (odo_recording_next(in, &message, nullptr, nullptr) == ODO_OK)
+    CHECK(odo_session_push(again.session, message) == ODO_OK);
+  odo_session_flush(again.session);
+  odo_recording_close(in);
+  CHECK(live.events.size() > 1500);
+  CHECK(live.events == again.events);
+}
+
+TEST_CASE("the second recorder on a path is rejected, for new and existing files, and the first loses nothing") {
+  const TemporaryFolder folder;
+  const std::string path = (folder / "twice.odo").string();
+  const odo_string name{path.data(), path.size()};
+  for (const int32_t count : {1000, 300}) {  // a new file, then one beside an existing one
+    odo_recorder* first = recorder(path);
+    odo_recorder* second = nullptr;
+    odo_error error{};
+    error.struct_size = sizeof error;
+    CHECK(odo_recorder_create(&name, &second, &error) == ODO_E_STATE);
+    CHECK(second == nullptr);
+    CHECK(std::string(error.message).find("is being written by another recorder") != std::string::npos);
+    for (int i = 0; i < count; ++i) {
+      auto imu = make_message<odo_imu>(ODO_TYPE_IMU, 1'000'000'000 + 5'000'000LL * i);
+      imu.header.flags = ODO_IMU_GYRO;
+      CHECK(odo_recorder_write(first, &imu.header, nullptr, 0) == ODO_OK);
+    }
+    CHECK(odo_recorder_close(first) == ODO_OK);
+    odo_recording* in = recording(path);
+    REQUIRE(in);
+    int read = 0;
+    for (const odo_header* message = nullptr; odo_recording_next(in, &message, nullptr, nullptr) == ODO_OK;) ++read;
+    CHECK(read == count);
+    CHECK(odo_recording_loss(in, &error) == ODO_OK);
+    odo_recording_close(in);
+  }
+}
+
+TEST_SUITE_END();

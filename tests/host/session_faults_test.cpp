@@ -1,0 +1,400 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Faults of an app, and interactions of plugins.
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <thread>
+#include <vector>
+
+#include <Eigen/Core>
+#include <odograph/odograph.h>
+
+#include "tests/support/session_app.hpp"
+#include "tests/support/test_plugins.hpp"
+
+using namespace odograph;
+using namespace std::chrono_literals;
+
+TEST_SUITE_BEGIN("session_faults");
+
+namespace {
+
+constexpr int64_t kMs = 1'000'000;
+
+const std::string kNeedy = "odograph: 1\nattitude:\n  plugin: attitude/vqf\nvo_frontend:\n  plugin: test/needy_vo\n";
+
+}  // namespace
+
+TEST_CASE("plugins that answer each other endlessly are cut off and reported") {
+  const TestPlugins plugins{"fix_on_pose", "step_on_fix"};
+  App app(
+      "odograph: 1\nattitude:\n  plugin: attitude/vqf\nstep_estimator:\n  plugin: test/step_on_fix\n"
+      "absolute_fixers:\n  - plugin: test/fix_on_pose\n",
+      ODO_RUN_REPLAY, plugins.path());
+  REQUIRE_MESSAGE(app.status == ODO_OK, app.message);
+  app.walk(0, 100);
+  odo_session_flush(app.session);
+  const auto s = app.statistics();
+  CHECK(s.processed == 100);
+  CHECK(s.events_dropped >= 1);
+  CHECK(s.steps > 100);  // for one sample
+  CHECK(s.steps < 1000);
+  odo_error error{};
+  error.struct_size = sizeof error;
+  CHECK(odo_session_last_error(app.session, &error) != ODO_OK);
+  CHECK(std::string(error.message).find("in a loop") != std::string::npos);
+}
+
+TEST_CASE("a published fix is flagged whether it was used, and keeps its quality") {
+  const TestPlugins plugins{"fix_on_pose"};
+  App app("odograph: 1\nattitude:\n  plugin: attitude/vqf\nabsolute_fixers:\n  - plugin: test/fix_on_pose\n",
+          ODO_RUN_REPLAY, plugins.path());
+  REQUIRE_MESSAGE(app.status == ODO_OK, app.message);
+  app.walk(0, 100);
+  odo_session_flush(app.session);
+  const auto fixes = app.all<odo_fix>(ODO_TYPE_FIX);
+  REQUIRE(fixes.size() == 1);
+  CHECK((fixes[0].header.flags & ODO_FLAG_ACCEPTED) != 0);
+  CHECK(fixes[0].header.quality == 0.25f);
+}
+
+TEST_CASE("a plugin that requests corrections receives each one that the app receives, once, with the same numbers") {
+  const TestPlugins plugins{"correction_echo"};
+  App app(kWalk + "absolute_fixers:\n  - plugin: test/correction_echo\ncoupling: {type: localizer}\n" +
+              "navigation: {start: {position: [0 m, 0 m, 0 m], heading: 0 rad}}\n",
+          ODO_RUN_REPLAY, plugins.path());
+  REQUIRE_MESSAGE(app.status == ODO_OK, app.message);
+  app.walk(0, 3000);
+  odo_session_flush(app.session);
+  const auto corrections = app.all<odo_correction>(ODO_TYPE_CORRECTION);
+  std::vector<odo_fix> echoes;
+  for (const odo_fix& fix : app.all<odo_fix>(ODO_TYPE_FIX))
+    if (fix.integrity == 1) echoes.push_back(fix);
+  REQUIRE(!corrections.empty());
+  REQUIRE(echoes.size() == corrections.size());
+  for (size_t i = 0; i < echoes.size(); ++i) {
+    CHECK(echoes[i].header.t_ns == corrections[i].header.t_ns);
+    CHECK(Eigen::Vector3d(echoes[i].p_n) == Eigen::Vector3d(corrections[i].p_n));
+    CHECK((echoes[i].header.flags & ODO_FLAG_ACCEPTED) == 0);
+  }
+}
+
+TEST_CASE("after a reset or a clock that was set back a plugin receives the camera's calibration again") {
+  const TestPlugins plugins{"needy_vo"};
+  App app(kNeedy, ODO_RUN_REPLAY, plugins.path());
+  REQUIRE_MESSAGE(app.status == ODO_OK, app.message);
+  const auto c = calibration(64, 48);
+  odo_session_push(app.session, &c.header);
+  const auto motions_of = [&](int64_t from_ns, bool breaks) {
+    const size_t before = app.all<odo_vo_motion>(ODO_TYPE_VO_MOTION).size();
+    for (int i = 0; i < 100; ++i) {
+      const int walk = static_cast<int>((from_ns - 1'000 * kMs) / (10 * kMs)) + i;
+      app.walk(walk, walk + 1);
+      if (i % 10 == 0) app.frame(from_ns + i * 10 * kMs, breaks && i == 50 ? 666 : 0);
+    }
+    odo_session_flush(app.session);
+    return app.all<odo_vo_motion>(ODO_TYPE_VO_MOTION).size() - before;
+  };
+  CHECK(motions_of(60'000 * kMs, false) == 9);
+  CHECK(motions_of(61'000 * kMs, true) == 8);  // the fault at one frame makes the next one a first one
+  CHECK(app.statistics().plugin_faults == 1);
+  motions_of(1'000 * kMs, false);  // the clock is set back
+  CHECK(motions_of(2'000 * kMs, false) >= 9);
+  CHECK(app.statistics().plugin_faults == 1);
+  const auto corrections = app.all<odo_correction>(ODO_TYPE_CORRECTION);
+  REQUIRE_FALSE(corrections.empty());
+  CHECK(corrections.back().reason == ODO_CORRECTION_RESTART);
+}
+
+TEST_CASE("a clock that is set back before the first frame does not lose the camera's mount") {
+  const TestPlugins plugins{"needy_vo"};
+  const auto first_pose = [&](bool set_back) {
+    App app(kNeedy, ODO_RUN_REPLAY, plugins.path());
+    auto c = calibration(64, 48);
+    c.header.flags = ODO_CALIBRATION_EXTRINSICS;
+    c.q_b_c[0] = c.q_b_c[3] = std::sqrt(0.5);  // different from the default
+    odo_session_push(app.session, &c.header);
+    if (set_back) app.walk(9000, 9200);
+    app.walk(0, 200);
+    app.frame(2'900 * kMs);
+    app.walk(200, 300);
+    odo_session_flush(app.session);
+    const auto poses = app.all<odo_pose>(ODO_TYPE_POSE);
+    REQUIRE(poses.size() == 1);
+    return poses.front();
+  };
+  const odo_pose plain = first_pose(false), restarted = first_pose(true);
+  double dot = 0;
+  for (int i = 0; i < 4; ++i) dot += plain.q_n[i] * restarted.q_n[i];
+  CHECK(std::abs(dot) > 0.999);
+}
+
+TEST_CASE("a camera that starts after the other sensors works and loses no frame") {
+  for (const int late_ms : {100, 200, 1000, 5000}) {
+    CAPTURE(late_ms);
+    const TestPlugins plugins{"needy_vo"};
+    App app(kNeedy, ODO_RUN_REPLAY, plugins.path());
+    REQUIRE_MESSAGE(app.status == ODO_OK, app.message);
+    const auto c = calibration(64, 48);
+    odo_session_push(app.session, &c.header);
+    for (int i = 0; i < 1000; ++i) {
+      app.walk(i, i + 1);
+      const int ms = i * 10 - 60;  // a frame is delivered 60 ms after its time
+      if (ms >= late_ms && ms % 30 == late_ms % 30) app.frame((1000 + ms) * kMs);
+    }
+    odo_session_flush(app.session);
+    const auto s = app.statistics();
+    CHECK(s.late == 0);
+    CHECK(s.frames == static_cast<uint64_t>((9930 - late_ms) / 30 + 1));
+    CHECK(app.all<odo_vo_motion>(ODO_TYPE_VO_MOTION).size() == s.frames - 1);
+  }
+}
+
+TEST_CASE("a burst of late samples after a stall is not taken for a clock that was set back") {
+  App app(kWalk);
+  app.walk(0, 1000);
+  const auto before = app.pose(ODO_TIME_LATEST);
+  const auto half = [&](uint32_t flag, int i) {
+    const double t = 0.01 * i;
+    auto imu = make_message<odo_imu>(ODO_TYPE_IMU, static_cast<int64_t>(t * 1e9) + 1'000 * kMs);
+    imu.header.flags = flag;
+    imu.accel_b[1] = 9.81;
+    odo_session_push(app.session, &imu.header);
+  };
+  for (int i = 1000; i < 1200; ++i) half(ODO_IMU_GYRO, i), half(ODO_IMU_ACCEL, i);
+  for (int i = 1200; i < 1400; ++i) half(ODO_IMU_GYRO, i);
+  for (int i = 1200; i < 1400; ++i) half(ODO_IMU_ACCEL, i);  // two seconds late, all at once
+  for (int i = 1400; i < 1600; ++i) half(ODO_IMU_GYRO, i), half(ODO_IMU_ACCEL, i);
+  odo_session_flush(app.session);
+  CHECK(app.statistics().late > 150);
+  CHECK(app.statistics().late < 200);
+  CHECK(app.all<odo_correction>(ODO_TYPE_CORRECTION).empty());
+  CHECK(app.pose(ODO_TIME_LATEST).distance_m >= before.distance_m);
+  CHECK(app.pose(ODO_TIME_LATEST).header.t_ns >= 16'900 * kMs);
+}
+
+TEST_CASE("an outlier is rejected, counted and reported, and changes nothing that follows") {
+  App clean(kWalk), app(kWalk);
+  clean.walk(0, 2000);
+  odo_session_flush(clean.session);
+  for (int i = 0; i < 2000; i += 100) {
+    app.walk(i, i + 100);
+    const int64_t t_ns = 1'000 * kMs + (i + 99) * 10 * kMs + 5 * kMs;
+    const double wild[2][3] = {{1e300, 0, 0}, {0, 30, 0}}, accel[3] = {0.1, 9.81, 0.4};
+    const bool spike = i % 200 != 0;
+    CHECK(odo_session_push_imu(app.session, t_ns, wild[spike ? 1 : 0], accel) == (spike ? ODO_OK : ODO_E_DISCARD));
+  }
+  app.walk(2000, 2001);
+  clean.walk(2000, 2001);
+  odo_session_flush(clean.session);
+  odo_session_flush(app.session);
+  CHECK(app.statistics().wild == 20);
+  CHECK(app.statistics().invalid == 0);
+  CHECK(app.events == clean.events);
+  auto field = make_message<odo_magnetometer>(ODO_TYPE_MAGNETOMETER, 30'000 * kMs);
+  field.field_b[0] = 1e6;
+  CHECK(odo_session_push(app.session, &field.header) == ODO_E_DISCARD);
+  odo_error error{};
+  error.struct_size = sizeof error;
+  odo_session_last_error(app.session, &error);
+  CHECK(std::string(error.message).find("magnetometer: value outside the range") != std::string::npos);
+}
+
+TEST_CASE("an app may push within release and within a callback") {
+  struct Reentrant {
+    odo_session* session;
+    std::atomic<int> pushed{0};
+    std::vector<uint8_t> pixels = std::vector<uint8_t>(64 * 48, 90);
+    void push_barometer() {
+      auto b = make_message<odo_barometer>(ODO_TYPE_BAROMETER, 1'000 * kMs + ++pushed * kMs);
+      b.pressure_pa = 101325;
+      odo_session_push(session, &b.header);
+    }
+  };
+  for (const uint32_t run : {ODO_RUN_REPLAY, ODO_RUN_LIVE}) {
+    CAPTURE(run);
+    const TestPlugins plugins{"needy_vo"};
+    Reentrant reentrant;
+    {
+      App app(kNeedy + "time_ordering:\n  frames: 64\n", run, plugins.path());
+      REQUIRE_MESSAGE(app.status == ODO_OK, app.message);
+      reentrant.session = app.session;
+      const uint32_t poses = ODO_TYPE_POSE;
+      odo_session_set_callback(
+          app.session, &poses, 1,
+          [](void* user, const odo_header*) {
+            auto& self = *static_cast<Reentrant*>(user);
+            self.push_barometer();
+            CHECK(odo_session_flush(self.session) == ODO_E_STATE);
+          },
+          &reentrant);
+      const auto c = calibration(64, 48);
+      odo_session_push(app.session, &c.header);
+      for (int i = 0; i < 100; ++i) {
+        app.walk(i, i + 1);
+        if (i % 2 != 0) continue;
+        auto f = make_message<odo_frame>(ODO_TYPE_FRAME, (1'000 + i * 10) * kMs + 1);
+        f.format = ODO_FORMAT_GREY8;
+        f.width = 64, f.height = 48;
+        f.planes[0] = {reentrant.pixels.data(), 64, 1, 0};
+        f.loan.owner = &reentrant;
+        f.loan.retain = [](void*) -> int32_t { return ODO_OK; };
+        f.loan.release = [](void* owner) { static_cast<Reentrant*>(owner)->push_barometer(); };
+        odo_session_push(app.session, &f.header);
+      }
+      CHECK(odo_session_flush(app.session) == ODO_OK);
+    }
+    CHECK(reentrant.pushed >= 99);  // 50 released frames, 49 motions and the first pose
+  }
+}
+
+TEST_CASE("a live session calls back on one thread of its own, also while flush is waiting") {
+  App app(kWalk, ODO_RUN_LIVE);
+  struct Seen {
+    std::vector<std::thread::id> threads;
+    int after_end = 0;
+    std::atomic<bool> ended{false};
+  } seen;
+  const uint32_t both[] = {ODO_TYPE_ATTITUDE, ODO_TYPE_POSE};
+  odo_session_set_callback(
+      app.session, both, 2,
+      [](void* user, const odo_header*) {
+        auto& self = *static_cast<Seen*>(user);
+        if (self.ended) ++self.after_end;
+        self.threads.push_back(std::this_thread::get_id());
+      },
+      &seen);
+  for (int i = 0; i < 20; ++i) {
+    app.walk(i * 50, i * 50 + 50);
+    CHECK(odo_session_flush(app.session) == ODO_OK);
+  }
+  CHECK(app.statistics().processed == 1000);
+  app.walk(1000, 1200);
+  odo_session_set_callback(app.session, nullptr, 0, nullptr, nullptr);
+  seen.ended = true;
+  odo_session_flush(app.session);
+  CHECK(seen.threads.size() > 900);
+  CHECK(std::count(seen.threads.begin(), seen.threads.end(), seen.threads.front()) ==
+        static_cast<long>(seen.threads.size()));
+  CHECK(seen.threads.front() != std::this_thread::get_id());
+  CHECK(seen.after_end == 0);
+}
+
+TEST_CASE("pose and statistics are available while the pipeline is busy") {
+  App app(kWalk, ODO_RUN_LIVE);
+  app.walk(0, 500);
+  odo_session_flush(app.session);
+  std::atomic<bool> blocked{false}, go_on{false};
+  struct Gate {
+    std::atomic<bool>&blocked, &go_on;
+  } gate{blocked, go_on};
+  const uint32_t attitudes = ODO_TYPE_ATTITUDE;
+  odo_session_set_callback(
+      app.session, &attitudes, 1,
+      [](void* user, const odo_header*) {  // a slow app: the pipeline is blocked
+        auto& self = *static_cast<Gate*>(user);
+        self.blocked = true;
+        while (!self.go_on) std::this_thread::sleep_for(1ms);
+      },
+      &gate);
+  app.walk(500, 600);
+  while (!blocked) std::this_thread::sleep_for(1ms);
+  std::vector<double> statistics_us, pose_us;
+  for (int i = 0; i < 2000; ++i) {
+    const auto start = std::chrono::steady_clock::now();
+    const auto s = app.statistics();
+    const auto middle = std::chrono::steady_clock::now();
+    const auto p = app.pose(ODO_TIME_LATEST);
+    const auto end = std::chrono::steady_clock::now();
+    CHECK(s.pushed == 600);
+    CHECK(p.header.t_ns == 6'990 * kMs);  // the newest sample, which the pipeline has not processed
+    statistics_us.push_back(std::chrono::duration<double, std::micro>(middle - start).count());
+    pose_us.push_back(std::chrono::duration<double, std::micro>(end - middle).count());
+  }
+  go_on = true;
+  odo_session_set_callback(app.session, nullptr, 0, nullptr, nullptr);
+  std::sort(statistics_us.begin(), statistics_us.end());
+  std::sort(pose_us.begin(), pose_us.end());
+  MESSAGE("statistics: median " << statistics_us[1000] << " us, 99 % " << statistics_us[1980] << " us; pose: median "
+                                << pose_us[1000] << " us, 99 % " << pose_us[1980] << " us");
+  CHECK(statistics_us[1000] < 100);  // on a busy machine; the targets are 10 and 5 us
+  CHECK(pose_us[1000] < 100);
+}
+
+TEST_CASE("while the IMU is silent and the camera runs the state does not change") {
+  const TestPlugins plugins{"needy_vo"};
+  App app(kNeedy, ODO_RUN_REPLAY, plugins.path());
+  REQUIRE_MESSAGE(app.status == ODO_OK, app.message);
+  const auto c = calibration(64, 48);
+  odo_session_push(app.session, &c.header);
+  for (int i = 0; i < 800; ++i) {
+    if (i < 200) app.walk(i, i + 1);
+    if (i % 10 == 0) app.frame((1000 + i * 10) * kMs);
+  }
+  odo_session_flush(app.session);
+  std::vector<odo_state> late;
+  for (const auto& s : app.all<odo_state>(ODO_TYPE_STATE))
+    if (s.header.t_ns > 4'100 * kMs) late.push_back(s);
+  CHECK(late.size() <= 1);
+  CHECK(app.pose(ODO_TIME_LATEST).state == ODO_DEGRADED);
+  CHECK(app.pose(ODO_TIME_LATEST).reason == ODO_REASON_SENSOR_SILENT);
+}
+
+TEST_CASE("while the camera is off there is the orientation, and the position is flagged unknown") {
+  const TestPlugins plugins{"needy_vo"};
+  App app(kNeedy, ODO_RUN_REPLAY, plugins.path());
+  REQUIRE_MESSAGE(app.status == ODO_OK, app.message);
+  const auto c = calibration(64, 48);
+  odo_session_push(app.session, &c.header);
+  double turned = 0;
+  odo_pose last{};
+  for (int i = 0; i < 900; ++i) {
+    const int64_t now_ns = (1000 + i * 10) * kMs;
+    const bool off = i >= 300 && i < 700;
+    const double gyro[3] = {0, off ? 0.5 : 0, 0}, accel[3] = {0, 9.81, 0};
+    odo_session_push_imu(app.session, now_ns, gyro, accel);
+    if (i % 10 == 0 && !off) app.frame(now_ns);
+    if (i < 380 || i >= 700) continue;
+    const odo_pose p = app.pose(now_ns + 30 * kMs);
+    CHECK((p.header.flags & (ODO_POSE_ORIENTATION | ODO_POSE_POSITION)) == ODO_POSE_ORIENTATION);
+    CHECK((p.header.flags & ODO_POSE_CAMERA) != 0);
+    CHECK(p.state == ODO_LOST);
+    if (i > 380) {
+      double dot = 0;
+      for (int k = 0; k < 4; ++k) dot += p.q_n[k] * last.q_n[k];
+      const double step = 2 * std::acos(std::min(1.0, std::abs(dot)));
+      CHECK(std::abs(step - 0.005) < 0.001);  // 0.5 rad/s over 10 ms: no repetition, no jump
+      turned += step;
+    }
+    last = p;
+  }
+  CHECK(turned == doctest::Approx(0.5 * 3.19).epsilon(0.02));
+  CHECK((app.pose(ODO_TIME_LATEST).header.flags & ODO_POSE_POSITION) != 0);
+}
+
+TEST_CASE("a frame that cannot be held is counted and reported with a reason" * doctest::skip(!kCameraPlugins)) {
+  App app("odograph: 1\nattitude:\n  plugin: attitude/vqf\nvo_frontend:\n  plugin: vo/five_point\n");
+  REQUIRE_MESSAGE(app.status == ODO_OK, app.message);
+  const auto lens = calibration(64, 48);
+  odo_session_push(app.session, &lens.header);
+  app.walk(0, 10);
+  static const std::vector<uint8_t> pixels(64 * 48, 90);
+  auto f = make_message<odo_frame>(ODO_TYPE_FRAME, 1'050'000'000);
+  f.format = ODO_FORMAT_GREY8, f.width = 64, f.height = 48;
+  f.planes[0] = {pixels.data(), 64, 1, 0};
+  f.loan.retain = [](void*) -> int32_t { return ODO_E_EXHAUSTED; };
+  f.loan.release = [](void*) {};
+  CHECK(odo_session_push(app.session, &f.header) == ODO_E_EXHAUSTED);
+  odo_session_flush(app.session);
+  CHECK(app.statistics().overflow == 1);
+  const auto told = std::find_if(app.reports.begin(), app.reports.end(),
+                                 [](const odo_report& r) { return std::string(r.key) == "dropped_frame"; });
+  REQUIRE(told != app.reports.end());
+  CHECK(told->status == ODO_E_EXHAUSTED);
+  CHECK(std::string(told->text).find("they arrive faster than they are processed") != std::string::npos);
+}
+
+TEST_SUITE_END();

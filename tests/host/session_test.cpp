@@ -1,0 +1,377 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <odograph/odograph.h>
+
+#include "sdk/host/messages/messages.hpp"
+#include "tests/support/session_app.hpp"
+
+using namespace odograph;
+
+TEST_SUITE_BEGIN("session");
+
+TEST_CASE("an invalid call returns a status and a message and never crashes") {
+  odo_session* session = nullptr;
+  odo_error error{};
+  error.struct_size = sizeof error;
+  odo_session_options options{};
+  CHECK(odo_session_create(nullptr, &session, &error) == ODO_E_ARGUMENT);
+  CHECK(odo_session_create(&options, &session, &error) == ODO_E_STRUCT_SIZE);
+  options.struct_size = sizeof options;
+  CHECK(odo_session_create(&options, &session, &error) == ODO_E_ARGUMENT);
+  CHECK(std::string(error.message).find("exactly one") != std::string::npos);
+  const std::string missing = "/nowhere/pipeline.yaml";
+  options.config_path = {missing.data(), missing.size()};
+  CHECK(odo_session_create(&options, &session, &error) == ODO_E_NOT_FOUND);
+  CHECK(std::string(error.message).find("/nowhere/pipeline.yaml:1:1") != std::string::npos);
+  CHECK(session == nullptr);
+  odo_session_destroy(nullptr);
+  CHECK(odo_session_push(nullptr, nullptr) == ODO_E_ARGUMENT);
+  CHECK(odo_session_flush(nullptr) == ODO_E_ARGUMENT);
+  odo_pose pose{};
+  App app(kWalk);
+  REQUIRE_MESSAGE(app.status == ODO_OK, app.message);
+  CHECK(odo_session_get_pose(app.session, 0, &pose) == ODO_E_STRUCT_SIZE);
+  pose.header.struct_size = sizeof pose;
+  CHECK(odo_session_get_pose(app.session, 0, &pose) == ODO_NOT_READY);
+  odo_header header{};
+  CHECK(odo_session_push(app.session, &header) == ODO_E_STRUCT_SIZE);
+  header.struct_size = sizeof header;
+  header.type = 999;
+  CHECK(odo_session_push(app.session, &header) == ODO_OK);  // a sensor that no plugin uses
+  CHECK(odo_session_flush(app.session) == ODO_OK);
+  CHECK(app.statistics().unknown == 1);
+  header.type = ODO_TYPE_POSE;
+  CHECK(odo_session_push(app.session, &header) == ODO_E_ARGUMENT);
+  header.type = ODO_TYPE_IMU;
+  CHECK(odo_session_push(app.session, &header) == ODO_E_STRUCT_SIZE);
+  double geodetic[3];
+  const double p[3] = {0, 0, 0};
+  CHECK(odo_session_to_geodetic(app.session, p, geodetic) == ODO_NOT_READY);
+  CHECK(std::string(odo_version()).size() >= 5);
+  CHECK(odo_abi_version() == (ODO_ABI_MAJOR << 16 | ODO_ABI_MINOR));
+  for (int32_t s = -20; s < 5; ++s) CHECK(odo_status_text(s) != nullptr);
+}
+
+TEST_CASE("steps and poses are computed from inertial samples, and the pose can be queried at any time") {
+  App app(kWalk);
+  REQUIRE_MESSAGE(app.status == ODO_OK, app.message);
+  CHECK(app.walk(0, 3000) == ODO_OK);
+  odo_session_flush(app.session);
+  const auto s = app.statistics();
+  CHECK(s.steps > 50);
+  CHECK(s.steps < 60);
+  CHECK(s.distance_m == doctest::Approx(0.7 * static_cast<double>(s.steps)).epsilon(0.1));
+  CHECK(s.tracking_s > 25);
+  odo_pose pose{};
+  pose.header.struct_size = sizeof pose;
+  CHECK(odo_session_get_pose(app.session, ODO_TIME_LATEST, &pose) == ODO_OK);
+  CHECK((pose.header.flags & ODO_POSE_METRIC) != 0);
+  odo_pose middle{};
+  middle.header.struct_size = sizeof middle;
+  CHECK(odo_session_get_pose(app.session, 16'000'000'000, &middle) == ODO_OK);
+  CHECK(middle.distance_m < pose.distance_m);
+  CHECK(middle.distance_m > 0.4 * pose.distance_m);
+  CHECK(odo_session_get_pose(app.session, 900'000'000'000, &middle) == ODO_E_NOT_FOUND);
+}
+
+TEST_CASE("a replay is bit-identical, whatever the order of pushes between sensors") {
+  App one(kWalk), other(kWalk);
+  one.walk(0, 2000);
+  odo_session_flush(one.session);
+  for (int i = 0; i < 2000; i += 50) other.walk(i, i + 50);
+  odo_session_flush(other.session);
+  REQUIRE(one.events.size() > 1000);
+  CHECK(one.events == other.events);
+}
+
+TEST_CASE("a live session with samples from several threads gives the replay's events") {
+  App replay(kWalk), live(kWalk, ODO_RUN_LIVE);
+  REQUIRE_MESSAGE(live.status == ODO_OK, live.message);
+  replay.walk(0, 1000);
+  odo_session_flush(replay.session);
+  std::atomic<bool> stop{false};
+  std::thread reader([&] {  // an app's render thread
+    odo_pose pose{};
+    while (!stop) {
+      pose.header.struct_size = sizeof pose;
+      odo_session_get_pose(live.session, ODO_TIME_LATEST, &pose);
+      odo_error error{};
+      error.struct_size = sizeof error;
+      odo_session_last_error(live.session, &error);
+    }
+  });
+  std::atomic<int64_t> now_ns{0};  // of the IMU: a sensor seconds ahead would make the others late
+  std::thread barometer([&] {
+    for (int i = 0; i < 200 && !stop; ++i) {
+      while (now_ns < 1'000'000'000 + i * 50'000'000LL && !stop) std::this_thread::yield();
+      auto b = make_message<odo_barometer>(ODO_TYPE_BAROMETER, 1'000'000'000 + i * 50'000'000LL);
+      b.pressure_pa = 101325;
+      odo_session_push(live.session, &b.header);
+    }
+  });
+  for (int i = 0; i < 1000; i += 10) {
+    live.walk(i, i + 10);
+    now_ns = 1'000'000'000 + (i + 10) * 10'000'000LL;
+  }
+  now_ns = INT64_MAX;
+  barometer.join();
+  odo_session_flush(live.session);
+  odo_session_set_callback(live.session, nullptr, 0, nullptr, nullptr);
+  stop = true;
+  reader.join();
+  const odo_statistics seen = live.statistics();
+  CAPTURE(seen.late);
+  CAPTURE(seen.overflow);
+  CAPTURE(live.events.size());
+  CAPTURE(replay.events.size());
+  CHECK(live.events == replay.events);
+}
+
+TEST_CASE("a sensor that is permanently late is counted and does not affect the others") {
+  App replay(kWalk), app(kWalk);
+  replay.walk(0, 1000);
+  odo_session_flush(replay.session);
+  for (int i = 0; i < 1000; i += 10) {
+    app.walk(i, i + 10);
+    auto b = make_message<odo_barometer>(ODO_TYPE_BAROMETER, 1'000'000'000 + (i - 300) * 10'000'000LL);
+    b.pressure_pa = 101325;
+    odo_session_push(app.session, &b.header);
+  }
+  for (int i = 0; i < 200; ++i) {  // no further samples of the others
+    auto b = make_message<odo_barometer>(ODO_TYPE_BAROMETER, 8'000'000'000 + i * 1'000'000LL);
+    b.pressure_pa = 101325;
+    odo_session_push(app.session, &b.header);
+  }
+  odo_session_flush(app.session);
+  CHECK(app.statistics().late > 250);
+  CHECK(app.events == replay.events);
+}
+
+TEST_CASE("bad samples are counted, and the session recovers from them") {
+  App app(kWalk);
+  app.walk(0, 1000);
+  const double nan3[3] = {std::numeric_limits<double>::quiet_NaN(), 0, 0}, zero[3] = {0, 0, 0};
+  const double infinite[3] = {0, std::numeric_limits<double>::infinity(), 0};
+  CHECK(odo_session_push_imu(app.session, 11'000'000'000, nan3, zero) == ODO_E_DISCARD);
+  CHECK(odo_session_push_imu(app.session, 11'000'000'000, zero, infinite) == ODO_E_DISCARD);
+  CHECK(odo_session_push_imu(app.session, 2'000'000'000, zero, zero) == ODO_E_DISCARD);        // far in the past
+  CHECK(odo_session_push_imu(app.session, 999'000'000'000'000, zero, zero) == ODO_E_DISCARD);  // far ahead
+  CHECK(odo_session_push_imu(app.session, 1'000'000'000 + 9'990'000'000, zero, zero) ==
+        ODO_E_DISCARD);  // a repeated time
+  auto s = app.statistics();
+  CHECK(s.invalid == 3);
+  CHECK(s.late == 1);
+  CHECK(s.duplicate == 1);
+  odo_error error{};
+  error.struct_size = sizeof error;
+  CHECK(odo_session_last_error(app.session, &error) != ODO_OK);
+  CHECK(std::string(error.message).find("imu") != std::string::npos);
+  CHECK(odo_session_last_error(app.session, &error) == ODO_OK);
+  const auto steps = s.steps;
+  app.walk(1600, 2600);  // six seconds of silence, then continues
+  odo_session_flush(app.session);
+  s = app.statistics();
+  CHECK(s.gaps == 1);
+  CHECK(s.steps > steps + 14);
+  odo_pose pose{};
+  pose.header.struct_size = sizeof pose;
+  CHECK(odo_session_get_pose(app.session, ODO_TIME_LATEST, &pose) == ODO_OK);
+  CHECK(pose.state == ODO_TRACKING);
+  for (const double x : pose.p_n) CHECK(std::isfinite(x));
+}
+
+TEST_CASE("steps return within two seconds after every sensor fault") {
+  for (const std::string attitude : {"vqf", "magyq"}) {
+    const std::string yaml =
+        "odograph: 1\nattitude:\n  plugin: attitude/" + attitude + "\nstep_estimator:\n  plugin: step/odograph\n";
+    enum Fault { silence, not_numbers, saturated, duplicated, reordered, jittered };
+    for (const Fault fault : {silence, not_numbers, saturated, duplicated, reordered, jittered}) {
+      CAPTURE(attitude);
+      CAPTURE(static_cast<int>(fault));
+      App app(yaml);
+      const auto push = [&](int i, double scale, int64_t late_ns) {
+        const double t = 0.01 * i;
+        double gyro[3] = {0.05 * std::sin(6 * t), 0.01, 0.1 * std::sin(3 * t)};
+        double accel[3] = {0.1, 9.81 + 2.2 * std::sin(2 * 3.14159265 * 1.9 * t), 0.4};
+        for (double& x : accel) x = std::clamp(scale * x, -78.5, 78.5);
+        for (double& x : gyro) x = std::clamp(scale * x, -34.9, 34.9);
+        odo_session_push_imu(app.session, static_cast<int64_t>(t * 1e9) + 1'000'000'000 + late_ns, gyro, accel);
+      };
+      const double nan3[3] = {std::numeric_limits<double>::quiet_NaN(), 0, 0};
+      app.walk(0, 2000);
+      for (int i = 2000; i < 2400; ++i) {  // four seconds of it
+        if (fault == not_numbers) odo_session_push_imu(app.session, i * 10'000'000LL + 1'000'000'000, nan3, nan3);
+        if (fault == saturated) push(i, 1e5, 0);
+        if (fault == duplicated) push(i, 1, 0), push(i, 1, 0);
+        if (fault == reordered) push(i ^ 1, 1, 0);
+        if (fault == jittered) push(i, 1, (i * 7919 % 100) * 200'000LL);
+      }
+      app.walk(2400, 4000);
+      odo_session_flush(app.session);
+      std::vector<int64_t> ends;
+      for (const std::string& bytes : app.events) {
+        odo_step step;
+        if (reinterpret_cast<const odo_header*>(bytes.data())->type != ODO_TYPE_STEP) continue;
+        std::memcpy(&step, bytes.data(), std::min(sizeof step, bytes.size()));
+        if (step.t_start_ns > 25'000'000'000) ends.push_back(step.t_end_ns);
+      }
+      REQUIRE(ends.size() > 2);
+      CHECK(ends.front() < 27'000'000'000);  // a step that ended within two seconds of the fault's end
+      CHECK(std::abs(static_cast<int>(ends.size()) - 29) < 4);  // the number walked from then on
+      const auto s = app.statistics();
+      if (fault == silence || fault == not_numbers) CHECK(s.gaps == 1);
+      if (fault == not_numbers) CHECK(s.invalid == 400);
+      if (fault == duplicated) CHECK(s.duplicate == 400);
+      odo_pose pose{};
+      pose.header.struct_size = sizeof pose;
+      CHECK(odo_session_get_pose(app.session, ODO_TIME_LATEST, &pose) == ODO_OK);
+      for (const double x : pose.p_n) CHECK(std::isfinite(x));
+      CHECK(pose.state == ODO_TRACKING);
+    }
+  }
+}
+
+TEST_CASE("a sensor clock that is set back restarts the session") {
+  App app(kWalk);
+  app.walk(5000, 6000);
+  app.walk(0, 1000);
+  odo_session_flush(app.session);
+  CHECK(app.statistics().steps > 25);
+  CHECK(app.statistics().late < 100);
+}
+
+TEST_CASE("a frame is held without a copy while it waits, and released exactly once" * doctest::skip(!kCameraPlugins)) {
+  static std::atomic<int> holds{0};
+  static std::atomic<int> releases{0};
+  holds = releases = 0;
+  std::vector<uint8_t> pixels(64 * 48, 100);
+  for (size_t i = 0; i < pixels.size(); ++i) pixels[i] = static_cast<uint8_t>((i * 7919) >> 3);
+  {
+    App app(kCamera);
+    REQUIRE_MESSAGE(app.status == ODO_OK, app.message);
+    const auto c = calibration(64, 48);
+    CHECK(odo_session_push(app.session, &c.header) == ODO_OK);
+    app.walk(0, 100);
+    for (int i = 0; i < 20; ++i) {
+      auto f = make_message<odo_frame>(ODO_TYPE_FRAME, 1'000'000'000 + i * 50'000'000LL);
+      f.format = ODO_FORMAT_GREY8;
+      f.width = 64, f.height = 48;
+      f.planes[0] = {pixels.data(), 64, 1, 0};
+      f.loan.retain = [](void*) -> int32_t { return ++holds, ODO_OK; };
+      f.loan.release = [](void*) { ++releases; };
+      const int32_t status = odo_session_push(app.session, &f.header);
+      CHECK((status == ODO_OK || status == ODO_E_DISCARD));
+      if (i % 2 == 0) {  // a frame that cannot be kept is copied instead
+        f.header.t_ns += 25'000'000;
+        f.loan.retain = nullptr, f.loan.release = nullptr;
+        odo_session_push(app.session, &f.header);
+      }
+    }
+    auto bad = make_message<odo_frame>(ODO_TYPE_FRAME, 5'000'000'000);
+    CHECK(odo_session_push(app.session, &bad.header) == ODO_E_DISCARD);  // no pixels, no size
+  }
+  CHECK(holds > 0);
+  CHECK(holds == releases);
+}
+
+TEST_CASE("a camera's time offset shifts its frames to the IMU's clock" * doctest::skip(!kCameraPlugins)) {
+  App app(kCamera);
+  auto c = calibration(64, 48);
+  c.header.flags = ODO_CALIBRATION_TIME_OFFSET;
+  c.time_offset_ns = 30'000'000;
+  odo_session_push(app.session, &c.header);
+  app.walk(0, 20);
+  const std::vector<uint8_t> pixels(64 * 48, 90);
+  auto f = make_message<odo_frame>(ODO_TYPE_FRAME, 1'200'000'000);
+  f.format = ODO_FORMAT_GREY8;
+  f.width = 64, f.height = 48;
+  f.planes[0] = {pixels.data(), 64, 1, 0};
+  CHECK(odo_session_push(app.session, &f.header) == ODO_OK);
+  app.walk(20, 50);
+  odo_session_flush(app.session);
+  odo_pose pose{};
+  pose.header.struct_size = sizeof pose;
+  CHECK(odo_session_get_pose(app.session, 1'230'000'000, &pose) == ODO_OK);
+  CHECK(pose.header.t_ns == 1'230'000'000);
+  CHECK((pose.header.flags & ODO_POSE_CAMERA) != 0);
+}
+
+TEST_CASE("a config's camera takes precedence over pushed calibrations, and needs none" *
+          doctest::skip(!kCameraPlugins)) {
+  const TemporaryFolder folder;
+  const auto file = write_text(folder / "camera.yaml",
+                               "width: 64\nheight: 48\nfx: 60\nfy: 60\ncx: 31.5\ncy: 23.5\ntime_offset: 30 ms\n");
+  for (const bool pushed : {false, true}) {
+    CAPTURE(pushed);
+    App app(kCamera + "camera: " + file.string() + "\n");
+    const auto wrong = calibration(320, 240);
+    if (pushed) CHECK(odo_session_push(app.session, &wrong.header) == ODO_OK);
+    app.walk(0, 20);
+    const std::vector<uint8_t> pixels(64 * 48, 90);
+    for (int i = 0; i < 3; ++i) {
+      auto f = make_message<odo_frame>(ODO_TYPE_FRAME, 1'200'000'000 + i * 100'000'000LL);
+      f.format = ODO_FORMAT_GREY8;
+      f.width = 64, f.height = 48;
+      f.planes[0] = {pixels.data(), 64, 1, 0};
+      CHECK(odo_session_push(app.session, &f.header) == ODO_OK);
+    }
+    app.walk(20, 50);
+    odo_session_flush(app.session);
+    odo_pose pose{};
+    pose.header.struct_size = sizeof pose;
+    CHECK(odo_session_get_pose(app.session, 1'430'000'000, &pose) == ODO_OK);
+    CHECK((pose.header.flags & ODO_POSE_CAMERA) != 0);
+    odo_error error{};
+    error.struct_size = sizeof error;
+    odo_session_last_error(app.session, &error);
+    CHECK(std::string(error.message).find("calibration") == std::string::npos);  // every frame had the right size
+  }
+}
+
+TEST_CASE("too many waiting frames are rejected, not queued" * doctest::skip(!kCameraPlugins)) {
+  App app(kCamera + "time_ordering:\n  frames: 3\n  max_wait: 5 s\n");
+  const auto c = calibration(64, 48);
+  odo_session_push(app.session, &c.header);
+  app.walk(0, 10);
+  std::vector<uint8_t> pixels(64 * 48, 90);
+  int refused = 0;
+  for (int i = 0; i < 10; ++i) {
+    auto f = make_message<odo_frame>(ODO_TYPE_FRAME, 1'200'000'000 + i * 50'000'000LL);
+    f.format = ODO_FORMAT_GREY8;
+    f.width = 64, f.height = 48;
+    f.planes[0] = {pixels.data(), 64, 1, 0};
+    if (odo_session_push(app.session, &f.header) == ODO_E_EXHAUSTED) ++refused;
+  }
+  CHECK(refused == 7);
+  CHECK(app.statistics().overflow == 7);
+}
+
+TEST_CASE("an estimator or a scale source is exchanged by one line of YAML" * doctest::skip(!kCameraPlugins)) {
+  const auto steps_of = [](std::string yaml) {
+    App app(yaml);
+    REQUIRE_MESSAGE(app.status == ODO_OK, app.message);
+    app.walk(0, 2000);
+    odo_session_flush(app.session);
+    return app.statistics();
+  };
+  std::string swapped = kWalk;
+  swapped.replace(swapped.find("step/renaudin2012"), 17, "step/weinberg2002");
+  const auto a = steps_of(kWalk), b = steps_of(swapped);
+  CHECK(a.steps == b.steps);
+  CHECK(a.distance_m != b.distance_m);
+  std::string fixed = kCamera;
+  fixed.replace(fixed.find("scale/step_length"), 17, "scale/fixed_step");
+  CHECK(App(fixed).status == ODO_OK);
+}
+
+TEST_SUITE_END();

@@ -1,0 +1,48 @@
+#!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
+# The build as Debian packages: lintian finds no error, the tarball runs from another folder, its plugins are signed,
+# and the SBOM lists every library found by ldd and the linker's maps. packaging/try_packages continues on a bare
+# Debian.
+set -eu
+source=$1 build=$2
+for program in dh lintian git dpkg-buildpackage go-md2man openssl; do
+  command -v $program > /dev/null || { echo "SKIPPED: no $program"; exit 77; }
+done
+git -C "$source" rev-parse HEAD > /dev/null 2>&1 || { echo "SKIPPED: no git repository"; exit 77; }
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+
+# The same version everywhere.
+version=$(sed -n 's/^project(Odograph VERSION \([0-9.]*\).*/\1/p' "$source/CMakeLists.txt")
+for place in packaging/debian/changelog:"odograph ($version)" packaging/vcpkg/ports/odograph/vcpkg.json:"\"$version\"" packaging/conan/conanfile.py:"version = \"$version\"" \
+  abi/bindings/csharp/package.json:"\"$version\"" abi/bindings/javascript/package.json:"\"$version\"" abi/bindings/python/pyproject.toml:"version = \"$version\"" abi/bindings/rust/Cargo.toml:"version = \"$version\""; do
+  grep -qF "${place#*:}" "$source/${place%%:*}" || { echo "${place%%:*}: its version is not $version"; exit 1; }
+done
+
+openssl genpkey -algorithm ed25519 -out "$work/key.pem"
+ODOGRAPH_KEY="$work/key.pem" "$source/packaging/packages" --build "$build" --out "$work/packages"
+mkdir "$work/some folder"
+tar -C "$work/some folder" -xf "$work"/packages/*.tar.gz
+root=$(echo "$work/some folder"/*)
+cd "$work"
+env -u ODOGRAPH_PLUGIN_PATH "$root/bin/odograph" plugins | grep '^vo/odograph'
+"$root/bin/odograph" sim "$root/share/odograph/samples/scenarios/walk_short.yaml" --first 8 -o walk.odo > /dev/null
+env -u ODOGRAPH_PLUGIN_PATH "$root/bin/odograph" run -c "$root/share/odograph/samples/configs/phone_walk.yaml" -i walk.odo -o run --json > /dev/null
+"$build/bin/odograph" run -c "$source/samples/configs/phone_walk.yaml" -i walk.odo -o from_build --json > /dev/null
+cmp run/trajectory.tum from_build/trajectory.tum
+
+# What packages need and hold of others.
+plugin=$(echo packages/odograph-plugin-vo-odograph_*.deb)
+dpkg-deb -f "$plugin" Depends | grep -q 'odograph-plugin-abi-draft[0-9]'
+dpkg-deb -f packages/libodograph0_*.deb Provides | grep -q 'odograph-plugin-abi-draft[0-9]'
+dpkg-deb -f "$plugin" Static-Built-Using | grep -q 'ceres-solver (= .*eigen3 (= '
+if dpkg-deb -f "$plugin" Depends | grep -q atlas; then echo "vo/odograph needs ATLAS"; exit 1; fi
+
+key=$(openssl pkey -in key.pem -pubout -outform DER | tail -c 32 | od -An -v -tx1 | tr -d ' \n')
+printf 'odograph: 1\nplugins: {signers: [{key: %s}]}\nattitude: {plugin: attitude/vqf}\n' "$key" > signed.yaml
+"$root/bin/odograph" config check signed.yaml
+rm "$root"/lib*/odograph/plugins/attitude_vqf.odoplugin.sig
+"$root/bin/odograph" config check signed.yaml > said 2>&1 && { echo "an unsigned plugin passed"; exit 1; }
+grep -q "attitude_vqf.odoplugin.sig is missing" said
+
+python3 "$source/tests/house/sbom.py" "$root" "$build"

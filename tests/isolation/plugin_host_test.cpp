@@ -1,0 +1,205 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <doctest/doctest.h>
+
+#include "sdk/host/config/registry.hpp"
+#include "sdk/host/plugin_host/instance.hpp"
+#include "sdk/host/plugin_host/library.hpp"
+#include "sdk/tools/validator/write_manifest.hpp"
+#include "tests/support/support.hpp"
+
+#include <odograph/scale_source.h>
+
+using namespace odograph;
+namespace fs = std::filesystem;
+
+TEST_SUITE_BEGIN("plugin_host");
+
+namespace {
+
+fs::path hostile(const std::string& name) {
+  return fs::path(ODOGRAPH_BUILD) / "tests/hostile" / (name + ODOGRAPH_LIBRARY);
+}
+
+std::string refusal(const fs::path& library) {
+  const HostServices host(0, {"."}, nullptr);
+  const auto loaded = PluginLibrary::load(library, &host);
+  REQUIRE_FALSE(loaded.ok());
+  CHECK(loaded.failure().text.find(library.string()) != std::string::npos);
+  return loaded.failure().text;
+}
+
+bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+PluginChoice choice_of(const std::string& name) {
+  PluginChoice choice;
+  choice.manifest.id = "test/" + (name == "create_throws" ? name : std::string("hostile"));
+  choice.manifest.library = hostile(name);
+  choice.manifest.abi_major = ODO_ABI_MAJOR;
+  choice.manifest.abi_minor = ODO_ABI_MINOR;
+  choice.interface_id = ODO_INTERFACE_SCALE_SOURCE;
+  return choice;
+}
+
+odo_vo_motion motion(int64_t t_ns) {
+  auto m = make_message<odo_vo_motion>(ODO_TYPE_VO_MOTION, t_ns);
+  m.t_from_ns = t_ns - 1;
+  return m;
+}
+
+}  // namespace
+
+#if defined(__ELF__)
+namespace {
+
+/// A copy of a library in a separate folder, with changed bytes.
+fs::path altered(const TemporaryFolder& folder, const std::string& name,
+                 const std::function<void(std::string&)>& change) {
+  std::string bytes = read_text(hostile("good"));
+  change(bytes);
+  return write_text(folder / name, bytes);
+}
+
+}  // namespace
+
+TEST_CASE("files that are not plugins are rejected with their path and the reason") {
+  const TemporaryFolder folder;
+  CHECK(contains(refusal(write_text(folder / "text.so", "this is not a library")), "not an ELF file"));
+  CHECK(contains(refusal(write_text(folder / "empty.so", "")), "not an ELF file"));
+  CHECK(contains(refusal(folder / "missing.so"), "cannot be opened"));
+  CHECK(contains(refusal(altered(folder, "half.so", [](std::string& b) { b.resize(b.size() / 2); })), "truncated"));
+  CHECK(contains(refusal(altered(folder, "head.so", [](std::string& b) { b.resize(70); })), "truncated"));
+  CHECK(contains(refusal(altered(folder, "arm.so",
+                                 [](std::string& b) { b[18] = static_cast<char>(b[18] == 40 ? 62 : 40), b[19] = 0; })),
+                 "another machine"));
+  CHECK(contains(refusal(altered(folder, "bits.so", [](std::string& b) { b[4] = b[4] == 1 ? 2 : 1; })), "word size"));
+}
+#endif
+
+TEST_CASE("plugins without an entry or with an unusable table are rejected with the reason") {
+  CHECK(contains(refusal(hostile("abi_too_new")),
+                 "it is for ABI 3." + std::to_string(ODO_ABI_MINOR) + ", this host has major 0"));
+  CHECK(contains(refusal(hostile("no_symbol")), "symbol missing"));
+  CHECK(contains(refusal(hostile("refuses")), "the licence has expired"));
+  CHECK(contains(refusal(hostile("table_too_small")), "its table has"));
+  CHECK(contains(refusal(hostile("no_functions")), "its table lacks process"));
+}
+
+TEST_CASE("tables of newer plugins work") {
+  HostServices host(0, {"."}, nullptr);
+  for (const char* name : {"good", "table_larger"}) {
+    CAPTURE(name);
+    auto made = PluginInstance::make(choice_of(name), LibraryCheck::none, 1, host);
+    REQUIRE_MESSAGE(made.ok(), (made.ok() ? "" : made.failure().text));
+    CHECK((*made)->process(motion(5).header).empty());
+    (*made)->reset();  // without a reset function the instance is created again
+    CHECK((*made)->alive());
+  }
+}
+
+TEST_CASE("a failed creation of an instance is reported, also if its constructor throws") {
+  std::string reported;
+  HostServices host(0, {"."}, [&](const Report& report) { reported += report.origin + ": " + report.text; });
+  for (const char* name : {"create_throws", "create_fails", "create_null"}) {
+    CAPTURE(name);
+    const auto made = PluginInstance::make(choice_of(name), LibraryCheck::none, 1, host);
+    REQUIRE_FALSE(made.ok());
+    CHECK(contains(made.failure().text, std::string(name) + ODOGRAPH_LIBRARY));
+    CHECK(contains(made.failure().text, "could not be created"));
+  }
+  CHECK(contains(reported, "test/create_throws: the constructor has a bad day"));
+}
+
+TEST_CASE("invalid events are rejected and harmless") {
+  HostServices host(0, {"."}, nullptr);
+  auto made = PluginInstance::make(choice_of("bad_events"), LibraryCheck::none, 1, host);
+  REQUIRE(made.ok());
+  const auto events = (*made)->process(motion(5).header);
+  CHECK(events.size() == EventBuffer::kCapacity);  // the valid ones, up to the quota
+  for (const auto& event : events) CHECK(event.header().type == ODO_TYPE_SCALE);
+  CHECK((*made)->faults() == 5);  // those beyond the quota count once
+}
+
+TEST_CASE("a plugin that fails repeatedly is reset, then disabled, and a fatal one at once") {
+  HostServices host(0, {"."}, nullptr);
+  auto failing = PluginInstance::make(choice_of("fails_always"), LibraryCheck::none, 1, host);
+  REQUIRE(failing.ok());
+  for (int i = 0; i < 4; ++i) (*failing)->process(motion(5 + i).header);
+  CHECK((*failing)->alive());
+  (*failing)->process(motion(20).header);
+  CHECK_FALSE((*failing)->alive());
+  auto fatal = PluginInstance::make(choice_of("fatal"), LibraryCheck::none, 1, host);
+  REQUIRE(fatal.ok());
+  (*fatal)->process(motion(5).header);
+  CHECK_FALSE((*fatal)->alive());
+}
+
+TEST_CASE("manifests with a duplicate id, a changed library, a false statement or a missing file are rejected") {
+  const TemporaryFolder folder;
+  const HostServices host(0, {"."}, nullptr);
+  const auto install = [&](const std::string& name) {
+    fs::copy_file(hostile("good"), folder / (name + ODOGRAPH_LIBRARY));
+    return *write_manifest_beside(folder / (name + ODOGRAPH_LIBRARY));
+  };
+  const auto manifest = install("one");
+  {
+    PluginRegistry registry({folder.path()});
+    const auto found = registry.find("test/hostile", ODO_INTERFACE_SCALE_SOURCE, ".", {});
+    REQUIRE(found.ok());
+    CHECK(PluginLibrary::load(**found, LibraryCheck::hash, &host).ok());
+    CHECK_FALSE(registry.find("test/hostile", "odo.attitude/draft3", ".", {}).ok());
+    CHECK(contains(registry.find("test/hostil", ODO_INTERFACE_SCALE_SOURCE, ".", {}).failure().text,
+                   "nearest: 'test/hostile'"));
+    CHECK(
+        contains(registry.find("test/hostile", ODO_INTERFACE_SCALE_SOURCE, ".", {"a/b"}).failure().text, "allow list"));
+  }
+  install("two");
+  {
+    PluginRegistry registry({folder.path()});
+    const auto found = registry.find("test/hostile", ODO_INTERFACE_SCALE_SOURCE, ".", {});
+    REQUIRE_FALSE(found.ok());
+    CHECK(contains(found.failure().text, "two plugins have the id 'test/hostile'"));
+    CHECK(contains(found.failure().text, "one.odoplugin.json"));
+    CHECK(contains(found.failure().text, "two.odoplugin.json"));
+  }
+  auto read = read_manifest(manifest);
+  REQUIRE(read.ok());
+  read->id = "test/other";
+  CHECK(
+      contains(PluginLibrary::load(*read, LibraryCheck::hash, &host).failure().text, "the manifest says 'test/other'"));
+  read->abi_major = 3;
+  CHECK(contains(PluginLibrary::load(*read, LibraryCheck::hash, &host).failure().text,
+                 "it is for ABI 3." + std::to_string(ODO_ABI_MINOR) + ", this host has major 0"));
+  read->abi_major = ODO_ABI_MAJOR;
+  read->sha256[0] = read->sha256[0] == '0' ? '1' : '0';
+  CHECK(contains(PluginLibrary::load(*read, LibraryCheck::hash, &host).failure().text, "hash differs"));
+  fs::rename(folder / (std::string("one") + ODOGRAPH_LIBRARY), folder / "gone");  // Windows cannot remove a loaded one
+  CHECK(contains(PluginLibrary::load(*read, LibraryCheck::hash, &host).failure().text, "cannot be opened"));
+  write_text(folder / "broken.odoplugin.json", "{\"odoplugin\": 1, \"id\": 7");
+  const PluginRegistry registry({folder.path()});
+  REQUIRE(registry.problems().size() == 1);
+  CHECK(contains(registry.problems()[0], "broken.odoplugin.json:1:"));
+}
+
+TEST_CASE("a manifest states what the library states") {
+  for (const auto& entry : fs::directory_iterator(plugin_folder())) {
+    if (entry.path().extension() != ODOGRAPH_LIBRARY) continue;
+    CAPTURE(entry.path().string());
+    const HostServices host(0, {"."}, nullptr);
+    auto path = entry.path();
+    path.replace_extension();
+    const auto manifest = read_manifest(path.string() + ".odoplugin.json");
+    REQUIRE(manifest.ok());
+    const auto library = PluginLibrary::load(*manifest, LibraryCheck::hash, &host);
+    REQUIRE(library.ok());
+    const auto specs = parameter_specs((*library)->table());
+    REQUIRE(specs.ok());
+    REQUIRE(specs->size() == manifest->parameters.size());
+    for (size_t i = 0; i < specs->size(); ++i) {
+      CHECK((*specs)[i].name == manifest->parameters[i].name);
+      CHECK((*specs)[i].fallback == manifest->parameters[i].fallback);
+      CHECK_FALSE((*specs)[i].help.empty());
+    }
+  }
+}
+
+TEST_SUITE_END();

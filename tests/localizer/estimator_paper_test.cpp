@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The papers' estimator: regression of its figures and of fixed defects.
+#include <doctest/doctest.h>
+
+#include <limits>
+
+#include "tests/support/measured_walk.hpp"
+#include "tests/localizer/paper_track.hpp"
+
+using namespace odograph;
+using Eigen::Quaterniond;
+using Eigen::Vector3d;
+
+TEST_SUITE_BEGIN("estimator_paper");
+
+namespace {
+
+constexpr int64_t kSecond = 1'000'000'000;
+
+odo_vo_motion standing(int64_t from, int64_t to) {
+  auto m = make_message<odo_vo_motion>(ODO_TYPE_VO_MOTION, to);
+  m.header.flags = ODO_VO_ROTATION | ODO_VO_TRANSLATION;
+  m.t_from_ns = from;
+  m.q_c0_c1[0] = 1;
+  m.state = ODO_TRACKING;
+  return m;
+}
+
+odo_fix yaw_fix(int64_t t, double yaw, double sigma) {
+  auto f = make_message<odo_fix>(ODO_TYPE_FIX, t);
+  f.header.flags = ODO_FIX_YAW, f.yaw_axis_b[1] = 1;
+  f.yaw_rad = yaw, f.yaw_sigma_rad = sigma;
+  return f;
+}
+
+Quaterniond orientation(const odo_pose& pose) {
+  return Quaterniond(pose.q_n[0], pose.q_n[1], pose.q_n[2], pose.q_n[3]);
+}
+
+/// A body whose y axis is the camera's viewing direction, so that a horizontal camera's heading is the body's.
+odo_calibration forward_mount() {
+  auto calibration = make_message<odo_calibration>(ODO_TYPE_CALIBRATION, 0);
+  calibration.header.flags = ODO_CALIBRATION_EXTRINSICS;
+  calibration.q_b_c[0] = std::sqrt(0.5), calibration.q_b_c[1] = -std::sqrt(0.5);
+  return calibration;
+}
+
+double body_yaw(const odo_pose& pose) {
+  const Vector3d y = orientation(pose) * Vector3d::UnitZ();
+  return std::atan2(y.y(), y.x());
+}
+
+}  // namespace
+
+TEST_CASE("the track over a walk equals that of the first implementation") {
+  WalkMeasurements what;
+  what.odometry.inverse_scale = 1;
+  MeasuredWalk walk(walk_scenario(40), what, 1);
+  Composer composer({}, {}, {true, false});
+  odo_pose last{};
+  double sum = 0;
+  int poses = 0;
+  walk.run(composer, [&](double, const odo_pose& pose) {
+    if ((pose.header.flags & ODO_POSE_CAMERA) == 0) return;
+    last = pose;
+    sum += pose.p_n[0] + 2 * pose.p_n[1] + 3 * pose.q_n[1];
+    ++poses;
+  });
+  // Printed by the first version behind the interface, whose tracks of `odograph run` were those of 0.1 byte for byte.
+  CHECK(poses == 330);
+  CHECK(last.p_n[0] == doctest::Approx(32.0373828943).epsilon(1e-9));
+  CHECK(last.p_n[1] == doctest::Approx(16.4413162123).epsilon(1e-9));
+  CHECK(last.distance_m == doctest::Approx(43.0243454087).epsilon(1e-9));
+  CHECK(sum == doctest::Approx(8654.03192937).epsilon(1e-9));
+}
+
+TEST_CASE("uncertainty about the camera's down axis is heading uncertainty, which a yaw fix reduces") {
+  for (const int axis : {0, 1, 2}) {
+    PaperTrack coupling({}, {}, {true, true});
+    coupling.on_calibration(forward_mount());
+    coupling.on_first_frame(0);  // horizontal, facing north: y is down
+    // The 0.2 rad of an uninformed start would hide the effect.
+    coupling.on_fix(yaw_fix(0, 0, 0.001));
+    auto m = standing(0, kSecond);
+    m.header.flags |= ODO_VO_COVARIANCE;
+    m.covariance[7 * axis] = 0.2 * 0.2;
+    const odo_pose before = coupling.on_vo_motion(m, nullptr);
+    const double yaw = body_yaw(before);
+    CHECK(coupling.on_fix(yaw_fix(kSecond, yaw + 0.15, 0.02)).accepted == (axis == 1));
+    const odo_pose after = coupling.on_vo_motion(standing(kSecond, 2 * kSecond), nullptr);
+    const double turned = std::remainder(body_yaw(after) - yaw, 2 * EIGEN_PI);
+    if (axis == 1)
+      CHECK(std::abs(turned - 0.15) < 0.003);
+    else
+      CHECK(std::abs(turned) < 0.01);
+  }
+}
+
+TEST_CASE("covariances without their valid flag are not read") {
+  for (const auto orientation_by : {Orientation::vo, Orientation::gyroscope}) {
+    PaperTrack coupling({.orientation = orientation_by}, {}, {true, true});
+    coupling.on_first_frame(0);
+    auto m = standing(0, kSecond);
+    for (double& c : m.covariance) c = std::numeric_limits<double>::quiet_NaN();
+    coupling.on_vo_motion(m, nullptr);
+    coupling.on_fix(yaw_fix(kSecond, 0, 0.1));
+    const odo_pose pose = coupling.on_vo_motion(standing(kSecond, 2 * kSecond), nullptr);
+    CHECK(orientation(pose).coeffs().allFinite());
+    CHECK(std::isfinite(pose.covariance[14]));
+  }
+}
+
+TEST_CASE("a fix whose position is rejected does not rotate the heading either") {
+  PaperTrack coupling({}, {{0, 0, 0}, 0, true}, {true, true});
+  coupling.on_calibration(forward_mount());
+  const double before = body_yaw(coupling.on_first_frame(0));
+  auto fix = yaw_fix(0, before + 0.1, 0.01);
+  fix.header.flags |= ODO_FIX_NORTH | ODO_FIX_EAST | ODO_FIX_COVARIANCE;
+  fix.p_n[0] = 500;
+  fix.covariance_n[0] = fix.covariance_n[4] = 1;
+  CHECK_FALSE(coupling.on_fix(fix).accepted);
+  CHECK(body_yaw(coupling.on_vo_motion(standing(0, kSecond), nullptr)) == doctest::Approx(before));
+}
+
+TEST_CASE("a fix of the heading alone is published") {
+  Composer composer({}, {}, {true, true});
+  composer.on_calibration(forward_mount());
+  composer.update(FrameTime{0});
+  odo_pose first, corrected;
+  REQUIRE(composer.take_pose(first));
+  const auto fix = yaw_fix(0, body_yaw(first) + 0.1, 0.01);
+  CHECK(composer.update(&fix).accepted);
+  Correction correction;
+  REQUIRE(composer.take_correction(correction, corrected));
+  CHECK(std::abs(std::remainder(body_yaw(corrected) - body_yaw(first), 2 * EIGEN_PI) - 0.1) < 0.002);
+  CHECK(std::abs(log_rotation(correction.q).z() - 0.1) < 0.002);
+  CHECK(correction.reason == ODO_CORRECTION_FIX);
+}
+
+TEST_CASE("a clock that is set back before the first frame does not change the camera's mount") {
+  for (const bool inertial : {false, true}) {
+    CouplingConfig config;
+    config.type = inertial ? CouplingType::localizer : CouplingType::paper;
+    Composer composer(config, {}, {true, true});
+    auto calibration = make_message<odo_calibration>(ODO_TYPE_CALIBRATION, 0);
+    calibration.header.flags = ODO_CALIBRATION_EXTRINSICS;
+    calibration.q_b_c[0] = 1;
+    composer.on_calibration(calibration);
+    composer.reset();
+    auto attitude = make_message<odo_attitude>(ODO_TYPE_ATTITUDE, 0);
+    attitude.q_n_b[0] = 1;
+    composer.update(&attitude);
+    composer.update(FrameTime{0});
+    odo_pose pose;
+    REQUIRE(composer.take_pose(pose));
+    CHECK(orientation(pose).angularDistance(Quaterniond::Identity()) < 1e-6);
+  }
+}
+
+TEST_SUITE_END();

@@ -1,0 +1,268 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The localizer on simulated measurements: consistency and robustness.
+#include <doctest/doctest.h>
+
+#include <limits>
+
+#include <Eigen/LU>
+
+#include "tests/support/measured_walk.hpp"
+
+using namespace odograph;
+using Eigen::Matrix3d;
+using Eigen::Quaterniond;
+using Eigen::Vector3d;
+
+TEST_SUITE_BEGIN("estimator");
+
+namespace {
+
+struct Outcome {
+  ScaleKnowledge knowledge;
+  double end_error_m = 0, worst_error_m = 0, worst_jump_m = 0, position_nees = 0, height_nees = 0, heading_nees = 0,
+         scale_error = 0, scale_sigma = 0, factor_error = 0, path_ratio = 0, first_metric_s = -1;
+  int poses = 0, references = 0, corrections = 0;
+  bool finite = true;
+};
+
+Outcome run_walk(const WalkMeasurements& what, uint64_t seed, double length_m = 40) {
+  MeasuredWalk walk(walk_scenario(length_m), what, seed);
+  CouplingConfig config;
+  config.type = CouplingType::localizer;
+  Composer composer(config, {}, {what.camera, false});
+  Outcome o;
+  bool has_start = false;
+  Vector3d start = Vector3d::Zero(), last = Vector3d::Zero(), last_truth = Vector3d::Zero(), path_from = last,
+           truth_from = last;
+  double path = 0, true_path = 0;
+  walk.run(
+      composer,
+      [&](double t, const odo_pose& pose) {
+        const auto truth = walk.truth(t);
+        if (!has_start) has_start = true, start = truth.p_n_c;
+        const bool placed = what.fix_every_s > 0;  // north and east, never the height
+        const Vector3d known(placed ? 0 : start.x(), placed ? 0 : start.y(), start.z());
+        const Vector3d p(pose.p_n), p_true = truth.p_n_c - known;
+        o.finite = o.finite && p.allFinite();
+        const bool metric = (pose.header.flags & ODO_POSE_METRIC) != 0;
+        if (!metric) return;
+        const Vector3d error = p - p_true;
+        if (o.first_metric_s < 0)
+          o.first_metric_s = t, path_from = p, truth_from = p_true;
+        else
+          o.worst_jump_m = std::max(o.worst_jump_m, (p - last - (p_true - last_truth)).norm());
+        last = p, last_truth = p_true;
+        if ((p_true - truth_from).norm() > 1) {
+          path += (p - path_from).norm(), true_path += (p_true - truth_from).norm();
+          path_from = p, truth_from = p_true;
+        }
+        o.end_error_m = error.head<2>().norm();
+        o.worst_error_m = std::max(o.worst_error_m, o.end_error_m);
+        odo_fix reference;
+        o.references += composer.take_step_reference(reference);
+        if (t < 10) return;
+        const Eigen::Map<const Eigen::Matrix<double, 6, 6, Eigen::RowMajor>> P(pose.covariance);
+        const Eigen::Matrix2d horizontal = P.block<2, 2>(3, 3);
+        o.position_nees += error.head<2>().dot(horizontal.inverse() * error.head<2>()) / 2;
+        o.height_nees += error.z() * error.z() / P(5, 5);
+        const Quaterniond q(pose.q_n[0], pose.q_n[1], pose.q_n[2], pose.q_n[3]);
+        o.heading_nees += std::pow(log_rotation(truth.q_n_c * q.conjugate()).z(), 2) / P(2, 2);
+        ++o.poses;
+      },
+      [&](const Correction&, const odo_pose&) { ++o.corrections; });
+  const Localizer& localizer = composer.localizer();
+  o.scale_error = localizer.x[kLogScale] + std::log(what.odometry.inverse_scale);
+  o.scale_sigma = localizer.sigma(kLogScale);
+  o.knowledge = composer.scale_knowledge();
+  o.factor_error = localizer.x[kLogFactor] - walk.log_factor();
+  o.position_nees /= std::max(1, o.poses), o.height_nees /= std::max(1, o.poses);
+  o.heading_nees /= std::max(1, o.poses);
+  o.path_ratio = path / std::max(1e-9, true_path);
+  return o;
+}
+
+}  // namespace
+
+TEST_CASE("errors match the covariance: 20 walks each, with and without metric scale, with and without fixes") {
+  enum class Kind { no_metre, metric, metric_stabilised_lens };
+  for (const Kind kind : {Kind::no_metre, Kind::metric, Kind::metric_stabilised_lens})
+    for (const bool fixes : {false, true}) {
+      WalkMeasurements what;
+      const FrontEnd::Parameters assumed;
+      const bool metric = kind != Kind::no_metre;
+      what.odometry.rotation_walk = metric ? assumed.inertial_rotation_walk : assumed.rotation_walk;
+      if (metric) what.odometry.inverse_scale = 1, what.odometry.scale_sigma = 0.02, what.odometry.scale_walk = 5e-4;
+      if (metric) what.odometry.rotation_rad = 5e-4;
+      if (kind == Kind::metric_stabilised_lens)  // 2 to 3 mrad per frame
+        what.odometry.rotation_rad = 2.5e-3;
+      if (fixes) what.fix_every_s = 2;
+      double position = 0, height = 0, heading = 0;
+      for (uint64_t seed = 1; seed <= 20; ++seed) {
+        const Outcome o = run_walk(what, seed);
+        position += o.position_nees / 20, height += o.height_nees / 20, heading += o.heading_nees / 20;
+      }
+      CAPTURE(static_cast<int>(kind));
+      CAPTURE(fixes);
+      MESSAGE("NEES: position " << position << ", height " << height << ", heading " << heading);
+      CHECK(height > 0.1);
+      CHECK(height < 1.2);
+      CHECK(position > 0.5);
+      CHECK(position < 2.0);
+      CHECK(heading > 0.5);
+      CHECK(heading < 2.0);
+    }
+}
+
+TEST_CASE(
+    "the scale is unaffected by the odometry's own covariance, and does not collapse with odometry errors of 5 cm") {
+  for (const double error_m : {0.02, 0.05}) {
+    WalkMeasurements what;
+    what.odometry.position_m = error_m;
+    double length_4 = 0, length_quarter = 0, worst = 0;
+    for (uint64_t seed = 1; seed <= 5; ++seed) {
+      what.odometry.stated_covariance = 4;
+      const Outcome more = run_walk(what, seed);
+      what.odometry.stated_covariance = 0.25;
+      const Outcome less = run_walk(what, seed);
+      length_4 += more.path_ratio, length_quarter += less.path_ratio;
+      worst = std::max(worst, std::abs(more.scale_error) / more.scale_sigma);
+      CHECK(more.path_ratio > 0.9);
+      CHECK(more.path_ratio < 1.1);
+    }
+    CHECK(length_4 == doctest::Approx(length_quarter).epsilon(0.02));
+    CHECK(worst < 3.5);
+  }
+}
+
+TEST_CASE(
+    "an accurate metric odometry passes through, steps outweigh an inaccurate one, and learn from an accurate one") {
+  WalkMeasurements sure;
+  sure.odometry.inverse_scale = 1, sure.odometry.scale_sigma = 0.005, sure.odometry.scale_walk = 0;
+  sure.odometry.position_m = 0.005, sure.odometry.drift_per_root_m = 0;
+  sure.step_factor_sigma = 0.15;
+  for (uint64_t seed = 1; seed <= 5; ++seed) {
+    const Outcome o = run_walk(sure, seed, 60);
+    CHECK(o.path_ratio == doctest::Approx(1.0).epsilon(0.015));
+    CHECK(std::abs(o.factor_error) < 0.05);
+    CHECK(o.references >= 1);
+    CHECK(o.knowledge.by_inertia > 0.95);
+    CHECK(o.knowledge.sigma < 0.01);
+  }
+  WalkMeasurements doubtful = sure;
+  doubtful.odometry.scale_sigma = 0.3;
+  doubtful.step_factor_sigma = 0.02;
+  // Within the spread among walkers (factor_sigma), with a mean odometry error of 0.3.
+  for (uint64_t seed = 1; seed <= 5; ++seed) {
+    const Outcome o = run_walk(doubtful, seed, 60);
+    CHECK(std::abs(o.path_ratio - 1) < 0.1);
+    CHECK(o.knowledge.by_steps > 0.6);
+    CHECK(o.knowledge.by_steps + o.knowledge.by_inertia == doctest::Approx(1));
+  }
+}
+
+TEST_CASE(
+    "steps reported late after a stop are applied fully and do not change the walker's factor, with or without a "
+    "camera") {
+  for (const bool vo : {false, true}) {
+    CouplingConfig config;
+    config.type = CouplingType::localizer;
+    Composer composer(config, {}, {vo, false});
+    const auto ns = [](double t_s) { return 1'000'000'000 + static_cast<int64_t>(std::llround(t_s * 1e9)); };
+    // Stands for 8 s, walks eight steps that are reported together 0.4 s after the last, and continues; repeatedly.
+    constexpr double kStep_s = 0.5, kStep_m = 0.7, kCycle_s = 16;
+    double walked = 0, path = 0, last = 0;
+    int told = 0;
+    for (double t = 0; t < 80; t += 0.01) {
+      auto imu = make_message<odo_imu>(ODO_TYPE_IMU, ns(t));
+      imu.header.flags = ODO_IMU_GYRO | ODO_IMU_ACCEL;
+      imu.accel_b[2] = -9.81;
+      const double in_cycle = std::fmod(t, kCycle_s);
+      if (in_cycle > 8) imu.accel_b[0] = 2 * std::sin(4 * EIGEN_PI * t);
+      composer.add_imu(imu);
+      auto attitude = make_message<odo_attitude>(ODO_TYPE_ATTITUDE, ns(t));
+      attitude.q_n_b[0] = 1;
+      attitude.covariance_n[0] = attitude.covariance_n[4] = 4e-4;
+      composer.update(&attitude);
+      odo_pose pose;
+      const auto drain = [&] {
+        Correction correction;
+        while (composer.take_correction(correction, pose)) path += pose.p_n[0] - last, last = pose.p_n[0];
+        while (composer.take_pose(pose)) path += pose.p_n[0] - last, last = pose.p_n[0];
+      };
+      drain();
+      const int cycle = static_cast<int>(t / kCycle_s);
+      const int done = static_cast<int>((in_cycle - 8 - 0.4) / kStep_s);  // ends of steps at least 0.4 s ago
+      for (int k = told - cycle * 14; done >= 8 && k < std::min(done, 14); ++k, ++told) {
+        auto step = make_message<odo_step>(ODO_TYPE_STEP, ns(t));
+        step.header.flags = ODO_STEP_HEADING;
+        step.t_start_ns = ns(cycle * kCycle_s + 8 + k * kStep_s),
+        step.t_end_ns = ns(cycle * kCycle_s + 8 + (k + 1) * kStep_s);
+        step.length_m = kStep_m, step.sigma_m = 0.07;
+        step.mode = ODO_MODE_WALKING_TEXTING;
+        CHECK(composer.update(&step).accepted);
+        walked += kStep_m;
+        drain();
+      }
+    }
+    CHECK(walked == doctest::Approx(5 * 14 * kStep_m));
+    CHECK(last == doctest::Approx(walked).epsilon(0.01));
+    CHECK(path == doctest::Approx(walked).epsilon(0.01));
+    CHECK(std::abs(composer.localizer().x[kLogFactor]) < 0.01);
+  }
+}
+
+TEST_CASE("steps carry the position while the camera is blind, and the covariance reflects it") {
+  WalkMeasurements what;
+  what.odometry.inverse_scale = 1, what.odometry.scale_sigma = 0.01;
+  what.odometry.blind_from_s = 12, what.odometry.blind_to_s = 22;
+  for (uint64_t seed = 1; seed <= 5; ++seed) {
+    const Outcome o = run_walk(what, seed, 40);
+    CHECK(o.worst_error_m < 1.5);
+    CHECK(o.position_nees < 4);
+  }
+}
+
+TEST_CASE("the metric scale arrives without a jump, from standing and during the walk") {
+  for (const double start_s : {0.0, 6.0}) {
+    WalkMeasurements what;
+    what.start_s = start_s;
+    for (uint64_t seed = 1; seed <= 5; ++seed) {
+      const Outcome o = run_walk(what, seed);
+      CHECK(o.first_metric_s > 0);
+      CHECK(o.first_metric_s - start_s < 5);
+      CHECK(o.worst_jump_m < 0.3);
+    }
+  }
+}
+
+TEST_CASE("numbers without their flag are not read") {
+  WalkMeasurements what, poisoned;
+  poisoned.change = [](double, odo_vo_motion& m) {
+    m.header.flags &= ~ODO_VO_COVARIANCE;
+    for (double& c : m.covariance) c = std::numeric_limits<double>::quiet_NaN();
+    m.velocity_c1[0] = m.scale_sigma = std::numeric_limits<double>::quiet_NaN();
+  };
+  const Outcome clean = run_walk(what, 1), odd = run_walk(poisoned, 1);
+  CHECK(odd.finite);
+  CHECK(odd.end_error_m == clean.end_error_m);
+}
+
+TEST_CASE("a faulty fix, an odometry jump and an unannounced change of scale do not carry the pose away") {
+  WalkMeasurements jump;
+  jump.odometry.inverse_scale = 1, jump.odometry.scale_sigma = 0.01;
+  jump.change = [](double t, odo_vo_motion& m) {
+    if (t > 15 && t < 15.1) m.p_c0_c1[2] += 20;
+  };
+  CHECK(run_walk(jump, 1).worst_error_m < 1.5);
+  WalkMeasurements unit;  // M5: another scale after a stop
+  unit.change = [](double t, odo_vo_motion& m) {
+    if (t > 15)
+      for (double& p : m.p_c0_c1) p *= 2.5;
+  };
+  const Outcome o = run_walk(unit, 2, 60);
+  CHECK(o.finite);
+  CHECK(o.worst_error_m < 12);
+}
+
+TEST_SUITE_END();

@@ -1,0 +1,200 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Kept estimates (docs/testing.md, "Kept results"): the composer on simulated walks, by both rules, with varied inputs
+// and all outputs of an estimator, including whole covariances.
+#include <algorithm>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <doctest/doctest.h>
+
+#include "sdk/host/config/pipeline_config.hpp"
+#include "sdk/host/messages/messages.hpp"
+#include "tests/support/measured_walk.hpp"
+#include "tests/support/kept.hpp"
+
+using namespace odograph;
+using Eigen::Vector3d;
+
+namespace {
+
+constexpr Tolerance kSame = {1e-6, false};
+
+/// A kind of walk: changes to the plain one, and further inputs of the estimator after each pose.
+struct EstimatorCase {
+  const char* name;
+  std::function<void(WalkMeasurements&)> what = [](WalkMeasurements&) {};
+  std::function<void(Composer&, double t_s)> beside = [](Composer&, double) {};
+  StartPose start{};
+};
+
+odo_barometer pressure(double t_s) {
+  auto baro = make_message<odo_barometer>(ODO_TYPE_BAROMETER, MeasuredWalk::ns(t_s));
+  baro.pressure_pa = 101000 - 12 * (0.02 * t_s + 0.1 * std::sin(t_s));
+  return baro;
+}
+
+odo_scale scale(double t_s) {
+  auto one_case = make_message<odo_scale>(ODO_TYPE_SCALE, MeasuredWalk::ns(t_s));
+  one_case.valid_from_ns = MeasuredWalk::ns(t_s - 1), one_case.valid_to_ns = MeasuredWalk::ns(t_s + 1);
+  one_case.scale = 1.9 + 0.02 * std::sin(3 * t_s), one_case.sigma = 0.1, one_case.displacement_m = 1;
+  return cases;
+}
+
+/// Cycles through all parts of a fix.
+void all_fixes(double t_s, odo_fix& fix) {
+  const int kind = static_cast<int>(t_s / 2) % 4;
+  if (kind == 1) fix.header.flags |= ODO_FIX_DOWN | ODO_FIX_COVARIANCE, fix.p_n[2] = -1.2, fix.covariance_n[8] = 0.3;
+  if (kind == 2) fix.header.flags = ODO_FIX_YAW, fix.yaw_axis_b[1] = 1, fix.yaw_rad = 0.3, fix.yaw_sigma_rad = 0.2;
+  if (kind == 3) {
+    fix.header.flags |= ODO_FIX_ORIENTATION | ODO_FIX_ORIENTATION_COVARIANCE;
+    fix.q_n_b[0] = std::cos(0.1), fix.q_n_b[3] = std::sin(0.1);
+    for (const int i : {0, 4, 8}) fix.orientation_cov_n[i] = 0.05 + 0.01 * i;
+  }
+}
+
+const std::vector<EstimatorCase>& all_cases() {
+  static const std::vector<EstimatorCase> cases = {
+      {"plain"},
+      {"known_scale", [](WalkMeasurements& w) { w.odometry.inverse_scale = 1, w.odometry.scale_sigma = 0.02; }},
+      {"mount", [](WalkMeasurements& w) { w.q_b_c = Eigen::Quaterniond(0.3, 0.8, 0.4, -0.2).normalized(); }},
+      {"steps_alone", [](WalkMeasurements& w) { w.camera = false; }},
+      {"compass",
+       [](WalkMeasurements& w) {
+         w.camera = false, w.compass_sigma_rad = 0.1, w.compass_rad = [](double t) { return 0.1 * std::sin(t); };
+       }},
+      {"fixes", [](WalkMeasurements& w) { w.fix_every_s = 2, w.change_fix = all_fixes; }},
+      {"fixes_and_mount",
+       [](WalkMeasurements& w) {
+         w.fix_every_s = 2, w.change_fix = all_fixes;
+         w.q_b_c = Eigen::Quaterniond(0.3, 0.8, 0.4, -0.2).normalized();
+       }},
+      {"blind", [](WalkMeasurements& w) { w.odometry.blind_from_s = 8, w.odometry.blind_to_s = 14; }},
+      {"new_group",
+       [](WalkMeasurements& w) {
+         w.change = [](double t, odo_vo_motion& m) {
+           if (t < 9) return;
+           m.scale_group = 1;
+           for (double& x : m.p_c0_c1) x *= 2;
+         };
+       }},
+      {"no_frames", [](WalkMeasurements& w) { w.odometry.off_from_s = 8, w.odometry.off_to_s = 12; }},
+      {"no_imu", [](WalkMeasurements& w) { w.no_imu_from_s = 8, w.no_imu_to_s = 8.6; }},
+      {"pressure",
+       {},
+       [](Composer& e, double t) {
+         const auto b = pressure(t);
+         e.update(&b);
+       }},
+      {"scales",
+       {},
+       [](Composer& e, double t) {
+         const auto s = scale(t);
+         e.update(&s);
+       }},
+      {"started", {}, {}, [] {
+         StartPose s;
+         s.given = s.heading_given = true, s.position_m = {3, -2, 1}, s.heading_rad = 0.4;
+         return s;
+       }()}};
+  return cases;
+}
+
+void add_held(Digest& digest, const RetainedPose& held) {
+  digest.add("held.p_n_b", held.p_n_b.data(), 3);
+  digest.add("held.q_n_b", held.q_n_b.coeffs().data(), 4);
+  digest.add_blocks("held.own", held.own.data(), 6);
+  digest.add_blocks("held.cross", held.cross.data(), 6);
+}
+
+void add_estimate(Digest& digest, const Estimate& x) {
+  digest.add("at.q_n_b", x.q_n_b.coeffs().data(), 4);
+  digest.add("at.p_n_b", x.p_n_b.data(), 3);
+  digest.add("at.v_n_b", x.v_n_b.data(), 3);
+  digest.add("at.gyro_bias_b", x.gyro_bias_b.data(), 3);
+  digest.add("at.accel_bias_b", x.accel_bias_b.data(), 3);
+  digest.add("at.mean", x.velocity_is_mean);
+}
+
+std::string digest_of(const CouplingConfig& config, const EstimatorCase& one_case) {
+  WalkMeasurements what;
+  if (one_case.what) one_case.what(what);
+  MeasuredWalk walk(walk_scenario(24), what, 5);
+  Composer composer(config, one_case.start, {.vo = what.camera, .scale = false});
+  Digest digest;
+  std::vector<uint64_t> held;
+  double next_held_s = 3;
+  walk.run(
+      composer,
+      [&](double t, const odo_pose& pose) {
+        digest.add("pose.p_n", pose.p_n, 3);
+        digest.add("pose.q_n", pose.q_n, 4);
+        digest.add("pose.velocity_n", pose.velocity_n, 3);
+        digest.add_blocks("pose.covariance", pose.covariance, 6);
+        digest.add_blocks("pose.velocity_covariance", pose.velocity_covariance, 3);
+        digest.add("pose.scale", pose.scale);
+        digest.add("pose.scale_sigma", pose.scale_sigma);
+        digest.add("pose.distance_m", pose.distance_m);
+        digest.add("pose.flags", pose.header.flags);
+        digest.add("pose.state", pose.state * 100 + pose.reason);
+        for (const double ahead_s : {-0.15, 0.0, 0.04}) {
+          Estimate there;
+          if (composer.at(MeasuredWalk::ns(t + ahead_s), there) == ODO_OK) add_estimate(digest, there);
+        }
+        odo_fix reference;
+        if (composer.take_step_reference(reference))
+          digest.add("reference.p_n", reference.p_n, 3),
+              digest.add_blocks("reference.covariance_n", reference.covariance_n, 3);
+        const ScaleKnowledge known = composer.scale_knowledge();
+        digest.add("scale.sigma", known.sigma);
+        digest.add("scale.by_inertia", known.by_inertia);
+        digest.add("scale.by_steps", known.by_steps);
+        digest.add("placed", composer.is_placed());
+        if (t > next_held_s && held.size() < 4)
+          held.push_back(composer.retain_pose(MeasuredWalk::ns(t - 0.2))), next_held_s += 2;
+        if (one_case.beside) one_case.beside(composer, t);
+      },
+      [&](const Correction& correction, const odo_pose&) {
+        digest.add("correction.p", correction.p.data(), 3);
+        digest.add("correction.q", correction.q.coeffs().data(), 4);
+        digest.add("correction.reason", correction.reason);
+      });
+  RetainedPose pose;
+  for (const uint64_t id : held)
+    if (composer.retained_pose(id, pose)) add_held(digest, pose);
+  if (composer.pose_now(pose)) digest.add_blocks("now.covariance", pose.now.data(), 6);
+  return digest.text();
+}
+
+}  // namespace
+
+TEST_SUITE_BEGIN("kept_estimates");
+
+TEST_CASE("the localizer's estimates are as kept with each kind of input") {
+  if (!kept_for_this_machine()) return;
+  CouplingConfig config;
+  config.type = CouplingType::localizer;
+  for (const EstimatorCase& one_case : all_cases())
+    compare_kept(std::string("estimate_localizer_") + one_case.name, digest_of(config, one_case), kSame);
+}
+
+TEST_CASE("the papers' rules give the kept estimates with each kind of input and each source of orientation") {
+  if (!kept_for_this_machine()) return;
+  for (const EstimatorCase& one_case : all_cases())
+    if (const std::string name = one_case.name; name != "no_imu" && name != "pressure" && name != "scales")
+      compare_kept(std::string("estimate_paper_") + one_case.name, digest_of({}, one_case), kSame);
+  CouplingConfig config;
+  for (const auto& [name, orientation] :
+       {std::pair("gyroscope", Orientation::gyroscope), std::pair("attitude", Orientation::attitude)}) {
+    config.orientation = orientation, config.vertical = Vertical::scaled;
+    const auto mount = std::find_if(all_cases().begin(), all_cases().end(), [](const EstimatorCase& one_case) {
+      return std::string(one_case.name) == "fixes_and_mount";
+    });
+    REQUIRE(mount != all_cases().end());
+    compare_kept(std::string("estimate_paper_") + name, digest_of(config, *mount), kSame);
+  }
+}
+
+TEST_SUITE_END();

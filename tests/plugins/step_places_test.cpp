@@ -1,0 +1,262 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Steps with the phone anywhere: on a leg, in a bag, on the body.
+#include <algorithm>
+#include <cmath>
+
+#include <doctest/doctest.h>
+
+#include "plugins/step/odograph/carry_mode.hpp"
+#include "plugins/step/odograph/gait_finder.hpp"
+#include "plugins/step/odograph/length_model.hpp"
+#include "plugins/step/odograph/walk_direction.hpp"
+#include "sdk/tools/evaluation/walk_truth.hpp"
+#include "sdk/tools/replay/runner.hpp"
+#include "sdk/tools/simulation/carrying.hpp"
+#include "sdk/tools/simulation/random.hpp"
+#include "sdk/tools/simulation/simulate.hpp"
+#include "sdk/tools/simulation/walk_scenarios.hpp"
+#include "tests/support/support.hpp"
+
+using namespace odograph;
+using namespace odograph::steps;
+
+TEST_SUITE_BEGIN("steps");
+
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+
+/// Motion of a phone on a person who walks with `step_hz`.
+struct Place {
+  double vertical_mps2, other_foot, surge_mps2, swing_mps2, tilting_radps;
+  double direction_rad = 0.7;
+};
+
+/// Both feet push, the second one by that fraction, 0.42 of a stride later; the surge leads by a good quarter of a
+/// step; the swing is a pendulum's across both, once per stride.
+std::vector<FoundStep> found_in(const Place& place, double step_hz, double walk_s, uint64_t seed) {
+  Resampler resampler;
+  GaitFinder finder;
+  Random random(seed, 1);
+  std::vector<FoundStep> steps;
+  double phase = 0;
+  constexpr double dt = 0.01;
+  for (double t = 0; t < walk_s + 8; t += dt) {
+    phase += kPi * step_hz * dt;  // of the stride
+    const double on = t > 4 && t < 4 + walk_s ? 1 : 0;
+    const auto push = [&](double at) { return std::exp(3 * (std::cos(phase - at) - 1)); };
+    const double up = on * place.vertical_mps2 * (push(0) + place.other_foot * push(2.6) - 0.6);
+    const double surge = on * place.surge_mps2 * std::cos(2 * phase + 1.75);
+    const double swing = on * place.swing_mps2 * std::cos(phase + 0.4);
+    const Eigen::Vector2d along(std::cos(place.direction_rad), std::sin(place.direction_rad));
+    const Eigen::Vector2d noise(0.05 * random.normal(), 0.05 * random.normal());
+    const Eigen::Vector2d horizontal = (surge + swing) * along + noise;
+    const double rate = on * place.tilting_radps * std::sqrt(2.0) * std::cos(phase);
+    resampler.push(
+        {.t_ns = static_cast<int64_t>(t * 1e9),
+         .vertical = up + 0.05 * random.normal(),
+         .level = horizontal.norm(),
+         .gyro = std::abs(rate) + 0.05,
+         .horizontal_n = horizontal,
+         .tilting_n = Eigen::Vector2d(rate, 0)},
+        [&](const WalkSample& s) {
+          finder.add(s);
+          for (const FoundStep& step : finder.found()) steps.push_back(step);
+        },
+        [&] { finder.reset(); });
+  }
+  return steps;
+}
+
+const Place kLeg{8, 0.5, 2, 3, 1.6}, kBag{5, 0.8, 1.5, 2.5, 0.6};
+
+}  // namespace
+
+TEST_CASE(
+    "a phone on a leg or in a bag shows the steps of both feet, though only strides are alike and little is vertical") {
+  for (const Place& place : {kLeg, kBag})
+    for (const double hz : {1.5, 1.8, 2.2}) {
+      CAPTURE(place.vertical_mps2);
+      CAPTURE(hz);
+      const auto steps = found_in(place, hz, 30, 5);
+      CHECK(std::abs(static_cast<double>(steps.size()) - 30 * hz) <= 3);
+      if (!steps.empty()) CHECK(steps.back().vertical_part < 0.75);
+    }
+}
+
+TEST_CASE("equally strong motion by a hand without rhythm is no walk") {
+  size_t found = 0;
+  for (const uint64_t seed : {1, 2, 3}) {
+    Resampler resampler;
+    GaitFinder finder;
+    Random random(seed, 1);
+    Eigen::Vector3d at = Eigen::Vector3d::Zero(), speed = at;  // each axis rings at 1.5 Hz, as in gestures
+    constexpr double dt = 0.01, w = 2 * kPi * 1.5, damping = 0.3;
+    for (double t = 0; t < 200; t += dt) {
+      const Eigen::Vector3d push(random.normal(), random.normal(), random.normal());
+      speed += dt * (-w * w * at - 2 * damping * w * speed) + std::sqrt(4 * damping * w * dt) * w * push;
+      at += dt * speed;
+      const Eigen::Vector3d force = 2.0 * at;  // m/s^2, rms
+      resampler.push(
+          {.t_ns = static_cast<int64_t>(t * 1e9),
+           .vertical = force.z(),
+           .level = force.head<2>().norm(),
+           .gyro = 1.5,
+           .horizontal_n = force.head<2>(),
+           .tilting_n = Eigen::Vector2d(0.6 * at.x(), 0.6 * at.y())},
+          [&](const WalkSample& s) {
+            finder.add(s);
+            found += finder.found().size();
+          },
+          [&] { finder.reset(); });
+    }
+  }
+  CHECK(found <= 10);  // one per minute
+}
+
+TEST_CASE("the surge gives the walking direction in the phone's frame, with a consistent sigma") {
+  WalkDirection direction;
+  CHECK(direction.sigma_rad() > 3);
+  for (const FoundStep& step : found_in(kLeg, 1.8, 20, 6)) direction.add(step.surge_n, 0.5);
+  CHECK(std::abs(direction.offset_rad() - (kLeg.direction_rad - 0.5)) < 0.15);
+  CHECK(direction.sigma_rad() < 0.2);
+  WalkDirection noise;
+  Random random(3, 1);
+  for (int i = 0; i < 40; ++i) noise.add({random.normal(), random.normal()}, 0);
+  CHECK(noise.sigma_rad() > 0.5);
+}
+
+TEST_CASE("a leg's swing is a pocket from the second step on") {
+  CarryModeClassifier carry;
+  CarryMode mode = CarryMode::texting;
+  for (const FoundStep& step : found_in(kLeg, 1.8, 10, 7)) mode = carry.classify(step, {0, 0.98, 0});
+  CHECK(mode == CarryMode::pocket);
+  CHECK(carry.on_leg());
+}
+
+TEST_CASE("a thigh that swings a little less for a few steps stays one, and the direction does not flip") {
+  CarryModeClassifier carry;
+  FoundStep step{.swing_mps2 = 6, .frequency_hz = 1.8, .vertical_part = 0.8};
+  const auto walk = [&](int steps, double radps) {
+    step.gyro_radps = radps;
+    for (int i = 0; i < steps; ++i) carry.classify(step, {0, -0.9, 0});
+  };
+  walk(10, 1.6);
+  CHECK(carry.on_leg());
+  walk(10, 1.25);
+  CHECK(carry.on_leg());
+  walk(20, 0.6);
+  CHECK_FALSE(carry.on_leg());
+  walk(10, 1.25);
+  CHECK_FALSE(carry.on_leg());
+}
+
+TEST_CASE("a small bounce gives no short step, and an irregular walk has shorter and less certain steps") {
+  const LengthModel model;
+  const FoundStep softened{
+      .rise_m = 0.015, .gyro_radps = 0.5, .frequency_hz = 1.9, .vertical_part = 0.7, .repetition = 0.9};
+  FoundStep felt = softened, strolled = softened;
+  felt.rise_m = 0.05, strolled.repetition = 0.6;
+  CHECK(model.length_m(softened) > 0.57);
+  CHECK(model.length_m(felt) > 1.15 * model.length_m(softened));
+  CHECK(model.length_m(strolled) < 0.92 * model.length_m(softened));
+  CHECK(model.own_sigma(strolled) > 1.5 * model.own_sigma(softened));
+  // The fitted data contain no running: extrapolation is bounded.
+  const FoundStep run{.rise_m = 0.09, .gyro_radps = 1, .frequency_hz = 2.8, .vertical_part = 0.8, .repetition = 0.95};
+  CHECK(model.length_m(run) > 0.75);
+}
+
+TEST_CASE("a bag swings with its strap's own period, with damping") {
+  constexpr double kRate_hz = 400, kStrap_m = 0.5;
+  std::vector<Eigen::Vector3d> trunk(4000, Eigen::Vector3d::Zero());
+  for (size_t i = 100; i < trunk.size(); ++i) trunk[i].x() = 0.05;  // a forward jerk
+  const Bag bag(trunk, Signal(trunk.size()), kStrap_m, 0.1, kRate_hz);
+  std::vector<size_t> crossings;
+  for (size_t i = 200; i + 2 < trunk.size(); ++i)
+    if (bag.forward_rad[i - 1] < 0 && bag.forward_rad[i] >= 0) crossings.push_back(i);
+  REQUIRE(crossings.size() > 3);
+  const double period_s = static_cast<double>(crossings[3] - crossings[0]) / 3 / kRate_hz;
+  CHECK(period_s == doctest::Approx(2 * kPi * std::sqrt(kStrap_m / 9.80665) / std::sqrt(1 - 0.01)).epsilon(0.01));
+  CHECK(std::abs(bag.right_rad[500]) < 1e-12);
+  CHECK(std::abs(bag.forward_rad[3990]) < 0.1 * std::abs(bag.forward_rad[150]));
+}
+
+TEST_CASE("there is at most a step per minute in lifts and in a car") {
+  const TemporaryFolder folder;
+  for (const bool drives : {false, true}) {
+    CAPTURE(drives);
+    REQUIRE(
+        simulate(drives ? car_ride(3) : standing("lift", false), 3, folder / "w.odo", {.threads = 1, .frames = false})
+            .ok());
+    const auto recording = read_recording(folder / "w.odo");
+    REQUIRE(recording.ok());
+    RunOptions options;
+    options.config = source("samples/configs/pocket_walk.yaml").string();
+    options.plugin_path = plugin_folder().string();
+    const auto result = replay(*recording, options);
+    REQUIRE_MESSAGE(result.ok(), (result.ok() ? "" : result.failure().text));
+    const auto& states = recording->true_states;
+    const double minutes = static_cast<double>(states.back().t_ns - states.front().t_ns) / 60e9;
+    CHECK(minutes > 5);
+    // The metre to the lift and away is walked.
+    CHECK(static_cast<double>(result->steps.size()) <= minutes + static_cast<double>(recording->true_steps.size()));
+    if (drives) continue;
+    double highest_m = 0;
+    for (const TrueState& state : states) highest_m = std::max(highest_m, states.front().p.z() - state.p.z());
+    CHECK(highest_m > 10);  // it rode
+  }
+}
+
+namespace {
+
+struct Error {
+  double count_percent, distance_percent, position_m;
+  size_t steps;
+};
+
+std::vector<Error> errors_in(const std::filesystem::path& folder, const std::string& ending) {
+  std::vector<Error> errors;
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    if (!entry.path().filename().string().ends_with(ending) || entry.path().stem() == "index") continue;
+    const auto recording = read_recording(entry.path());
+    REQUIRE_MESSAGE(recording.ok(), (recording.ok() ? "" : recording.failure().text));
+    RunOptions options;
+    options.config = source("samples/configs/pocket_walk.yaml").string();
+    options.plugin_path = plugin_folder().string();
+    const auto result = replay(*recording, options);
+    REQUIRE_MESSAGE(result.ok(), (result.ok() ? "" : result.failure().text));
+    const WalkTruthFigures f = walk_truth_figures(*recording, result->steps, result->track);
+    errors.push_back({f.count_percent, 100 * (f.estimated_m / f.true_m - 1), f.position_m, result->steps.size()});
+  }
+  return errors;
+}
+
+std::vector<double> sizes(const std::vector<Error>& errors, double Error::*what) {
+  std::vector<double> values;
+  for (const Error& e : errors) values.push_back(std::abs(e.*what));
+  return values;
+}
+
+}  // namespace
+
+TEST_CASE("real walks with the phone in the hand, on the body, in a bag and on the leg are within limits" *
+          doctest::test_suite("steps_data")) {
+  const auto folder = data_or_skip("ridi");
+  if (folder.empty()) return;
+  const auto errors = errors_in(folder, ".csv");
+  for (const Error& e : errors) CHECK(e.steps > 60);
+  CHECK(percentile(sizes(errors, &Error::distance_percent), 0.5) < 5);
+  CHECK(percentile(sizes(errors, &Error::distance_percent), 0.9) < 10);
+  CHECK(percentile(sizes(errors, &Error::position_m), 0.5) < 1.1);
+}
+
+TEST_CASE("real steps match those counted by a switch in each shoe" * doctest::test_suite("steps_data")) {
+  const auto folder = data_or_skip("oxford_steps");
+  if (folder.empty()) return;
+  const auto errors = errors_in(folder, "_accelerometer.csv");
+  CHECK(percentile(sizes(errors, &Error::count_percent), 0.5) < 2);
+  CHECK(percentile(sizes(errors, &Error::count_percent), 1) < 5);
+}
+
+TEST_SUITE_END();

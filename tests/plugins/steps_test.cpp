@@ -1,0 +1,363 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+#include <complex>
+
+#include <doctest/doctest.h>
+
+#include "plugins/step/odograph/gait_finder.hpp"
+#include "plugins/step/odograph/carry_mode.hpp"
+#include "sdk/tools/replay/runner.hpp"
+#include "sdk/tools/simulation/random.hpp"
+#include "sdk/tools/simulation/simulate.hpp"
+#include "tests/support/support.hpp"
+
+using namespace odograph;
+using namespace odograph::steps;
+
+TEST_SUITE_BEGIN("steps");
+
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+
+/// Feeds a walk of regular steps, standing before and after, and collects the found steps. `longer`: fraction by which
+/// every other step is longer, and the next one shorter.
+std::vector<FoundStep> found_at(double rate_hz, double step_hz, double rise_m, double walk_s, double jitter,
+                                uint64_t seed, double longer = 0) {
+  Resampler resampler;
+  WalkSignal signal;
+  StepFinder finder;
+  Random random(seed, 1);
+  std::vector<FoundStep> steps;
+  for (double t = 0; t < walk_s + 8; t += (1 + jitter * random.uniform(-1, 1)) / rate_hz) {
+    const bool walks = t > 4 && t < 4 + walk_s;
+    const double pair = std::fmod(std::max(0.0, t - 4) * step_hz, 2), first = 1 + longer;  // of two steps
+    const double w = 2 * kPi * step_hz;  // each leg pushes the body equally
+    const double phase = 2 * kPi * (pair < first ? pair / first : (pair - first) / (2 - first));
+    const double up = (walks ? 0.5 * rise_m * w * w * std::cos(phase) : 0.0) + 0.1 * random.normal();
+    resampler.push(
+        {.t_ns = static_cast<int64_t>(t * 1e9),
+         .vertical = up,
+         .level = walks ? 0.6 : 0.05,
+         .gyro = walks ? 0.5 : 0.05},
+        [&](const WalkSample& s) {
+          signal.add(s);
+          finder.update(signal);
+          for (const FoundStep& step : finder.found()) steps.push_back(step);
+        },
+        [&] { signal.reset(), finder.reset(); });
+  }
+  return steps;
+}
+
+}  // namespace
+
+TEST_CASE("steps of unequal legs are found if one lasts at most two fifths longer") {
+  for (const double longer : {0.1, 0.17}) {  // 1.22 and 1.41 times the other
+    CAPTURE(longer);
+    CHECK(found_at(100, 1.7, 0.04, 20, 0, 3, longer).size() == 34);
+  }
+}
+
+TEST_CASE("steps are counted, timed and their rise is measured at any rate, regular or not") {
+  for (const double rate : {25.0, 50.0, 100.0, 200.0, 500.0})
+    for (const double hz : {1.4, 1.9, 2.6})
+      for (const double jitter : {0.0, 0.6}) {
+        CAPTURE(rate);
+        CAPTURE(hz);
+        CAPTURE(jitter);
+        const auto steps = found_at(rate, hz, 0.04, 20, jitter, 3);
+        CHECK(std::abs(static_cast<double>(steps.size()) - 20 * hz) <= 1.5);
+        double interval = 0, rise = 0;
+        for (const FoundStep& s : steps) {
+          interval += static_cast<double>(s.t_end_ns - s.t_start_ns) * 1e-9 / static_cast<double>(steps.size());
+          rise += s.rise_m / static_cast<double>(steps.size());
+        }
+        CHECK(interval == doctest::Approx(1 / hz).epsilon(0.03));
+        // The smoothing attenuates quick steps, equally for everybody.
+        const double smoothed_m = 0.04 * std::exp(-0.5 * std::pow(2 * kPi * hz * 0.06, 2));
+        CHECK(std::abs(rise - smoothed_m) < 0.15 * smoothed_m);  // measured: at most 0.121
+      }
+}
+
+namespace {
+
+/// Steps found while the phone oscillates for a time, standing before and after: amplitude of the vertical acceleration
+/// at the step frequency and, relative to it, at twice that; meanwhile the hand tilts at an rms rate of `tilting`
+/// at 1.3 Hz.
+std::vector<FoundStep> found_in_gentle(double step_hz, double amplitude_mps2, double second_harmonic,
+                                       double tilting_radps, double walk_s) {
+  Resampler resampler;
+  GaitFinder finder;
+  Random random(7, 1);
+  std::vector<FoundStep> steps;
+  const double w = 2 * kPi * step_hz;
+  for (double t = 0; t < walk_s + 8; t += 0.01) {
+    const double on = t > 4 && t < 4 + walk_s ? 1 : 0;
+    const double up = on * amplitude_mps2 * (std::cos(w * (t - 4)) + second_harmonic * std::cos(2 * w * (t - 4) + 1.0));
+    const Eigen::Vector2d noise(random.normal(), random.normal());
+    const WalkSample sample{
+        .t_ns = static_cast<int64_t>(t * 1e9),
+        .vertical = up + 0.08 * random.normal(),
+        .level = 0.3,
+        .gyro = 0.4,  // scanning
+        .horizontal_n = 0.1 * noise + on * Eigen::Vector2d(0.15 * std::sin(w * t), 0),
+        .tilting_n = tilting_radps * std::sqrt(2.0) * Eigen::Vector2d(std::sin(2 * kPi * 1.3 * t), 0)};
+    resampler.push(
+        sample,
+        [&](const WalkSample& s) {
+          finder.add(s);
+          for (const FoundStep& step : finder.found()) steps.push_back(step);
+        },
+        [&] { finder.reset(); });
+  }
+  return steps;
+}
+
+}  // namespace
+
+TEST_CASE("gentle steps are counted from 0.8 Hz and 0.2 m/s^2 on, also with a strong second harmonic") {
+  for (const double hz : {0.8, 1.0, 1.25, 1.5, 1.7})
+    for (const double second : {0.0, 0.6}) {
+      CAPTURE(hz);
+      CAPTURE(second);
+      const auto steps = found_in_gentle(hz, 0.2, second, 0.05, 30);
+      CHECK(std::abs(static_cast<double>(steps.size()) - 30 * hz) <= 3);
+      for (size_t i = 1; i < steps.size(); ++i) CHECK(steps[i].t_start_ns >= steps[i - 1].t_end_ns);
+    }
+  for (const double hz : {2.0, 2.3, 2.6}) {  // quick ones need more
+    CAPTURE(hz);
+    CHECK(std::abs(static_cast<double>(found_in_gentle(hz, 0.5, 0, 0.05, 30).size()) - 30 * hz) <= 2);
+  }
+}
+
+TEST_CASE("a hand that tilts the phone as in gestures hides gentle steps, so that gestures give none") {
+  CHECK(found_in_gentle(1.3, 0.4, 0, 0.1, 30).size() > 30);
+  CHECK(found_in_gentle(1.3, 0.4, 0, 0.5, 30).empty());
+}
+
+TEST_CASE("nothing is found after a vivid walk has ended, while it leaves the mean") {
+  Resampler resampler;
+  GaitFinder finder;
+  Random random(9, 1);
+  int64_t last_ns = 0;
+  for (double t = 0; t < 30; t += 0.01) {
+    const double w = 2 * kPi * 1.83;
+    const double up = t > 4 && t < 20 ? 3.5 * std::cos(w * (t - 4)) : 0.0;
+    resampler.push(
+        {.t_ns = static_cast<int64_t>(t * 1e9), .vertical = up + 0.03 * random.normal(), .level = 0.3, .gyro = 0.3},
+        [&](const WalkSample& s) {
+          finder.add(s);
+          for (const FoundStep& step : finder.found()) last_ns = step.t_end_ns;
+        },
+        [&] { finder.reset(); });
+  }
+  CHECK(static_cast<double>(last_ns) * 1e-9 == doctest::Approx(20.0).epsilon(0.02));
+}
+
+TEST_CASE("a gentle step's length follows cadence and rise, with a larger sigma") {
+  const LengthModel model;
+  const FoundStep slow{.whole_rise_m = 0.015, .frequency_hz = 1.1, .gentle = true};
+  FoundStep quick = slow, high = slow;
+  quick.frequency_hz = 1.6, high.whole_rise_m = 0.03;
+  CHECK(model.length_m(quick) > 1.1 * model.length_m(slow));
+  CHECK(model.length_m(high) > 1.1 * model.length_m(slow));
+  // Orendurff et al. 2004: 0.7 m/s, rise 2.7 cm, of which the person holding the phone leaves half; 0.58 m at 1.2 Hz.
+  const FoundStep of_paper{.whole_rise_m = 0.0137, .frequency_hz = 1.2, .gentle = true};
+  CHECK(std::abs(model.length_m(of_paper) - 0.55) < 0.0825);
+  CHECK(model.own_sigma(slow) > 2 * model.own_sigma({.repetition = 0.8, .gentle = false}));
+}
+
+TEST_CASE("simulated users who look through the phone have correct counts and distances") {
+  const TemporaryFolder folder;
+  Scenario s;
+  s.walker.gait = "viewing", s.walker.speed_mps = 0.8, s.walker.stand_s = 4;
+  s.route = {{0, 0, 0}, {25, 0, 0}, {25, 20, 0}};
+  s.events = {{10, "look_around", 6}, {18, "sidestep", 3}, {24, "stand", 5}, {30, "backwards", 3}, {36, "shuffle", 3}};
+  std::vector<double> counts, distances;
+  for (const uint64_t seed : {31, 32, 33, 34}) {
+    REQUIRE(simulate(s, seed, folder / "w.odo", {.threads = 1, .frames = false}).ok());
+    const auto recording = read_recording(folder / "w.odo");
+    REQUIRE(recording.ok());
+    RunOptions options;
+    options.config = source("samples/configs/phone_walk_odograph.yaml").string();
+    options.plugin_path = plugin_folder().string();
+    const auto result = replay(*recording, options);
+    REQUIRE_MESSAGE(result.ok(), (result.ok() ? "" : result.failure().text));
+    double truth = 0, estimate = 0;
+    for (const odo_step& step : recording->true_steps) truth += step.length_m;
+    for (const odo_step& step : result->steps) estimate += step.length_m;
+    counts.push_back(
+        std::abs(static_cast<double>(result->steps.size()) / static_cast<double>(recording->true_steps.size()) - 1));
+    distances.push_back(std::abs(estimate / truth - 1));
+  }
+  CHECK(percentile(counts, 0.5) < 0.04);
+  CHECK(percentile(counts, 1.0) < 0.10);
+  CHECK(percentile(distances, 0.5) < 0.12);
+  CHECK(percentile(distances, 1.0) < 0.25);
+}
+
+TEST_CASE("the slow walk through a house has its 50 to 66 steps and 29 to 38 m" * doctest::test_suite("steps_data")) {
+  const auto folder = data_or_skip("phone_house");
+  if (folder.empty()) return;
+  auto recording = read_recording(folder);
+  REQUIRE(recording.ok());
+  std::erase_if(recording->messages, [](const RecordedMessage& m) { return m.message.header().type != ODO_TYPE_IMU; });
+  RunOptions options;
+  options.config = source("samples/configs/phone_walk_odograph.yaml").string();
+  options.plugin_path = plugin_folder().string();
+  const auto result = replay(*recording, options);
+  REQUIRE_MESSAGE(result.ok(), (result.ok() ? "" : result.failure().text));
+  double path_m = 0;
+  for (const odo_step& step : result->steps) path_m += step.length_m;
+  CHECK(result->steps.size() >= 50);
+  CHECK(result->steps.size() <= 66);
+  CHECK(path_m > 29);
+  CHECK(path_m < 38);
+}
+
+TEST_CASE("ten minutes of vivid gestures give almost no step, and turning on the spot none") {
+  const TemporaryFolder folder;
+  for (const char* what : {"handle", "turn"}) {
+    Scenario s;
+    s.route = {{0, 0, 0}, {1, 0, 0}};
+    for (int k = 0; k < 60; ++k) s.events.push_back({0.0, what, 10.0});
+    REQUIRE(simulate(s, 51, folder / "w.odo", {.threads = 1, .frames = false}).ok());
+    const auto recording = read_recording(folder / "w.odo");
+    RunOptions options;
+    options.config = source("samples/configs/phone_walk_odograph.yaml").string();
+    options.plugin_path = plugin_folder().string();
+    const auto result = replay(*recording, options);
+    REQUIRE_MESSAGE(result.ok(), (result.ok() ? "" : result.failure().text));
+    // The metre there and back is walked. Other estimators count about 950 steps in those gestures.
+    const size_t most = std::string_view(what) == "turn" ? 0 : 12;
+    CHECK(result->steps.size() <= recording->true_steps.size() + most);
+  }
+}
+
+TEST_CASE("a gap and broken samples end a walk and do not affect the next one") {
+  Resampler resampler;
+  WalkSignal signal;
+  StepFinder finder;
+  size_t steps = 0, gaps = 0;
+  const auto feed = [&](double from, double to) {
+    for (double t = from; t < to; t += 0.01) {
+      const double w = 2 * kPi * 1.9;
+      const WalkSample s{
+          .t_ns = static_cast<int64_t>(t * 1e9), .vertical = 0.02 * w * w * std::cos(w * t), .level = 0.5, .gyro = 0.5};
+      const auto take = [&](const WalkSample& x) {
+        signal.add(x);
+        finder.update(signal);
+        steps += finder.found().size();
+      };
+      const auto gap = [&] { ++gaps, signal.reset(), finder.reset(); };
+      resampler.push(s, take, gap);
+      resampler.push(s, take, gap);                                                                          // twice
+      resampler.push({.t_ns = s.t_ns - 30'000'000, .vertical = 1e3, .level = 1e3, .gyro = 1e3}, take, gap);  // late
+    }
+  };
+  feed(0, 10);
+  const size_t before = steps;
+  CHECK(std::abs(static_cast<double>(before) - 18) <= 2);
+  feed(13, 23);
+  CHECK(gaps == 1);
+  CHECK(std::abs(static_cast<double>(steps - before) - 18) <= 2);
+}
+
+TEST_CASE("a simulated walker has correct counts, times and modes, and no step while standing, typing or turning") {
+  const TemporaryFolder folder;
+  Scenario s;
+  s.route = {{0, 0, 0}, {40, 0, 0}, {40, 20, 0}};
+  s.walker.stand_s = 4;
+  s.events = {{20, "handle", 30}, {30, "turn", 20}, {45, "swinging"}};
+  for (const uint64_t seed : {41, 42, 43}) {
+    REQUIRE(simulate(s, seed, folder / "w.odo", {.threads = 1, .frames = false}).ok());
+    const auto recording = read_recording(folder / "w.odo");
+    REQUIRE(recording.ok());
+    RunOptions options;
+    options.config = source("samples/configs/phone_walk_odograph.yaml").string();
+    options.plugin_path = plugin_folder().string();
+    const auto result = replay(*recording, options);
+    REQUIRE_MESSAGE(result.ok(), (result.ok() ? "" : result.failure().text));
+    CHECK(std::abs(static_cast<double>(result->steps.size()) - static_cast<double>(recording->true_steps.size())) <= 3);
+    std::vector<double> late;
+    for (const odo_step& step : result->steps) {
+      double nearest = 1e9;
+      for (const odo_step& truth : recording->true_steps)
+        nearest = std::min(nearest, std::abs(static_cast<double>(truth.t_end_ns - step.t_end_ns)));
+      late.push_back(nearest * 1e-6);
+    }
+    CHECK(percentile(late, 0.5) < 60);
+    CHECK(percentile(late, 0.95) < 150);
+  }
+}
+
+TEST_CASE("a step's heading is the phone's in the middle of the step, also while the walker turns") {
+  const TemporaryFolder folder;
+  Scenario s;  // zigzag: turns of 90 degrees to both sides
+  s.walker.stand_s = 3;
+  s.route = {{0, 0, 0}, {8, 0, 0}, {8, 8, 0}, {16, 8, 0}, {16, 0, 0}, {24, 0, 0}, {24, 8, 0}, {32, 8, 0}};
+  for (const uint64_t seed : {51, 52, 53}) {
+    REQUIRE(simulate(s, seed, folder / "w.odo", {.threads = 1, .frames = false}).ok());
+    const auto recording = read_recording(folder / "w.odo");
+    REQUIRE(recording.ok());
+    RunOptions options;
+    options.config = source("samples/configs/phone_walk_odograph.yaml").string();
+    options.plugin_path = plugin_folder().string();
+    options.collect_attitudes = true;
+    const auto result = replay(*recording, options);
+    REQUIRE_MESSAGE(result.ok(), (result.ok() ? "" : result.failure().text));
+    const auto heading_at = [&](int64_t t_ns) {
+      const auto next = std::lower_bound(result->attitudes.begin(), result->attitudes.end(), t_ns,
+                                         [](const odo_attitude& a, int64_t t) { return a.header.t_ns < t; });
+      if (next == result->attitudes.end()) return std::nan("");
+      const Eigen::Vector3d forward =
+          Eigen::Quaterniond(next->q_n_b[0], next->q_n_b[1], next->q_n_b[2], next->q_n_b[3]) *
+          Eigen::Vector3d(0, 1, -1);
+      return std::atan2(forward.y(), forward.x());
+    };
+    // Delay: the lag with the best fit of the phone's heading, averaged over a stride about the step's middle.
+    double late = 0, squares = 0;
+    for (const odo_step& step : result->steps) {
+      const int64_t length = step.t_end_ns - step.t_start_ns;
+      std::complex<double> now = 0, before = 0, after = 0;
+      for (int k = -10; k < 10; ++k) {
+        const int64_t t = (step.t_start_ns + step.t_end_ns) / 2 + k * length / 10;
+        now += std::polar(1.0, heading_at(t)), before += std::polar(1.0, heading_at(t - 200'000'000));
+        after += std::polar(1.0, heading_at(t + 200'000'000));
+      }
+      if (!std::isfinite(std::abs(before + now + after))) continue;
+      const double rate = std::arg(after / before) / 0.4, off = std::arg(std::polar(1.0, step.heading_rad) / now);
+      late -= off * rate, squares += rate * rate;
+    }
+    MESSAGE("late by " << 1e3 * late / squares << " ms");
+    CHECK(std::abs(late / squares) < 0.08);
+  }
+}
+
+TEST_CASE("the real walks with the best of the step estimators are within limits" * doctest::test_suite("steps_data")) {
+  const auto folder = data_or_skip("phone_walks");
+  if (folder.empty()) return;
+  std::vector<double> distance;
+  double reference = 0, estimate = 0;
+  int k = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    if (entry.path().extension() != ".txt" || k++ % 4 != 0) continue;  // a quarter: a regression test
+    const auto recording = read_recording(entry.path());
+    REQUIRE(recording.ok());
+    RunOptions options;
+    options.config = source("samples/configs/phone_walk_odograph.yaml").string();
+    options.plugin_path = plugin_folder().string();
+    const auto result = replay(*recording, options);
+    REQUIRE_MESSAGE(result.ok(), (result.ok() ? "" : result.failure().text));
+    const auto e = waypoint_errors(result->track, recording->waypoints());
+    distance.push_back(std::abs(e.distance_error()));
+    reference += e.reference_m, estimate += e.estimate_m;
+  }
+  CHECK(percentile(distance, 0.5) < 0.06);
+  CHECK(percentile(distance, 0.9) < 0.15);
+  CHECK(std::abs(estimate / reference - 1) < 0.04);
+}
+
+TEST_SUITE_END();

@@ -1,0 +1,303 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Every number of every format: written and read again, or read from a synthetic file with distinct numbers.
+#include <doctest/doctest.h>
+
+#include <array>
+#include <cmath>
+#include <sstream>
+#include <vector>
+
+#include <opencv2/imgcodecs.hpp>
+
+#include "sdk/tools/recording/odo_file.hpp"
+#include "tests/support/support.hpp"
+
+using namespace odograph;
+namespace fs = std::filesystem;
+using Eigen::Quaterniond;
+using Eigen::Vector3d;
+
+TEST_SUITE_BEGIN("recording");
+
+namespace {
+
+const Quaterniond kQ = Quaterniond(0.4, 0.5, -0.6, 0.7).normalized();
+
+template <class Message>
+Message first(const Recording& r, uint32_t type, uint32_t flags = 0) {
+  for (const auto& m : r.messages)
+    if (m.message.header().type == type && (m.message.header().flags & flags) == flags)
+      return as<Message>(m.message.header());
+  FAIL("no such message");
+  return {};
+}
+
+void check_list(const double* found, std::initializer_list<double> expected) {
+  for (const double x : expected) {
+    CHECK(std::abs(*found - x) < 1e-9 * std::abs(x) + 1e-15);
+    ++found;
+  }
+}
+
+Recording read(const fs::path& path) {
+  auto recording = read_recording(path);
+  REQUIRE_MESSAGE(recording.ok(), (recording.ok() ? "" : recording.failure().text));
+  return std::move(*recording);
+}
+
+void picture(const fs::path& path) { cv::imwrite(path.string(), cv::Mat(48, 64, CV_8U, cv::Scalar(77))); }
+
+TrueState a_state() {
+  TrueState s{.t_ns = 71};
+  s.q = kQ, s.p = {1, 2, 3}, s.v = {4, 5, 6}, s.gyro_bias = {7, 8, 9}, s.accel_bias = {10, 11, 12}, s.mode = 4;
+  return s;
+}
+
+}  // namespace
+
+TEST_CASE("all ground truth of a simulator is read back from an Odograph recording number by number") {
+  const TemporaryFolder folder;
+  const auto path = folder / "a.odo";
+  auto writer = OdoWriter::create(path, 0);
+  REQUIRE(writer.ok());
+  REQUIRE((*writer)->write(make_message<odo_imu>(ODO_TYPE_IMU, 1).header).ok());
+  auto step = make_message<odo_step>(ODO_TYPE_STEP, 55);
+  step.t_start_ns = 33, step.length_m = 0.7;
+  REQUIRE((*writer)->write_true_step(step).ok());
+  REQUIRE((*writer)->write_truth({61, kQ, {13, 14, 15}}).ok());
+  REQUIRE((*writer)->write_true_state(a_state()).ok());
+  REQUIRE((*writer)->write_true_skyline({81, {0.1F, 0.2F, 0.3F}, {10, 20, 30}}).ok());
+  TrueSighting sighting{.t_ns = 91, .tag = 5, .visible = 0.75F};
+  for (int i = 0; i < 8; ++i) sighting.corners_px[i] = 100 + i;
+  REQUIRE((*writer)->write_true_sighting(sighting).ok());
+  REQUIRE((*writer)->finish().ok());
+  const Recording r = read(path);
+  REQUIRE(r.truth.size() == 1);
+  CHECK((r.truth[0].t_ns == 61 && r.truth[0].q.coeffs() == kQ.coeffs() && r.truth[0].p == Vector3d(13, 14, 15)));
+  REQUIRE(r.true_states.size() == 1);
+  const TrueState &s = r.true_states[0], t = a_state();
+  CHECK((s.t_ns == 71 && s.mode == 4 && s.q.coeffs() == kQ.coeffs()));
+  CHECK((s.p == t.p && s.v == t.v && s.gyro_bias == t.gyro_bias && s.accel_bias == t.accel_bias));
+  REQUIRE(r.true_skylines.size() == 1);
+  CHECK(r.true_skylines[0].t_ns == 81);
+  CHECK(r.true_skylines[0].elevation_rad == std::vector<float>{0.1F, 0.2F, 0.3F});
+  CHECK(r.true_skylines[0].distance_m == std::vector<float>{10, 20, 30});
+  REQUIRE(r.true_sightings.size() == 1);
+  CHECK((r.true_sightings[0].t_ns == 91 && r.true_sightings[0].tag == 5 && r.true_sightings[0].visible == 0.75F));
+  check_list(r.true_sightings[0].corners_px, {100, 101, 102, 103, 104, 105, 106, 107});
+  REQUIRE(r.true_steps.size() == 1);
+  CHECK((r.true_steps[0].t_start_ns == 33 && r.true_steps[0].length_m == 0.7));
+}
+
+TEST_CASE("colours are read in their order, and a grey picture row by row") {
+  const TemporaryFolder folder;
+  auto writer = OdoWriter::create(folder / "a.odo", 0);
+  REQUIRE(writer.ok());
+  std::vector<uint8_t> pixels(2 * 16);
+  for (size_t i = 0; i < pixels.size(); ++i) pixels[i] = static_cast<uint8_t>(3 * i + 1);
+  const std::pair<uint32_t, uint32_t> formats[] = {
+      {ODO_FORMAT_GREY8, 1}, {ODO_FORMAT_RGB8, 3}, {ODO_FORMAT_RGBA8, 4}, {ODO_FORMAT_BGRA8, 4}};
+  for (const auto& [format, channels] : formats) {
+    auto frame = make_message<odo_frame>(ODO_TYPE_FRAME, format + 1);
+    frame.format = format, frame.width = 3, frame.height = 2, frame.planes[0] = {pixels.data(), 16, channels, 0};
+    REQUIRE((*writer)->write(frame.header).ok());
+  }
+  REQUIRE((*writer)->finish().ok());
+  const Recording r = read(folder / "a.odo");
+  REQUIRE(r.messages.size() == 4);
+  for (const auto& m : r.messages) {
+    const auto frame = load_frame(m);
+    REQUIRE(frame.ok());
+    CHECK((frame->width == 3 && frame->height == 2));
+    const uint32_t given = m.message.header().t_ns == ODO_FORMAT_GREY8 + 1  ? 1
+                           : m.message.header().t_ns == ODO_FORMAT_RGB8 + 1 ? 3
+                                                                            : 4;
+    const uint32_t kept = std::min(given, 3U);
+    const bool blue_first = m.message.header().t_ns == ODO_FORMAT_BGRA8 + 1;
+    CHECK(frame->planes[0].pixel_stride == kept);
+    for (uint32_t y = 0; y < 2; ++y)
+      for (uint32_t x = 0; x < 3; ++x)
+        for (uint32_t c = 0; c < kept; ++c)
+          CHECK(frame->planes[0].data[y * frame->planes[0].row_stride + x * kept + c] ==
+                pixels[16 * y + given * x + (blue_first ? 2 - c : c)]);
+    frame->loan.release(frame->loan.owner);
+  }
+}
+
+TEST_CASE("trajectory files have each number in its column, geodetic ones longitude first except in GPX") {
+  const TemporaryFolder folder;
+  const Trajectory track = {{1'000'000'007, kQ, {1.5, -2.25, 3.125}},
+                            {2'000'000'000, Quaterniond::Identity(), {4, 5, 6}}};
+  const ToGeodetic earth = [](const Vector3d& p) {
+    return std::array<double, 3>{0.8 + 1e-3 * p.x(), -0.1 + 1e-3 * p.y(), 200 - p.z()};
+  };
+  const double lat = 0.8015 * 180 / EIGEN_PI, lon = -0.10225 * 180 / EIGEN_PI, height = 196.875;
+  const auto numbers = [&](const char* name, const char* from, size_t count) {
+    REQUIRE(write_trajectory(folder / name, track, earth).ok());
+    const std::string text = read_text(folder / name);
+    std::string rest = text.substr(text.find(from) + std::string(from).size());
+    for (char& c : rest)
+      if (std::string("0123456789.-").find(c) == std::string::npos) c = ' ';
+    std::istringstream in(rest);
+    std::vector<double> found(count);
+    for (double& x : found) in >> x;
+    CHECK(in);
+    return found;
+  };
+  check_list(numbers("a.gpx", "<trkseg>", 3).data(), {lat, lon, height});
+  check_list(numbers("a.kml", "<coordinates>", 3).data(), {lon, lat, height});
+  check_list(numbers("a.geojson", "\"coordinates\":[", 3).data(), {lon, lat, height});
+  check_list(numbers("a.csv", "qz\n", 8).data(), {1'000'000'007, 1.5, -2.25, 3.125, kQ.w(), kQ.x(), kQ.y(), kQ.z()});
+  REQUIRE(write_trajectory(folder / "a.txt", track, nullptr).ok());
+  CHECK((*read_tum(folder / "a.txt"))[0].q.angularDistance(kQ) < 1e-9);
+  CHECK(path_length(track) == doctest::Approx(std::hypot(2.5, 7.25, 2.875)));
+}
+
+TEST_CASE("tracks on a map have times if the clock is Unix time, otherwise none") {
+  const TemporaryFolder folder;
+  const ToGeodetic earth = [](const Vector3d&) { return std::array<double, 3>{0.8, -0.1, 20}; };
+  const Trajectory unix_times = {{1'781'801'311'043'000'000, kQ, {}}, {1'781'801'312'043'000'000, kQ, {1, 0, 0}}};
+  const Trajectory boot_times = {{77'043'000'000, kQ, {}}, {78'043'000'000, kQ, {1, 0, 0}}};
+  const auto has = [&](const char* name, const Trajectory& track, const char* text) {
+    REQUIRE(write_trajectory(folder / name, track, earth).ok());
+    return read_text(folder / name).find(text) != std::string::npos;
+  };
+  CHECK(has("a.gpx", unix_times, "<time>2026-06-18T16:48:31.043Z</time>"));
+  CHECK(has("a.kml", unix_times, "<when>2026-06-18T16:48:32.043Z</when>"));
+  CHECK(has("a.geojson", unix_times, "\"coordTimes\":[\n\"2026-06-18T16:48:31.043Z\","));
+  CHECK_FALSE(has("b.gpx", boot_times, "<time>"));
+  CHECK_FALSE(has("b.kml", boot_times, "<when>"));
+  CHECK_FALSE(has("b.geojson", boot_times, "coordTimes"));
+}
+
+TEST_CASE("image folders take their times from a table, and report its absence") {
+  const TemporaryFolder folder;
+  write_text(folder / "camera.yaml", "width: 64\nheight: 48\nfx: 50\nfy: 50\ncx: 32\ncy: 24\n");
+  for (const char* name : {"1.png", "2.png", "3.png"}) picture(folder / name);
+  const Recording assumed = read(folder.path());
+  CHECK(assumed.warnings.at(0).find("taken to be at 30 Hz") != std::string::npos);
+  CHECK(assumed.warnings.at(1).find("no imu.csv") != std::string::npos);
+  write_text(folder / "timestamps.csv", "timestamp\n0.5\n0.75\n1.5\n");
+  const Recording timed = read(folder.path());
+  CHECK(timed.warnings.size() == 1);
+  CHECK(timed.messages.at(2).message.header().t_ns == 750'000'000);
+  write_text(folder / "timestamps.csv", "timestamp\n500000000\n750000000\n");
+  CHECK(read_recording(folder.path()).failure().text.find("3 pictures, 2 times") != std::string::npos);
+}
+
+TEST_CASE("EuRoC without its camera's sensor.yaml is read, and asks for a lens") {
+  const TemporaryFolder folder;
+  fs::create_directories(folder / "mav0/cam0/data"), fs::create_directories(folder / "mav0/imu0");
+  picture(folder / "mav0/cam0/data/5.png");
+  write_text(folder / "mav0/cam0/data.csv", "#t,name\n5,5.png\n");
+  write_text(folder / "mav0/imu0/data.csv", "4,0,0,0,0,0,9.8\n6,0,0,0,0,0,9.8\n");
+  const Recording recording = read(folder.path());
+  CHECK(recording.has(ODO_TYPE_FRAME));
+  CHECK_FALSE(recording.has(ODO_TYPE_CALIBRATION));
+  CHECK(recording.warnings.at(0).find("no sensor.yaml") != std::string::npos);
+}
+
+TEST_CASE("the camera's numbers, times and poses of KITTI and TUM RGB-D are read") {
+  const TemporaryFolder folder;
+  const auto kitti = folder / "kitti";
+  fs::create_directories(kitti / "image_0");
+  picture(kitti / "image_0/000000.png"), picture(kitti / "image_0/000001.png");
+  write_text(kitti / "calib.txt", "P0: 11 12 13 14 15 16 17 18 19 20 21 22\nP1: 1 1 1 1 1 1 1 1 1 1 1 1\n");
+  write_text(kitti / "times.txt", "0.5\n0.75\n");
+  write_text(kitti / "poses.txt", "0 -1 0 4 1 0 0 5 0 0 1 6\n1 0 0 7 0 1 0 8 0 0 1 9\n");
+  const Recording k = read(kitti);
+  const auto c = first<odo_calibration>(k, ODO_TYPE_CALIBRATION);
+  CHECK((c.fx == 11 && c.cx == 13 && c.fy == 16 && c.cy == 17 && c.width == 64 && c.height == 48));
+  CHECK(k.messages.back().message.header().t_ns == 750'000'000);
+  REQUIRE(k.truth.size() == 2);
+  CHECK((k.truth[0].t_ns == 500'000'000 && k.truth[0].p == Vector3d(4, 5, 6)));
+  CHECK((k.truth[0].q * Vector3d(1, 0, 0) - Vector3d(0, 1, 0)).norm() < 1e-9);
+  CHECK((*read_kitti_poses(kitti / "poses.txt", {}))[1].t_ns == 100'000'000);  // 10 Hz
+
+  const auto tum = folder / "tum";
+  fs::create_directories(tum / "rgb");
+  picture(tum / "rgb/1.png");
+  write_text(tum / "rgb.txt", "1.5 rgb/1.png\n");
+  write_text(tum / "groundtruth.txt", "1.25 1 2 3 0.5 0.1 -0.5 0.7\n");
+  write_text(tum / "accelerometer.txt", "1.4 0.1 0.2 9.8\n");
+  const Recording t = read(tum);
+  CHECK(t.truth.at(0).t_ns == 1'250'000'000);
+  CHECK(t.truth[0].p == Vector3d(1, 2, 3));
+  CHECK(t.truth[0].q.angularDistance(Quaterniond(0.7, 0.5, 0.1, -0.5).normalized()) < 1e-9);
+  check_list(first<odo_imu>(t, ODO_TYPE_IMU).accel_b, {0.1, 0.2, 9.8});
+  CHECK(first<odo_imu>(t, ODO_TYPE_IMU).header.flags == ODO_IMU_ACCEL);
+  const auto lens = first<odo_calibration>(t, ODO_TYPE_CALIBRATION);
+  CHECK((lens.fx == 525 && lens.fy == 525 && lens.cx == 319.5 && lens.cy == 239.5 && lens.width == 640));
+}
+
+TEST_CASE("each sensor's axes, signs and units of ADVIO and the Indoor Location Competition are converted") {
+  const TemporaryFolder folder;
+  const auto advio = folder / "advio";
+  fs::create_directories(advio / "iphone"), fs::create_directories(advio / "ground-truth");
+  write_text(advio / "iphone/accelerometer.csv", "0.01,0.1,-0.9,0.2\n");
+  write_text(advio / "iphone/gyro.csv", "0.015,0.1,0.2,0.3\n");
+  write_text(advio / "iphone/magnetometer.csv", "0.02,21,-32,43\n");
+  write_text(advio / "iphone/barometer.csv", "0.03,101.3,-5\n");
+  write_text(advio / "iphone/platform-location.csv", "0.5,60,-30,5,20,3,1\n");
+  write_text(advio / "ground-truth/pose.csv", "0.25,1,2,3,0.7,0.5,0.1,-0.5\n");
+  const Recording a = read(advio);
+  check_list(first<odo_imu>(a, ODO_TYPE_IMU, ODO_IMU_ACCEL).accel_b, {-0.980665, 8.825985, -1.96133});
+  check_list(first<odo_imu>(a, ODO_TYPE_IMU, ODO_IMU_GYRO).gyro_b, {0.1, 0.2, 0.3});
+  check_list(first<odo_magnetometer>(a, ODO_TYPE_MAGNETOMETER).field_b, {21e-6, -32e-6, 43e-6});
+  CHECK(first<odo_barometer>(a, ODO_TYPE_BAROMETER).pressure_pa == doctest::Approx(101300));
+  const auto gnss = first<odo_gnss>(a, ODO_TYPE_GNSS);
+  check_list(&gnss.latitude_rad, {EIGEN_PI / 3, -EIGEN_PI / 6, 20});
+  check_list(gnss.covariance_n, {12.5, 0, 0, 0, 12.5, 0, 0, 0, 9});
+  CHECK(gnss.header.t_ns == 500'000'000);
+  REQUIRE(a.truth.size() == 1);
+  CHECK((a.truth[0].t_ns == 250'000'000 && a.truth[0].p == Vector3d(1, 2, 3)));
+  CHECK(a.truth[0].q.angularDistance(Quaterniond(0.7, 0.5, 0.1, -0.5).normalized()) < 1e-9);
+
+  const Recording w = read(write_text(folder / "walk.txt",
+                                      "# head\n1500\tTYPE_ACCELEROMETER\t1\t2\t3\t3\n1501\tTYPE_GYROSCOPE\t4\t5\t6\t3\n"
+                                      "1502\tTYPE_MAGNETIC_FIELD\t7\t8\t9\t3\n1503\tTYPE_WAYPOINT\t10\t11\n"
+                                      "1504\tTYPE_ROTATION_VECTOR\t0\t0\t0\t3\n1505\tTYPE_WIFI\ta\tb\tc\n"));
+  check_list(first<odo_imu>(w, ODO_TYPE_IMU, ODO_IMU_ACCEL).accel_b, {1, 2, 3});
+  check_list(first<odo_imu>(w, ODO_TYPE_IMU, ODO_IMU_GYRO).gyro_b, {4, 5, 6});
+  check_list(first<odo_magnetometer>(w, ODO_TYPE_MAGNETOMETER).field_b, {7e-6, 8e-6, 9e-6});
+  const auto mark = first<odo_waypoint>(w, ODO_TYPE_WAYPOINT);
+  check_list(mark.p_n, {11, 10, 0});  // north before east
+  CHECK((mark.header.t_ns == 1'503'000'000 && mark.sigma_m == 0.5));
+  REQUIRE(w.phone_attitudes.size() == 1);  // flat and facing north: y north, x east, z up
+  CHECK((w.phone_attitudes[0].q * Vector3d(1, 2, 3) - Vector3d(2, 1, -3)).norm() < 1e-9);
+  CHECK(w.phone_attitudes[0].t_ns == 1'504'000'000);
+}
+
+TEST_CASE("an EuRoC folder's truth has the states' numbers, is converted to the camera, and reports skipped rows") {
+  const TemporaryFolder folder;
+  Recording r{.format = "test", .path = "x"};
+  for (int64_t i = 0; i < 5; ++i) {
+    auto imu = make_message<odo_imu>(ODO_TYPE_IMU, 1'000'000'000 + i * 4'000'000);
+    imu.header.flags = ODO_IMU_GYRO | ODO_IMU_ACCEL;
+    r.add(imu.header);
+  }
+  for (int64_t i = 0; i < 3; ++i) r.add(make_message<odo_gnss>(ODO_TYPE_GNSS, 1'000'000'000 + i).header);
+  r.sort();
+  r.true_states = {a_state()};
+  const auto written = write_euroc(r, folder / "a", nullptr);
+  REQUIRE(written.ok());
+  CHECK(written->messages == 5);
+  CHECK(written->true_states == 1);
+  CHECK(written->left_out == "3 gnss");
+  const std::string csv = read_text(folder / "a/mav0/state_groundtruth_estimate0/data.csv");
+  std::istringstream fields(csv.substr(csv.find('\n') + 1));
+  std::vector<double> values;
+  for (std::string field; std::getline(fields, field, ',');) values.push_back(std::stod(field));
+  REQUIRE(values.size() == 17);
+  check_list(values.data(), {71, 1, 2, 3, kQ.w(), kQ.x(), kQ.y(), kQ.z(), 4, 5, 6, 7, 8, 9, 10, 11, 12});
+  CHECK(read_text(folder / "a/imu.yaml").find("update_rate: 250\n") != std::string::npos);
+  CHECK(read_text(folder / "a/mav0/imu0/sensor.yaml").find("rate_hz: 250\n") != std::string::npos);
+  const Recording copy = read(folder / "a");
+  REQUIRE(copy.truth.size() == 1);
+  CHECK(copy.truth[0].p == Vector3d(1, 2, 3));
+  CHECK(copy.truth[0].q.angularDistance(kQ) < 1e-12);
+  CHECK_FALSE(write_euroc(r, folder / "a", nullptr).ok());
+}
+
+TEST_SUITE_END();
