@@ -67,7 +67,7 @@ const PluginDriver* CaseFixture::walked_instance() {
   }
   input.clear();
   recording_([&](const odo_header& message) {
-    if (!wants(message.type)) return;
+    if (!accepts(message.type)) return;
     input.emplace_back(message);
     walked_->process({input.back()});
   });
