@@ -26,7 +26,7 @@ struct FixerConfig {
 template <class Fixer>
 std::vector<odo::Parameter<Fixer>> fixer_parameters() {
   return {
-      odo::text<Fixer>("model", &Fixer::model, "CityJSON file of the city, beside the config"),
+      odo::text<Fixer>("model", &Fixer::model, "CityJSON or CityGML file of the city, beside the config"),
       odo::reals<Fixer>("model_origin", "m", -1e8, 1e8, &Fixer::model_origin,
                         "easting, northing and height of n's origin in the model"),
       odo::boolean<Fixer>("geodetic", &Fixer::geodetic,

@@ -44,7 +44,8 @@ class Skyline : public FixerConfig {
 
   void configured(odo::Output& host) {
     if (model.empty() && skylines.empty())
-      throw odo::Error(ODO_E_CONFIG, "model: expected a CityJSON file of the city, or a database in `skylines`");
+      throw odo::Error(ODO_E_CONFIG,
+                       "model: expected a CityJSON or CityGML file of the city, or a database in `skylines`");
     if (!start_known && skylines.empty())
       throw odo::Error(ODO_E_CONFIG, "start_known: false wants a database in `skylines`");
     up_variance_ = height_sigma * height_sigma;

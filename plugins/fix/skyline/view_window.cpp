@@ -2,6 +2,7 @@
 #include "plugins/fix/skyline/view_window.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 namespace odograph::skyline {
@@ -28,7 +29,8 @@ void ViewWindow::inflate_covariance(Match& match, double drift) {
   const double times = std::max(1.0, all / fresh);
   const double path_m = 0.5 * drift * (views_.back().p_n - views_.front().p_n).head<2>().norm();
   match.covariance = times * (match.covariance + path_m * path_m * Eigen::Matrix2d::Identity());
-  match.yaw_sigma_rad *= std::sqrt(times);
+  const double place = std::sqrt(0.5 * match.covariance.trace()) / p_.doubt_over_m;
+  match.yaw_sigma_rad = std::hypot(std::sqrt(times) * match.yaw_sigma_rad, place);
   fresh_ = 0;
 }
 

@@ -18,6 +18,8 @@ class ViewWindow {
     double turned_rad = 0.5;  ///< unless their directions differ: half a narrow picture's width
     size_t most = 10;       ///< max number of pictures: 20 m of a straight street, two houses and the gaps between them
     double longest_m = 40;  ///< max length of the path: an odometry without fixes drifts by a metre over it
+    double doubt_over_m = 10;  ///< the position's sigma over this distance adds to the heading's: a typical distance of
+                               ///< a roof, as in PhotographMatcherParameters
   };
 
   ViewWindow() : ViewWindow(Parameters{}) {}
@@ -31,7 +33,8 @@ class ViewWindow {
   void correct(const Eigen::Quaterniond& q, const Eigen::Vector3d& p);
   void clear() { views_.clear(), path_m_.clear(), fresh_ = 0; }
   /// Inflates a match's covariance by the odometry's error, `drift` times the path of the pictures, and limits its
-  /// information to that of the new pictures: consecutive matches share most pictures and therefore errors.
+  /// information to that of the new pictures: consecutive matches share most pictures and therefore errors. A position
+  /// that is wrong turns the roofs, so the heading's variance contains the position's.
   void inflate_covariance(Match& match, double drift);
   const std::vector<View>& views() const { return views_; }
 

@@ -286,7 +286,7 @@ void add_city_locate(CLI::App& city, int& status) {
   auto* command =
       city.add_subcommand("locate", "Place photographs in a city model by the line of its roofs against the sky");
   command->add_option("pictures", a->pictures, "photographs, or folders of them (jpg, png)")->required();
-  command->add_option("--model", a->model, "city model: CityJSON")->required()->check(CLI::ExistingFile);
+  command->add_option("--model", a->model, "city model: CityJSON or CityGML")->required()->check(CLI::ExistingFile);
   auto* near = command->add_option("--near", a->near, "LAT,LON: where they were taken, instead of what EXIF says");
   command->add_option("--at", a->at, "the same as easting and northing in the model's own coordinates, m")
       ->expected(2)
