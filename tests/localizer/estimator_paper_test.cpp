@@ -158,4 +158,39 @@ TEST_CASE("a clock that is set back before the first frame does not change the c
   }
 }
 
+TEST_CASE("a pose that stays behind is lost until its displacement or its position is measured") {
+  PaperTrack coupling({}, {}, {true, true});
+  coupling.on_first_frame(0);
+  auto metre = make_message<odo_scale>(ODO_TYPE_SCALE, 0);
+  metre.scale = 1, metre.sigma = 0.1;
+  auto fix = make_message<odo_fix>(ODO_TYPE_FIX, 0);
+  fix.header.flags = ODO_FIX_NORTH | ODO_FIX_EAST | ODO_FIX_COVARIANCE;
+  fix.covariance_n[0] = fix.covariance_n[4] = 1;
+  int64_t t = 0;
+  const auto then = [&](uint32_t state, uint32_t reason, const odo_scale* scale = nullptr) {
+    odo_vo_motion m = standing(t, t + kSecond / 2);
+    if (state == ODO_TRACKING) m.p_c0_c1[2] = 1;
+    if (state != ODO_TRACKING) m.header.flags &= ~ODO_VO_TRANSLATION;
+    m.state = state, m.reason = reason, t += kSecond / 2;
+    return coupling.on_vo_motion(m, scale);
+  };
+  CHECK(then(ODO_TRACKING, ODO_REASON_NONE, &metre).state == ODO_TRACKING);
+  // A car stands at a light: no parallax, for as long as it stands.
+  for (int k = 0; k < 10; ++k) CHECK(then(ODO_DEGRADED, ODO_REASON_NO_PARALLAX).state == ODO_DEGRADED);
+  CHECK(then(ODO_TRACKING, ODO_REASON_NONE, &metre).state == ODO_TRACKING);
+  // It drives under an empty sky, and nothing gives the scale: two seconds are bridged.
+  for (int k = 0; k < 3; ++k) CHECK(then(ODO_TRACKING, ODO_REASON_NONE).state == ODO_DEGRADED);
+  const odo_pose lost = then(ODO_TRACKING, ODO_REASON_NONE);
+  CHECK(lost.state == ODO_LOST);
+  CHECK(lost.reason == ODO_REASON_NO_SCALE);
+  // Clouds have no parallax either, but the car is no longer where the pose is.
+  CHECK(then(ODO_DEGRADED, ODO_REASON_NO_PARALLAX).state == ODO_LOST);
+  fix.header.t_ns = t, fix.p_n[0] = 5;
+  REQUIRE(coupling.on_fix(fix).accepted);
+  CHECK(then(ODO_DEGRADED, ODO_REASON_NO_PARALLAX).state == ODO_DEGRADED);
+  for (int k = 0; k < 4; ++k) then(ODO_LOST, ODO_REASON_FEW_FEATURES);
+  CHECK(then(ODO_DEGRADED, ODO_REASON_NO_PARALLAX).state == ODO_LOST);
+  CHECK(then(ODO_TRACKING, ODO_REASON_NONE, &metre).state == ODO_TRACKING);
+}
+
 TEST_SUITE_END();

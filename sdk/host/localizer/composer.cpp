@@ -41,7 +41,7 @@ void Composer::reset() {
   heights_ = {}, lift_.reset(), floors_ = {};
   stepped_ns_ = INT64_MIN / 2, reported_floor_ = 0;
   source_ = NoSource{};
-  shown_ = !inputs_.vo;
+  shown_ = !inputs_.vo, strays_ = false;
   notice_ = {};
 }
 
@@ -137,7 +137,12 @@ UpdateResult Composer::apply(const RelativeMotion& relative) {
   uint32_t state = moved.state;
   const bool has_moved = walker_.moved_ns() != INT64_MIN || front_end_.moved_ns() != INT64_MIN;
   const int64_t moved_ns = std::max(walker_.moved_ns(), front_end_.moved_ns());
-  if (state == ODO_LOST && has_moved && seconds(t_ns - moved_ns) < tracker_.config().bridge_s) state = ODO_DEGRADED;
+  const double bridge_s = tracker_.config().bridge_s;
+  if (state == ODO_LOST && has_moved && seconds(t_ns - moved_ns) < bridge_s) state = ODO_DEGRADED;
+  // The camera was blind or moves without a scale: the pose stays behind until a metric motion or a fix.
+  strays_ = !moved.moved && (strays_ || moved.state == ODO_LOST || moved.reason == ODO_REASON_NO_SCALE);
+  const int64_t known_ns = std::max(moved_ns, fixes_.fixed_ns());
+  if (state == ODO_DEGRADED && has_moved && strays_ && seconds(t_ns - known_ns) >= bridge_s) state = ODO_LOST;
   publish(t_ns, state, moved.reason);
   return {moved.moved, 0.0, 0};
 }

@@ -96,6 +96,7 @@ class Composer : public RetainedPoses {
   std::array<char, 80> floor_text_{};   ///< text of that report
   MotionSource source_;
   bool shown_ = false;    ///< positions are published
+  bool strays_ = false;   ///< since the newest motion in metres, the camera was blind or moved without a scale
   bool stepped_ = false;  // steps or a lift moved the track during the current measurement
   Notice notice_;
 };
