@@ -3,12 +3,14 @@
 
 #include <algorithm>
 #include <fstream>
+#include <map>
 #include <random>
+#include <set>
 
 #include "plugins/fix/skyline/matcher.hpp"
 #include "sdk/tools/city/city_check.hpp"
+#include "sdk/tools/city/model_errors.hpp"
 #include "sdk/tools/city/street_route.hpp"
-#include "sdk/tools/city/thinned_model.hpp"
 #include "sdk/tools/simulation/city_model.hpp"
 #include "tests/support/support.hpp"
 
@@ -112,15 +114,42 @@ TEST_CASE(
   }
   std::ofstream(folder / "city.json") << R"({"type":"CityJSON","version":"2.0","vertices":[],"CityObjects":{)" +
                                              objects + "}}";
-  const auto left = write_thinned_model(folder / "city.json", folder / "less.json", 0.2, 7);
+  const auto left = write_model_with_errors(folder / "city.json", folder / "less.json", {.missing = 0.2, .seed = 7});
   REQUIRE(left);
   CHECK(*left > 140);
   CHECK(*left < 180);
-  CHECK(*write_thinned_model(folder / "city.json", folder / "again.json", 0.2, 7) == *left);
+  CHECK(*write_model_with_errors(folder / "city.json", folder / "again.json", {.missing = 0.2, .seed = 7}) == *left);
   const auto checked = check_city_model((folder / "less.json").string());
   REQUIRE(checked);
   CHECK(checked->objects == 1 + 2 * *left);
-  CHECK_FALSE(write_thinned_model(folder / "none.json", folder / "less.json", 0.2, 7));
+  CHECK_FALSE(write_model_with_errors(folder / "none.json", folder / "less.json", {.missing = 0.2, .seed = 7}));
+}
+
+TEST_CASE("a model's roofs are off by one height for each building, its foot and its neighbours' roofs are not") {
+  const TemporaryFolder folder;
+  // Two houses of 10 m that share the corner 3, in centimetres; the second is a part of a building.
+  std::ofstream(folder / "city.json")
+      << R"({"type":"CityJSON","version":"2.0","transform":{"scale":[0.01,0.01,0.01],"translate":[0,0,0]},)"
+      << R"("vertices":[[0,0,0],[500,0,0],[0,0,1000],[500,0,1000],[900,0,0],[900,0,1000]],"CityObjects":{)"
+      << R"("a":{"type":"Building","geometry":[{"type":"MultiSurface","lod":"1","boundaries":[[[0,1,3,2]]]}]},)"
+      << R"("b":{"type":"Building"},"c":{"type":"BuildingPart","parents":["b"],)"
+      << R"("geometry":[{"type":"MultiSurface","lod":"1","boundaries":[[[1,4,5,3]]]}]}}})";
+  REQUIRE(write_model_with_errors(folder / "city.json", folder / "off.json", {.roof_sigma_m = 1.5, .seed = 3}));
+  const auto off = read_city_model(folder / "off.json", Vector3d(0, 0, 0));
+  REQUIRE(off);
+  std::map<std::string, std::set<double>> heights;
+  for (const auto& face : off->faces)
+    for (const Vector3d& corner : face.corners) heights[off->objects[face.object].id].insert(-corner.z());
+  REQUIRE(heights.size() == 2);
+  std::vector<double> roofs;
+  for (const auto& [id, at] : heights) {
+    CHECK(at.size() == 2);
+    CHECK(*at.begin() == 0);
+    CHECK(std::abs(*at.rbegin() - 10) > 0.05);
+    CHECK(std::abs(*at.rbegin() - 10) < 6);
+    roofs.push_back(*at.rbegin());
+  }
+  CHECK(std::abs(roofs[0] - roofs[1]) > 0.05);
 }
 
 TEST_CASE("what is no regular file, or too large, is not read") {

@@ -4,7 +4,7 @@
 #include <algorithm>
 
 #include "sdk/tools/benchmarks/benchmarks.hpp"
-#include "sdk/tools/city/thinned_model.hpp"
+#include "sdk/tools/city/model_errors.hpp"
 #include "sdk/tools/evaluation/start_alignment.hpp"
 #include "sdk/tools/evaluation/walk_figures.hpp"
 #include "sdk/tools/replay/replayed.hpp"
@@ -146,7 +146,8 @@ struct Drive : Benchmark {
     std::error_code error;
     if (missing > 0) {
       fs::create_directories(less, error);
-      const auto left = write_thinned_model(whole / "city.json", less / "city.json", missing, one.seed);
+      const auto left =
+          write_model_with_errors(whole / "city.json", less / "city.json", {.missing = missing, .seed = one.seed});
       if (!left) return left.failure();
       one.run.asset_path = less.string();
     }

@@ -10,7 +10,7 @@
 #include "sdk/tools/benchmarks/benchmarks.hpp"
 #include "sdk/tools/city/photograph_localizer.hpp"
 #include "sdk/tools/city/photograph_scene.hpp"
-#include "sdk/tools/city/thinned_model.hpp"
+#include "sdk/tools/city/model_errors.hpp"
 #include "sdk/tools/simulation/random.hpp"
 
 namespace odograph {
@@ -136,7 +136,7 @@ struct Photographs : Benchmark {
     const auto place = one.labels["city"].get<std::string>();
     const fs::path thinned = fs::path(options.keep) / text("%s_without_%g_%llu.city.json", place.c_str(), missing,
                                                            static_cast<unsigned long long>(one.seed));
-    const auto written = write_thinned_model(model, thinned, missing, one.seed);
+    const auto written = write_model_with_errors(model, thinned, {.missing = missing, .seed = one.seed});
     if (!written) return written.failure();
     auto localizer = PhotographLocalizer::make(thinned, {.model = city->origin});
     if (!localizer) return localizer.failure();
