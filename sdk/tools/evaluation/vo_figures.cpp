@@ -77,7 +77,7 @@ StopFigures figures_of(const Stop& stop, const Matched& m, const VoFigureParamet
   if (m.path_m[*begin] - m.path_m[before] > min_m) f.scale_before = scale_over(m, before, *begin, p.min_straight);
   if (m.path_m[after] - m.path_m[*end] > min_m) f.scale_after = scale_over(m, *end, after, p.min_straight);
   if (m.pose(*begin).metric && m.pose(*end).metric) {
-    const Vector3d unscaled = m.pose(*begin).q.conjugate() * (m.pose(*end).p_m - m.pose(*begin).p_m);
+    const Vector3d own = m.pose(*begin).q.conjugate() * (m.pose(*end).p_m - m.pose(*begin).p_m);
     f.drift_m = (own - m.truth[*begin].q.conjugate() * (m.truth[*end].p - m.truth[*begin].p)).norm();
   }
   return f;
@@ -157,7 +157,7 @@ void measure_start(const Trajectory& truth, const std::vector<odo_vo_motion>& mo
 /// The metric poses rotated so that their stated gravity matches the reference's vertical; none if neither direction of
 /// z is within 45 degrees of it.
 std::optional<Trajectory> gravity_aligned(const Matched& m, const Trajectory& metric) {
-  Vector3d unscaled = Vector3d::Zero(), reference = Vector3d::Zero();
+  Vector3d own = Vector3d::Zero(), reference = Vector3d::Zero();
   for (size_t k = 0; k < m.size(); ++k)
     if (m.pose(k).metric && m.pose(k).gravity) {
       own += *m.pose(k).gravity;
