@@ -161,10 +161,12 @@ struct City : Benchmark {
     else
       into = {.title = "Tracks", .x_label = "east, m", .y_label = "north, m", .equal_axes = true, .series = {}};
     if (figure == Figure::tracks && !rows.empty()) add_line(into, "truth", rows.front()["_truth"]);
-    for (const auto& [config, own] : groups_of(rows, "config"))
-      add_line(into, stem_of(config.get<std::string>()),
+    for (const auto& [config, own] : groups_of(rows, "config")) {
+      const auto file = config.get<std::string>();
+      add_line(into, file.substr(file.rfind('/', file.find('?')) + 1),
                figure == Figure::errors ? Json(distribution_of(numbers_at(own, "_errors")))
                                         : own.front()[figure == Figure::scale ? "_scale" : "_track"]);
+    }
   }
 
   /// Renders the drive unless it is cached; the model and its position replace those of the config.
