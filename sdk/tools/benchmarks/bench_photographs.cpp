@@ -159,8 +159,10 @@ struct Photographs : Benchmark {
   static Json row_of_tally(const Tally& t, size_t photographs) {
     const Format mostly{.parts = {0.5, 0.95}};
     Json row = row_of({{"photographs", "", "photographs", 0, photographs, kSum},
-                       {"placed", "%", "_placed_percent", 1, {t.placed, photographs}, kShare},
-                       {"in 3 m", "and 3 deg %", "_good_percent", 1, {t.good, photographs}, kShare},
+                       {"", "", "placed", -1, t.placed, kSum},
+                       {"placed", "%", "placed_percent", 1, {t.placed, photographs}, kShare},
+                       {"", "", "within_3_m_3_deg", -1, t.good, kSum},
+                       {"in 3 m", "and 3 deg %", "within_3_m_3_deg_percent", 1, {t.good, photographs}, kShare},
                        {"place", "m", "_place_m", 2, t.m, mostly},
                        {"heading", "deg", "_heading_deg", 2, t.deg, mostly},
                        {"over 6 m", "off", "wrong", 0, t.wrong, kSum},

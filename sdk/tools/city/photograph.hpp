@@ -20,7 +20,7 @@ struct Photograph {
   std::optional<std::array<double, 2>> place_deg;  ///< latitude, longitude
   std::optional<double> place_sigma_m;             ///< GPSHPositioningError
   std::optional<double> heading_deg;               ///< GPSImgDirection, from north to the east
-  bool heading_is_magnetic = false;
+  bool heading_is_magnetic = false;                ///< from magnetic north: the declination is not in EXIF
 };
 
 /// Reads a picture in a format that OpenCV supports; EXIF is optional. Failures name the file. Thread: any.

@@ -22,6 +22,7 @@ namespace fs = std::filesystem;
 
 constexpr double kDegree = 0.017453292519943295;
 constexpr double kSigma_m = 10, kHeadingSigma_deg = 20;  // of a phone's GNSS and compass between houses
+constexpr double kDeclination_deg = 10;  // sigma of the declination, unknown here; beyond 30 only near the poles
 
 struct LocateArguments {
   std::vector<std::string> pictures;
@@ -107,7 +108,8 @@ class Frame {
     }
     const double heading = std::isfinite(a.heading_deg) ? a.heading_deg : p.heading_deg.value_or(NAN);
     if (std::isfinite(heading) && !a.any_heading) guess.heading_rad = std::remainder(heading, 360) * kDegree;
-    guess.heading_sigma_rad = a.heading_sigma_deg * kDegree;
+    const bool magnetic = !std::isfinite(a.heading_deg) && p.heading_is_magnetic;
+    guess.heading_sigma_rad = std::hypot(a.heading_sigma_deg, magnetic ? kDeclination_deg : 0) * kDegree;
     return guess;
   }
   /// A position for output: latitude and longitude, or easting and northing.
