@@ -123,6 +123,32 @@ TEST_CASE("a photograph of seventy degrees is placed though each roof is wrong, 
   CHECK(beyond == 0);
 }
 
+TEST_CASE("the less of a photograph's line the model has, the wider its sigmas and the higher its risk") {
+  const Vector3d place(-6, 1.5, -1.6);
+  const Quaterniond q = camera(0.5, 10 * kDegree);
+  const auto model = a_crossing({});
+  City city(model);
+  const Ground ground(model);
+  double sigma_m = 0, risk = 0;
+  for (const double tree_part : {0.0, 0.2, 0.4}) {
+    CAPTURE(tree_part);
+    auto seen = seen_in(model, place, q);
+    const auto trees = static_cast<size_t>(tree_part * static_cast<double>(seen.size()));
+    for (size_t i = 0; i < trees; ++i) {
+      seen[i].ray_c = Eigen::AngleAxisd((4 + 3 * std::sin(0.9 * static_cast<double>(i))) * kDegree, Vector3d::UnitX()) *
+                      seen[i].ray_c;
+    }
+    PhotographMatcher matcher(city, ground);
+    matcher.match(seen, prior_of(place + Vector3d(3, -2, 0), q));
+    REQUIRE(matcher.tried());
+    const double now_m = std::sqrt(matcher.tried()->covariance.trace() / 2);
+    CHECK((matcher.tried()->p_n - place).head<2>().norm() < 3 * now_m);
+    CHECK(now_m > sigma_m);
+    CHECK(matcher.other() >= risk);
+    sigma_m = now_m, risk = matcher.other();
+  }
+}
+
 TEST_CASE("a photograph of one long wall is not placed, and says why") {
   std::vector<Edge> wall;
   const Vector3d up(0, 0, -10);
@@ -237,6 +263,9 @@ TEST_CASE("ground under buildings lies between their feet, and is the terrain's 
   REQUIRE(terrain);
   CHECK(terrain->terrain);
   CHECK(terrain->down_m == doctest::Approx(-403));
+  // Trees that are part of the terrain do not raise it.
+  for (int k = 0; k < 3; ++k) edges.push_back({{17.0 + k, 5, -403.2}, {18.0 + k, 5, -411}, Edge::kGround});
+  CHECK(Ground(edges).at({20, 4})->down_m > -403.5);
 }
 
 namespace {

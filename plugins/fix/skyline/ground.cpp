@@ -85,10 +85,11 @@ void Ground::add(const Eigen::Vector3d& p_n, Cells& to) const {
       {static_cast<float>(p_n.x()), static_cast<float>(p_n.y()), static_cast<float>(p_n.z())});
 }
 
-/// Mean of the points within reach, each weighted by its inverse squared distance.
-std::optional<double> Ground::mean(const Cells& cells, const Eigen::Vector2d& at, double reach_m) const {
+/// The points within reach, with weights that sum to 1: their inverse squared distances.
+std::vector<Ground::Weighted> Ground::around(const Cells& cells, const Eigen::Vector2d& at, double reach_m) const {
   const int reach = static_cast<int>(std::ceil(reach_m / p_.cell_m));
-  double sum = 0, weight = 0;
+  std::vector<Weighted> points;
+  double all = 0;
   for (int a = -reach; a <= reach; ++a)
     for (int b = -reach; b <= reach; ++b) {
       const auto cell = cells.find(cell_of(at.x() + a * p_.cell_m, at.y() + b * p_.cell_m));
@@ -96,18 +97,26 @@ std::optional<double> Ground::mean(const Cells& cells, const Eigen::Vector2d& at
       for (const Point& p : cell->second) {
         const double d = std::hypot(static_cast<double>(p.north) - at.x(), static_cast<double>(p.east) - at.y());
         if (d > reach_m) continue;
-        const double w = 1 / (d * d + p_.near_m * p_.near_m);
-        sum += w * static_cast<double>(p.down), weight += w;
+        points.push_back({static_cast<double>(p.down), 1 / (d * d + p_.near_m * p_.near_m)});
+        all += points.back().weight;
       }
     }
-  if (weight == 0) return std::nullopt;
-  return sum / weight;
+  for (Weighted& p : points) p.weight /= all;
+  return points;
 }
 
 std::optional<Ground::At> Ground::at(const Eigen::Vector2d& north_east) const {
-  if (const auto down = mean(terrain_, north_east, p_.terrain_m)) return At{*down, true};
-  if (const auto down = mean(feet_, north_east, p_.reach_m)) return At{*down, false};
-  return std::nullopt;
+  // Of the terrain a low quantile: with trees and shrubs in it, a mean is up to three metres too high.
+  auto terrain = around(terrain_, north_east, p_.terrain_m);
+  std::sort(terrain.begin(), terrain.end(), [](const auto& x, const auto& y) { return x.down_m > y.down_m; });
+  double below = 0;
+  for (const Weighted& p : terrain)
+    if ((below += p.weight) >= p_.low_part || &p == &terrain.back()) return At{p.down_m, true};
+  const auto feet = around(feet_, north_east, p_.reach_m);
+  if (feet.empty()) return std::nullopt;
+  double mean = 0;
+  for (const Weighted& p : feet) mean += p.weight * p.down_m;
+  return At{mean, false};
 }
 
 }  // namespace odograph::skyline

@@ -24,6 +24,8 @@ class Ground {
     double reach_m = 60;    ///< max distance of a foot; farther away the ground is unknown
     double near_m = 4;      ///< points nearer than this have nearly equal weight
     double foot_m = 0.3;    ///< max height above an object's lowest corner of a corner on the ground
+    double low_part = 0.3;  ///< fraction of the terrain around a place that is taken for lower than it: the rest may be
+                            ///< trees and shrubs. Delft: within 0.4 m at 19 of 20 places, by a mean at 10
   };
 
   Ground(const std::vector<Edge>& edges, const Parameters& parameters);
@@ -52,7 +54,10 @@ class Ground {
   static void add_foot(const Edge& edge, Foot& foot);
   static bool is_closed(const Foot& foot);
   void index_buildings();
-  std::optional<double> mean(const Cells& cells, const Eigen::Vector2d& at, double reach_m) const;
+  struct Weighted {
+    double down_m, weight;
+  };
+  std::vector<Weighted> around(const Cells& cells, const Eigen::Vector2d& at, double reach_m) const;
 
   Parameters p_;
   Cells terrain_, feet_;

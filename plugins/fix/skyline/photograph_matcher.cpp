@@ -11,6 +11,7 @@ namespace odograph::skyline {
 namespace {
 
 constexpr double kDegree = PhotographParameters::kDegree;
+constexpr double kThreeSigma2 = 11.829;  // chi-square of two degrees of freedom, 99.73 %
 
 double apart(const Guess& x, const Guess& y) { return std::hypot(x.north - y.north, x.east - y.east); }
 
@@ -153,28 +154,38 @@ std::vector<PhotographMatcher::Candidate> PhotographMatcher::surroundings_of(con
   return all;
 }
 
-/// Covariance, and the probability of other places over all that were evaluated. False, with the reason, where either
-/// is too large.
-bool PhotographMatcher::accept(const Candidate& best, Match& match) {
+/// Probabilities of the surroundings and of all other places that were evaluated, by a power of their likelihoods
+/// (Wedderburn 1974): the less of the line fits at the best place, the less the model's errors are those assumed, and
+/// the less a difference of likelihoods means.
+PhotographMatcher::Spread PhotographMatcher::spread_of(const Candidate& best) {
   auto places = surroundings_of(best);
   for (const Candidate& c : candidates_)
     if (apart(c.guess, best.guess) > p_.fine_m) places.push_back(c);
-  double all = 0, others = 0, turned = 0;
-  Eigen::Matrix2d spread = Eigen::Matrix2d::Zero();
-  Eigen::Vector2d mean = Eigen::Vector2d::Zero();
+  const double fits = std::clamp(1 - best.cost / fit_.no_match_cost(), 0.1, 1.0);
+  Spread s{.power = std::min(1.0, p_.trust * fits * fits * fits)};
+  const auto weight = [&](const Candidate& c) {
+    return c.area_m2 * std::exp(s.power * std::min(0.0, best.cost - c.cost));
+  };
+  const auto offset = [&](const Candidate& c) {
+    return Eigen::Vector2d(c.guess.north - best.guess.north, c.guess.east - best.guess.east);
+  };
   for (const Candidate& c : places) {
-    const double w = c.area_m2 * std::exp(std::min(0.0, best.cost - c.cost));
-    const Eigen::Vector2d d(c.guess.north - best.guess.north, c.guess.east - best.guess.east);
-    all += w, others += apart(c.guess, best.guess) > p_.apart_m ? w : 0;
-    mean += w * d, spread += w * d * d.transpose();
     const double yaw = std::remainder(c.guess.yaw - best.guess.yaw, 2 * std::numbers::pi);
-    turned += w * yaw * yaw;
+    s.all += weight(c), s.turned += weight(c) * yaw * yaw;
+    s.covariance += weight(c) * offset(c) * offset(c).transpose();
   }
   // Spread about the best place, which is the estimate, not about the mean.
   const double cell = p_.fine_step_m * p_.fine_step_m / 12;
-  match.covariance = spread / all + (cell + p_.min_sigma_m * p_.min_sigma_m) * Eigen::Matrix2d::Identity();
-  const double worst_m = std::sqrt(Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(match.covariance).eigenvalues()[1]);
-  // The heading's sigma at the best place, from the fit one degree aside.
+  s.covariance = s.covariance / s.all + (cell + p_.min_sigma_m * p_.min_sigma_m) * Eigen::Matrix2d::Identity();
+  s.turned /= s.all;
+  const Eigen::Matrix2d information = s.covariance.inverse();
+  for (const Candidate& c : places)
+    if (offset(c).dot(information * offset(c)) > kThreeSigma2) s.others += weight(c);
+  return s;
+}
+
+/// Variance of the heading at the best place, from the fit one degree aside.
+double PhotographMatcher::own_yaw_variance(const Candidate& best) {
   Candidate aside = best;
   render_skyline(best.guess);
   double curvature = 0;
@@ -182,20 +193,30 @@ bool PhotographMatcher::accept(const Candidate& best, Match& match) {
     aside.guess.yaw = best.guess.yaw + by * kDegree;
     curvature += std::max(0.0, cost_of(aside.guess) - best.cost) / (kDegree * kDegree);
   }
-  const double own = 1 / std::max(curvature, 1 / (5 * kDegree * 5 * kDegree));
-  // Likelihood that the model has nothing of the picture, in the same measure: over the prior's area and the ratio of
-  // the prior's headings to the place's.
-  const double headings = std::max(1.0, prior_.yaw_sigma_rad / std::sqrt(own + turned / all));
-  const double none = 2 * std::numbers::pi * prior_.sigma_m * prior_.sigma_m * headings *
-                      std::exp(std::min(50.0, best.cost - fit_.no_match_cost()));
-  other_ = (others + none) / (all + none);
-  match.second_best_ratio = other_;
-  const double doubt = std::sqrt(match.covariance.trace() / 2) / p_.roof_distance_m;
-  match.yaw_sigma_rad = std::sqrt(turned / all + own + doubt * doubt);
-  match.height_sigma_m = prior_.height_sigma_m;
+  return 1 / std::max(curvature, 1 / (5 * kDegree * 5 * kDegree));
+}
+
+/// Covariance, and the probability that the camera is beyond three of its sigmas or not in the model at all. False,
+/// with the reason, where either is too large.
+bool PhotographMatcher::accept(const Candidate& best, Match& match) {
+  const Spread spread = spread_of(best);
+  match.covariance = spread.covariance;
+  const double worst_m = std::sqrt(Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(match.covariance).eigenvalues()[1]);
+  const double own = own_yaw_variance(best) / spread.power;
   fit_.cost(line_, best.guess);
   match.agreement = fit_.agreement();
-  if (none > others && other_ > p_.max_other)
+  // Likelihood that the model has nothing of the picture, in the same measure: over the prior's area and the ratio of
+  // the prior's headings to the place's. A right place has most of the line in the model.
+  const double headings = std::max(1.0, prior_.yaw_sigma_rad / std::sqrt(own + spread.turned));
+  const double share = (p_.modelled_power + 1) * std::pow(std::max(match.agreement, 1e-6), p_.modelled_power);
+  const double none = p_.unmodelled / share * 2 * std::numbers::pi * prior_.sigma_m * prior_.sigma_m * headings *
+                      std::exp(std::min(50.0, spread.power * (best.cost - fit_.no_match_cost())));
+  other_ = (spread.others + none) / (spread.all + none);
+  match.second_best_ratio = other_;
+  const double doubt = std::sqrt(match.covariance.trace() / 2) / p_.roof_distance_m;
+  match.yaw_sigma_rad = std::sqrt(spread.turned + own + doubt * doubt);
+  match.height_sigma_m = prior_.height_sigma_m;
+  if (none > spread.others && other_ > p_.max_other)
     why_ = format_text("only %.0f %% of the sky's edge coincides with a roof of the model: that may be chance",
                        100 * match.agreement);
   else if (other_ > p_.max_other)
@@ -235,6 +256,7 @@ std::optional<Match> PhotographMatcher::match(const std::vector<SkyEdge>& edges,
   pitch_azimuth_ = std::atan2(axis.y(), axis.x());
   const auto ground = ground_.at(prior.p_n.head<2>());
   terrain_ = ground && ground->terrain;
+  if (ground && !terrain_) prior_.height_sigma_m = std::hypot(prior.height_sigma_m, p_.feet_sigma_m);
   search();
   // Refine the candidates that may be correct by the coarse loss.
   std::vector<Candidate> best(

@@ -13,7 +13,8 @@
 
 namespace odograph::skyline {
 
-/// Parameters of matching one photograph. Unless a source is named, chosen empirically on rendered pictures of Delft.
+/// Parameters of matching one photograph. Unless a source is named, chosen empirically on rendered pictures of Delft
+/// and Linz (docs/accuracy/city.md).
 struct PhotographParameters {
   static constexpr double kDegree = std::numbers::pi / 180;
   RoofErrorParameters roofs;
@@ -28,16 +29,20 @@ struct PhotographParameters {
   size_t stride = 3;                       ///< the search uses every third direction
   size_t headings = 3;                     ///< number of headings kept for a place
   double turned_rad = 5 * kDegree;         ///< and their min distance
-  double max_up_m = 1.2;                   ///< max deviation of the camera's height above the ground from eye_m
+  double max_up_m = 3.5;                   ///< max deviation of the camera's height above the ground from eye_m
+  double feet_sigma_m = 1.0;               ///< of the ground without terrain, from the feet of the buildings around
   double tile_m = 12;                      ///< half the side of a tile, for which visible edges are selected together
-  size_t refined = 500, modes = 20;        ///< places refined in heading, pitch, roll and height; also in position
-  double apart_m = 4;                      ///< places farther apart than this are distinct
+  size_t refined = 250, modes = 20;        ///< places refined in heading, pitch, roll and height; also in position
   double fine_m = 3.5, fine_step_m = 0.5;  ///< of the lattice around the best place, for its covariance
   // Requirements for a match.
   size_t min_edges = 40;     ///< directions with a roof's edge: 20 degrees
-  double max_sigma_m = 3;    ///< of the position along its worst axis
+  double max_sigma_m = 4;    ///< of the position along its worst axis
   double min_sigma_m = 0.5;  ///< of north and of east: no model's corners are more accurate (CityGML 2.0, LOD3: 0.5 m)
-  double max_other = 0.1;    ///< total probability of all other places and of no place
+  double max_other = 0.05;   ///< total probability of places beyond three sigmas and of no place
+  double unmodelled = 0.05;  ///< odds, before the picture is seen, that the model has nothing of it; judgement
+  double trust =
+      3;  ///< of the likelihood's power, by the cube of the fit: the smallest sigmas that held on 61 pictures
+  double modelled_power = 3;    ///< the fraction of a line that a model has is distributed as its power: mean 80 %
   double roof_distance_m = 10;  ///< the position's sigma over this distance adds to the heading's: a typical distance
                                 ///< of a roof (K7's drives)
 };
@@ -67,7 +72,7 @@ class PhotographMatcher {
   double gain() const { return gain_; }
   /// The best place, accepted or rejected.
   const std::optional<Match>& tried() const { return tried_; }
-  /// Probability of all places outside the neighbourhood of the best.
+  /// Probability that the camera is beyond three sigmas of the best place.
   double other() const { return other_; }
   /// False where the model has no terrain there.
   bool on_terrain() const { return terrain_; }
@@ -92,6 +97,14 @@ class PhotographMatcher {
   void align(Candidate& at);
   void move(Candidate& at);
   std::vector<Candidate> surroundings_of(const Candidate& best);
+  struct Spread {
+    double power = 1;  // of the likelihoods
+    Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();
+    double all = 0, others = 0;  // weights of all places and of those beyond three sigmas
+    double turned = 0;           // variance of the heading over the places
+  };
+  Spread spread_of(const Candidate& best);
+  double own_yaw_variance(const Candidate& best);
   bool accept(const Candidate& best, Match& match);
   bool describe(const Candidate& best, Match& match);
 

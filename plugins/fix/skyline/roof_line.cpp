@@ -104,7 +104,7 @@ double RoofLineFit::no_match_cost() const {
   double sum = p_.run_loss;
   for (const Ray& ray : rays_)
     if (!ray.open && !ray.above) sum += ray.weight * p_.run_above;
-  return p_.likelihood_power * sum;
+  return sum;
 }
 
 /// The cheapest division of the line into the model's roofs and runs of objects that the model lacks (Viterbi 1967).
@@ -157,7 +157,7 @@ double RoofLineFit::cost(const RoofLine& model, const Guess& g, size_t stride) {
     heights += 0.5 * offset * offset / (p_.building_m * p_.building_m);
     heights += 0.5 * std::log(information * p_.building_m * p_.building_m);  // Occam's factor
   }
-  return p_.likelihood_power * (divided() + heights);
+  return divided() + heights;
 }
 
 }  // namespace odograph::skyline

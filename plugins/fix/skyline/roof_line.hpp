@@ -17,7 +17,7 @@
 namespace odograph::skyline {
 
 /// Errors of a model's roofs and of a picture's sky. Unless a source is named, chosen empirically on rendered pictures
-/// of Delft (`odograph city bench`).
+/// of Delft and Linz (`odograph city bench-photographs`).
 struct RoofErrorParameters {
   static constexpr double kDegree = std::numbers::pi / 180;
   double line_rad = 0.15 * kDegree;  ///< sigma of a direction of the observed line
@@ -29,9 +29,8 @@ struct RoofErrorParameters {
   double agrees_rad = 0.3 * kDegree;  ///< max difference of a direction in which picture and model agree, or two sigmas
   /// Cost of a run of directions with an object that the model lacks (a new house, a tree), for its free ends and
   /// height; and cost per direction, higher where sky is visible instead of the model's roof.
-  double run_loss = 9, run_above = 0.35, run_below = 0.5;
-  double correlated = 5;        ///< neighbouring directions with a common error: two and a half degrees
-  double likelihood_power = 1;  ///< power of the whole likelihood
+  double run_loss = 6, run_above = 0.6, run_below = 0.7;
+  double correlated = 5;  ///< neighbouring directions with a common error: two and a half degrees
 };
 
 /// The model's skyline from a place, with the object of each direction.
