@@ -37,10 +37,10 @@ odo_barometer pressure(double t_s) {
 }
 
 odo_scale scale(double t_s) {
-  auto one_case = make_message<odo_scale>(ODO_TYPE_SCALE, MeasuredWalk::ns(t_s));
-  one_case.valid_from_ns = MeasuredWalk::ns(t_s - 1), one_case.valid_to_ns = MeasuredWalk::ns(t_s + 1);
-  one_case.scale = 1.9 + 0.02 * std::sin(3 * t_s), one_case.sigma = 0.1, one_case.displacement_m = 1;
-  return cases;
+  auto event = make_message<odo_scale>(ODO_TYPE_SCALE, MeasuredWalk::ns(t_s));
+  event.valid_from_ns = MeasuredWalk::ns(t_s - 1), event.valid_to_ns = MeasuredWalk::ns(t_s + 1);
+  event.scale = 1.9 + 0.02 * std::sin(3 * t_s), event.sigma = 0.1, event.displacement_m = 1;
+  return event;
 }
 
 /// Cycles through all parts of a fix.

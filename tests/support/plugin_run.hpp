@@ -21,9 +21,11 @@ class PluginRun {
       : fixture_(plugin_folder() / (name + ".so"), settings, 0) {
     const std::string why = fixture_.load();
     REQUIRE_MESSAGE(why.empty(), why);
-    std::string refusal;
-    driver_ = fixture_.start_instance(refusal);
-    REQUIRE_MESSAGE(driver_, name, ": ", refusal);
+    try {
+      driver_ = fixture_.start_instance();
+    } catch (const odograph::Verdict& verdict) {
+      FAIL(name, ": ", verdict.detail);
+    }
   }
 
   /// Passes those messages that the plugin's kind receives, one by one; returns its output.

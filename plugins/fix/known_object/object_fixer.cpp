@@ -13,14 +13,14 @@ using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
 ObjectFixer::ObjectFixer(const Parameters& parameters, const Finder::Parameters& finder,
-                         const SightingValidator::Parameters& judge, std::vector<PlaneObject> objects)
-    : p_(parameters), finder_(finder, on_map(std::move(objects))), judge_(judge) {
+                         const SightingValidator::Parameters& validator, std::vector<PlaneObject> objects)
+    : p_(parameters), finder_(finder, on_map(std::move(objects))), validator_(validator) {
   reset();
 }
 
 void ObjectFixer::reset() {
   finder_.clear();
-  judge_.clear();
+  validator_.clear();
   poses_.clear(), waiting_.clear();
   has_mount_ = false;
   // The positions are in n from the start for local objects, and for geodetic ones if the origin is known.
@@ -163,7 +163,8 @@ std::vector<Estimate> ObjectFixer::decide() {
       if (!late && still.size() < p_.max_waiting) still.push_back(std::move(w));
       continue;
     }
-    if (auto estimate = judge_.judge(w.sighting, object(w.sighting.object), w.lens, *p)) fixes.push_back(*estimate);
+    if (auto estimate = validator_.validate(w.sighting, object(w.sighting.object), w.lens, *p))
+      fixes.push_back(*estimate);
   }
   waiting_ = std::move(still);
   if (!fixes.empty()) fix_on_map_ = fixes.back().p_n;

@@ -56,7 +56,7 @@ class ObjectFixer {
 
   /// Throws std::runtime_error if some objects have geodetic positions and others positions in an n of unknown origin.
   ObjectFixer(const Parameters& parameters, const Finder::Parameters& finder,
-              const SightingValidator::Parameters& judge, std::vector<PlaneObject> objects);
+              const SightingValidator::Parameters& validator, std::vector<PlaneObject> objects);
 
   void reset();
   /// Orientation and position of the camera in the body frame, m. The search is limited to objects in range from then
@@ -95,7 +95,7 @@ class ObjectFixer {
   std::array<double, 3> datum_ = {0, 0, 0};  // latitude and longitude in rad, height in m, of the map's origin
   bool any_geodetic_ = false;
   Finder finder_;
-  SightingValidator judge_;
+  SightingValidator validator_;
   bool has_mount_ = false, is_map_aligned_ = false, placed_ = false;
   Eigen::Quaterniond q_b_c_ = rear_camera_mount();
   Eigen::Vector3d p_b_c_ = Eigen::Vector3d::Zero(), n_from_map_ = Eigen::Vector3d::Zero();

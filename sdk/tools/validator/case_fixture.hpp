@@ -57,7 +57,7 @@ class CaseFixture {
   bool serves(const char* interface) const { return interface_id == interface; }
   std::unique_ptr<PluginDriver> driver() const { return std::make_unique<PluginDriver>(table(), host, interface_id); }
   /// A started instance. Throws a Verdict if it does not start.
-  std::unique_ptr<PluginDriver> started() const;
+  std::unique_ptr<PluginDriver> start_instance() const;
   /// An instance that has processed the walk or, if set, the recording; shared by all cases of this process. Throws a
   /// Verdict if it does not start.
   const PluginDriver* walked_instance();

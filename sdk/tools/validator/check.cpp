@@ -43,7 +43,7 @@ std::string CaseFixture::load() {
   return "";
 }
 
-std::unique_ptr<PluginDriver> CaseFixture::started() const {
+std::unique_ptr<PluginDriver> CaseFixture::start_instance() const {
   auto made = driver();
   const int32_t status = made->start(values);
   if (status >= 0) return made;
@@ -52,7 +52,7 @@ std::unique_ptr<PluginDriver> CaseFixture::started() const {
 
 std::vector<std::vector<unsigned char>> CaseFixture::run(const std::vector<AnyMessage>& messages,
                                                          const MessageLayout& layout) const {
-  const auto made = started();
+  const auto made = start_instance();
   if (const int32_t status = made->process(messages, layout); status < 0)
     throw Verdict("process failed with status " + std::to_string(status));
   return made->bytes();
@@ -60,7 +60,7 @@ std::vector<std::vector<unsigned char>> CaseFixture::run(const std::vector<AnyMe
 
 const PluginDriver* CaseFixture::walked_instance() {
   if (walked_) return walked_.get();
-  walked_ = started();
+  walked_ = start_instance();
   if (!recording_) {
     walked_->process(input);
     return walked_.get();

@@ -24,7 +24,7 @@ constexpr double kMemory_mb = 512;
 /// Passes modified input: no crash, no fatal status, no non-finite number.
 Verdict survives(CaseFixture& fixture, const std::vector<AnyMessage>& messages,
                  const std::function<void(AnyMessage&)>& change = {}) {
-  const auto driver = fixture.started();
+  const auto driver = fixture.start_instance();
   MessageLayout layout;
   layout.change = change;
   driver->process(messages, layout);
@@ -204,7 +204,7 @@ Verdict fast_enough(CaseFixture& fixture, uint32_t type, double limit_s) {
   if (!fixture.accepts(type)) return not_applicable("it is given no " + message_name(type));
   double best = 1e9;
   for (int run = 0; run < 3 && best > limit_s; ++run) {
-    const auto driver = fixture.started();
+    const auto driver = fixture.start_instance();
     std::vector<double> of_type;
     for (const AnyMessage& message : fixture.input) {
       if (of_type.size() >= 30) break;

@@ -137,7 +137,7 @@ void clear_invalid(std::vector<unsigned char>& event) {
 
 /// The events if no message has the flag, with the fields as they are or changed.
 std::vector<std::vector<unsigned char>> events_without(CaseFixture& fixture, const Optional& row, bool changed) {
-  const auto subject = fixture.started();
+  const auto subject = fixture.start_instance();
   MessageLayout layout;
   layout.change = [&](AnyMessage& message) {
     odo_header& header = message.header();

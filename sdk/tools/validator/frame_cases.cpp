@@ -17,7 +17,7 @@ bool is_frame(const AnyMessage& message) { return message.header().type == ODO_T
 /// Runs the walk with each frame modified and returns the instance. Throws a Verdict on failure.
 std::unique_ptr<PluginDriver> walked(CaseFixture& fixture, const std::function<void(AnyMessage&)>& change) {
   if (!fixture.accepts(ODO_TYPE_FRAME)) throw not_applicable("it is given no frames");
-  auto driver = fixture.started();
+  auto driver = fixture.start_instance();
   if (!driver) return nullptr;
   MessageLayout layout;
   layout.change = [&](AnyMessage& message) {
@@ -185,7 +185,7 @@ Verdict no_calibration(CaseFixture& fixture) {
   std::vector<AnyMessage> without;
   for (const AnyMessage& message : fixture.input)
     if (message.header().type != ODO_TYPE_CALIBRATION) without.push_back(message);
-  const auto driver = fixture.started();
+  const auto driver = fixture.start_instance();
   const int32_t status = driver->process(without);
   return status >= 0 ? "" : "process failed with status " + std::to_string(status) + " without a camera description";
 }

@@ -45,7 +45,7 @@ Verdict create_and_destroy(CaseFixture& fixture) {
 }
 
 Verdict starts(CaseFixture& fixture) {
-  fixture.started();
+  fixture.start_instance();
   return {};
 }
 
@@ -90,7 +90,7 @@ Verdict no_services(CaseFixture& fixture) {
 /// Sequentially and in parallel: the output of one instance must not depend on others.
 Verdict independent(CaseFixture& fixture) {
   const auto alone = fixture.run(fixture.input, {});
-  const auto one = fixture.started(), other = fixture.started();
+  const auto one = fixture.start_instance(), other = fixture.start_instance();
   for (const AnyMessage& message : fixture.input) {
     one->process({message});
     AnyMessage later = message;
@@ -103,19 +103,19 @@ Verdict independent(CaseFixture& fixture) {
 
 Verdict many(CaseFixture& fixture) {
   std::vector<std::unique_ptr<PluginDriver>> all;
-  for (int i = 0; i < 20; ++i) all.push_back(fixture.started());
+  for (int i = 0; i < 20; ++i) all.push_back(fixture.start_instance());
   return {};
 }
 
 Verdict other_thread(CaseFixture& fixture) {
   const auto here = fixture.run(fixture.input, {});
-  const auto driver = fixture.started();
+  const auto driver = fixture.start_instance();
   std::thread([&] { driver->process(fixture.input); }).join();
   return difference(here, driver->bytes());
 }
 
 Verdict no_violation_of(CaseFixture& fixture, const char* beginning) {
-  const auto driver = fixture.started();
+  const auto driver = fixture.start_instance();
   driver->process(fixture.input);
   if (fixture.table().reset) driver->reset();
   driver->destroy();
@@ -169,7 +169,7 @@ Verdict does_not_leak(CaseFixture& fixture) {
 }
 
 Verdict does_not_grow(CaseFixture& fixture) {
-  const auto driver = fixture.started();
+  const auto driver = fixture.start_instance();
   const auto walk = [&](int round) {
     MessageLayout later;
     later.change = [=](AnyMessage& message) {
@@ -196,7 +196,7 @@ Verdict does_not_grow(CaseFixture& fixture) {
 
 Verdict unknown_extension(CaseFixture& fixture) {
   if (!fixture.table().get_interface) return not_applicable("it has no get_interface");
-  const auto driver = fixture.started();
+  const auto driver = fixture.start_instance();
   note_phase("get_interface");
   return fixture.table().get_interface(driver->instance(), "vendor.none/1", 13)
              ? "it returned a table for an unknown id"
@@ -223,7 +223,7 @@ std::vector<uint8_t> saved(const CaseFixture& fixture, const PluginDriver& drive
 
 Verdict save_keeps_to_capacity(CaseFixture& fixture) {
   if (!fixture.table().save) return not_applicable("it saves nothing");
-  const auto driver = fixture.started();
+  const auto driver = fixture.start_instance();
   driver->process(fixture.input);
   const auto bytes = saved(fixture, *driver);
   if (bytes.empty()) return {};
@@ -236,7 +236,7 @@ Verdict save_keeps_to_capacity(CaseFixture& fixture) {
 
 Verdict round_trip(CaseFixture& fixture) {
   if (!fixture.table().save || !fixture.table().load) return not_applicable("it saves nothing");
-  const auto one = fixture.started(), other = fixture.started();
+  const auto one = fixture.start_instance(), other = fixture.start_instance();
   one->process(fixture.input);
   const auto bytes = saved(fixture, *one);
   if (bytes.empty()) return not_applicable("it has nothing to save");
@@ -248,7 +248,7 @@ Verdict round_trip(CaseFixture& fixture) {
 
 Verdict damaged_state(CaseFixture& fixture) {
   if (!fixture.table().load) return not_applicable("it loads nothing");
-  const auto driver = fixture.started();
+  const auto driver = fixture.start_instance();
   auto bytes = fixture.table().save ? saved(fixture, *driver) : std::vector<uint8_t>();
   uint32_t random = 12345;
   for (int i = 0; i < 300; ++i) {
@@ -269,7 +269,7 @@ Verdict damaged_state(CaseFixture& fixture) {
 
 Verdict foreign_state(CaseFixture& fixture) {
   if (!fixture.table().load || !fixture.table().save) return not_applicable("it saves nothing");
-  const auto driver = fixture.started();
+  const auto driver = fixture.start_instance();
   if (saved(fixture, *driver).empty()) return not_applicable("it has nothing to save");
   const char text[] = "this was saved by somebody else, long ago and in another format";
   note_phase("load");

@@ -25,7 +25,7 @@ Verdict cut_odd(CaseFixture& fixture) { return cut(fixture, 17); }
 
 Verdict after_reset(CaseFixture& fixture) {
   if (!fixture.table().reset) return not_applicable("it has no reset: the host makes a new instance");
-  const auto driver = fixture.started();
+  const auto driver = fixture.start_instance();
   driver->process(fixture.input);
   const auto first = driver->bytes();
   if (const int32_t status = driver->reset(); status < 0) return "reset gave status " + std::to_string(status);
@@ -37,7 +37,7 @@ Verdict after_reset(CaseFixture& fixture) {
 Verdict reset_first(CaseFixture& fixture) {
   if (!fixture.table().reset) return not_applicable("it has no reset: the host makes a new instance");
   const auto plain = fixture.run(fixture.input, {});
-  const auto driver = fixture.started();
+  const auto driver = fixture.start_instance();
   for (int i = 0; i < 3; ++i)
     if (const int32_t status = driver->reset(); status < 0) return "reset gave status " + std::to_string(status);
   driver->process(fixture.input);
@@ -79,7 +79,7 @@ Verdict guarded(CaseFixture& fixture) {
 }
 
 Verdict empty_batch(CaseFixture& fixture) {
-  const auto driver = fixture.started();
+  const auto driver = fixture.start_instance();
   note_phase("process of an empty batch");
   const odo_batch batch{sizeof batch, 0, nullptr};
   const int32_t status = driver->call(batch);
@@ -107,7 +107,7 @@ Verdict vendor_type(CaseFixture& fixture) { return with_unknown_type(fixture, OD
 
 /// The events and statuses must be the same for original and modified messages.
 Verdict same_for(CaseFixture& fixture, const MessageLayout& layout) {
-  const auto plain = fixture.started(), other = fixture.started();
+  const auto plain = fixture.start_instance(), other = fixture.start_instance();
   plain->process(fixture.input);
   other->process(fixture.input, layout);
   for (const auto& [status, times] : other->statuses)
@@ -174,7 +174,7 @@ Verdict newer_host(CaseFixture& fixture) {
 /// A batch struct of a later version, in memory that ends with it.
 Verdict newer_batch(CaseFixture& fixture) {
   const auto plain = fixture.run(fixture.input, {});
-  const auto driver = fixture.started();
+  const auto driver = fixture.start_instance();
   for (const AnyMessage& message : fixture.input) {
     const odo_header* messages[] = {&message.header()};
     struct {
