@@ -25,9 +25,12 @@ std::optional<Quaterniond> GyroOrientation::rotate(const odo_vo_motion& m, doubl
   if (!is_enabled() || !from || !to || dt_s <= 0) return std::nullopt;
   const Quaterniond q_c0_c1 = q_b_c_.conjugate() * from->q_e_b.conjugate() * to->q_e_b * q_b_c_;
   filter_.propagate(q_c0_c1, dt_s);
-  // With parallax, rotation and translation are too correlated in a frame for the bias to be observable.
+  // With parallax, rotation and translation are too correlated in a frame of a camera alone for the bias to be
+  // observable; a front-end with inertia separates them over many frames.
   const bool pure = m.reason == ODO_REASON_NO_PARALLAX && (m.header.flags & ODO_VO_ROTATION) != 0;
-  if (pure) filter_.update_relative_rotation(q_c0_c1, quaternion(m.q_c0_c1), rotation_sigma_rad, dt_s);
+  constexpr uint32_t inertial = ODO_VO_ROTATION | ODO_VO_INERTIAL;
+  if (pure || (m.header.flags & inertial) == inertial)
+    filter_.update_relative_rotation(q_c0_c1, quaternion(m.q_c0_c1), rotation_sigma_rad, dt_s);
   filter_.update_gravity(q_b_c_.conjugate() * (to->q_e_b.conjugate() * ((to->v_e - from->v_e) / dt_s)), pure);
   return Quaterniond(filter_.q_n_c() * q_b_c_.conjugate());
 }
