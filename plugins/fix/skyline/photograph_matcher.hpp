@@ -44,7 +44,7 @@ struct PhotographParameters {
       3;  ///< of the likelihood's power, by the cube of the fit: the smallest sigmas that held on 61 pictures
   double modelled_power = 3;    ///< the fraction of a line that a model has is distributed as its power: mean 80 %
   double roof_distance_m = 10;  ///< the position's sigma over this distance adds to the heading's: a typical distance
-                                ///< of a roof (K7's drives)
+                                ///< of a roof
 };
 
 struct PhotographPrior {
