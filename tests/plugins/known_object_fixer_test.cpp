@@ -43,7 +43,7 @@ struct Walker {
 
 TEST_SUITE_BEGIN("known_object");
 
-TEST_CASE("a sighting waits for the pose that follows its frame, and one without a pose is dropped") {
+TEST_CASE("a sighting waits for the pose that follows its frame; one in a long gap between poses gives no fix") {
   const Walker walker;
   const auto made = walker.fixer();
   ObjectFixer& fixer = *made;
@@ -53,7 +53,7 @@ TEST_CASE("a sighting waits for the pose that follows its frame, and one without
     fixes += fixer.add_pose(walker.pose(k * kFrame)).size();
   }
   CHECK(fixes > 0);
-  // The next pose is two seconds later: the retained sighting is too old for it.
+  // The next pose is two seconds later: no pose is interpolated over that long.
   CHECK(walker.frame(fixer, 10 * kFrame).empty());
   CHECK(fixer.add_pose(walker.pose(30 * kFrame)).empty());
 }
