@@ -72,7 +72,7 @@ def signature(f):
     return f"({parameters})" + ("" if result.base == "void" and not result.pointers else " -> " + rust_type(result))
 
 
-def rust(description):
+def rust(description, minimum):
     def constant(name, value):
         if isinstance(value, str):
             return f'pub const {name}: &str = "{value}";'
@@ -91,6 +91,7 @@ def rust(description):
     functions = [f"    pub fn {f.name}{signature(f)};" for f in description.exported()]
     messages = [f"unsafe impl Message for {name} {{\n    const TYPE: u32 = {number:#x};\n}}" for name, number in description.messages().items()]
     aliases = [f"pub type {title(name)} = {name};" for name in public_structs(description)]
-    return "\n\n".join([HEAD + "\n".join(constant(*item) for item in description.constants.items()), "\n".join(opaque), "\n".join(structs),
+    return "\n\n".join([HEAD + "\n".join(constant(*item) for item in description.constants.items())
+                        + f"\n/// Size of version 1.0 of the plugin's table.\npub const ODO_PLUGIN_SIZE_MIN: u32 = {minimum['odo_plugin']};", "\n".join(opaque), "\n".join(structs),
                         "\n".join(callbacks), ENTRY.replace("@ENTRY@", description.entry_symbol()), '#[cfg(feature = "app")]\n#[link(name = "odograph")]\nextern "C" {\n' + "\n".join(functions) + "\n}", "\n".join(messages),
                         "\n".join(aliases)]) + "\n"

@@ -15,7 +15,7 @@ GROWTH = [
     ("flag", [(SAMPLES, "#define ODO_RANGE_LEVER 2u", "#define ODO_RANGE_MORE 4u\n#define ODO_RANGE_LEVER 2u")]),
     ("function", [(APP, "ODO_API uint32_t ODO_CALL odo_abi_version(void);", "ODO_API uint32_t ODO_CALL odo_abi_version(void);\nODO_API uint32_t ODO_CALL odo_more(void);"),
                   (MAP, "  local: *;\n};", "  local: *;\n};\nODOGRAPH_1.1 {\n  global:\n    odo_more;\n};")]),
-    ("minor version", [(BASE, "ODO_ABI_MINOR 3u", "ODO_ABI_MINOR 4u")]),
+    ("minor version", [(BASE, "ODO_ABI_MINOR 0u", "ODO_ABI_MINOR 1u")]),
 ]
 
 ROWS = [
@@ -27,13 +27,13 @@ ROWS = [
     ("function removed", [(APP, "ODO_API int32_t ODO_CALL odo_session_flush(odo_session *session);", "")], "contract", "function odo_session_flush"),
     ("status code", [(BASE, "ODO_E_DISCARD (-2)", "ODO_E_DISCARD (-22)")], "contract", "constant ODO_E_DISCARD"),
     ("type number", [(BASE, "ODO_TYPE_RANGE 0xAu", "ODO_TYPE_RANGE 0xCu")], "contract", "message odo_range: released as '0xa', now '0xc'"),
-    ("interface id", [(H + "attitude.h", "odo.attitude/draft3", "odo.attitude/draft4")], "contract", "constant ODO_INTERFACE_ATTITUDE"),
+    ("interface id", [(H + "attitude.h", "odo.attitude/1", "odo.attitude/2")], "contract", "constant ODO_INTERFACE_ATTITUDE"),
     ("argument of a function pointer", [(BASE, "retain, (void *owner)", "retain, (const void *owner)")], "contract", "field odo_loan.retain"),
     # Constants, macros and names.
     ("bit of the host's mask", [(BASE, "ODO_FLAG_HOST_MASK 0x0F000000u", "ODO_FLAG_HOST_MASK 0x07000000u")], "contract", "constant ODO_FLAG_HOST_MASK"),
     ("ODO_HAS excludes the last field", [(BASE, "sizeof((ptr)->field) <= ", "sizeof((ptr)->field) < ")], "contract", "macro ODO_HAS"),
     ("calling convention dropped", [(APP, "typedef void (ODO_CALL *odo_callback)", "typedef void (*odo_callback)")], "contract", "callback odo_callback"),
-    ("entry symbol", [(PLUGIN, '"odo_plugin_entry_draft3"', '"odo_plugin_entry_v1"'), (PLUGIN, "#define ODO_PLUGIN_ENTRY odo_plugin_entry_draft3", "#define ODO_PLUGIN_ENTRY odo_plugin_entry_v1")],
+    ("entry symbol", [(PLUGIN, '"odo_plugin_entry_v1"', '"odo_plugin_entry_v2"'), (PLUGIN, "#define ODO_PLUGIN_ENTRY odo_plugin_entry_v1", "#define ODO_PLUGIN_ENTRY odo_plugin_entry_v2")],
      "contract", "symbol of the entry"),
     ("const dropped", [(APP, "odo_session_push(odo_session *session, const odo_header *sample)", "odo_session_push(odo_session *session, odo_header *sample)")],
      "contract", "function odo_session_push"),

@@ -7,7 +7,7 @@ work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 unset ODOGRAPH_PLUGIN_PATH
 mkdir "$work/app" "$work/whole"
-cp "$app" "$work/app/run" && cp "$library" "$work/app/libodograph.so.0"
+cp "$app" "$work/app/run" && cp "$library" "$work/app/libodograph.so.1"
 cp "$whole" "$work/whole/run"
 export LD_LIBRARY_PATH="$work/app${LD_LIBRARY_PATH:+:$LD_LIBRARY_PATH}"
 for kind in app whole; do

@@ -133,7 +133,7 @@ TEST_CASE("every broken config is reported with its location, the expected value
       {"plugin of another kind",
        "odograph: 1\nattitude:\n  plugin: fix/gnss\n",
        "f.yaml:3:11:",
-       {"fix/gnss", "odo.attitude/draft3"}},
+       {"fix/gnss", "odo.attitude/1"}},
       {"no plugin named", "odograph: 1\nattitude:\n  parameters: {}\n", "f.yaml:3:3:", {"'plugin' is missing"}},
       {"unknown parameter",
        "odograph: 1\nattitude:\n  plugin: attitude/vqf\n  parameters:\n    tau_ac: 3\n",

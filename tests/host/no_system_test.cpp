@@ -89,7 +89,7 @@ TEST_CASE("without libraries a plugin's file is rejected") {
   const auto manifest = folder / "a.odoplugin.json";
   std::ofstream(manifest) << R"({"odoplugin": 1, "id": "attitude/far", "version": "1.0.0", "summary": "s",
     "interfaces": [")" ODO_INTERFACE_ATTITUDE
-                             R"("], "abi": [0, 3], "library": "a.so", "sha256": "0", "parameters": []})";
+                             R"("], "abi": [1, 0], "library": "a.so", "sha256": "0", "parameters": []})";
   check_refused(make("odograph: 1\nattitude:\n  plugin: " + manifest.string() + "\n"), ODO_E_CONFIG,
                 {"loads no plugin from a file", "odo_register_plugin"});
   std::string why;

@@ -31,7 +31,7 @@ cmake -S "$work/samples/plugin_example" -B "$work/plugin" -DCMAKE_PREFIX_PATH="$
 cmake --build "$work/plugin" >/dev/null
 "$work/prefix/bin/odograph" plugin manifest "$work/plugin/constant_speed.so"
 "$work/prefix/bin/odograph" plugin check "$work/plugin/constant_speed.so"
-[ "$(nm -D --defined-only "$work/plugin/constant_speed.so" | awk '{print $NF}')" = odo_plugin_entry_draft3 ]
+[ "$(nm -D --defined-only "$work/plugin/constant_speed.so" | awk '{print $NF}')" = odo_plugin_entry_v1 ]
 
 cmake -S "$work/samples/plugins_c" -B "$work/plugins_c" -DCMAKE_PREFIX_PATH="$work/prefix" >/dev/null
 cmake --build "$work/plugins_c" >/dev/null

@@ -146,7 +146,7 @@ TEST_CASE("manifests with a duplicate id, a changed library, a false statement o
     const auto found = registry.find("test/hostile", ODO_INTERFACE_SCALE_SOURCE, ".", {});
     REQUIRE(found.ok());
     CHECK(PluginLibrary::load(**found, LibraryCheck::hash, &host).ok());
-    CHECK_FALSE(registry.find("test/hostile", "odo.attitude/draft3", ".", {}).ok());
+    CHECK_FALSE(registry.find("test/hostile", "odo.attitude/1", ".", {}).ok());
     CHECK(contains(registry.find("test/hostil", ODO_INTERFACE_SCALE_SOURCE, ".", {}).failure().text,
                    "nearest: 'test/hostile'"));
     CHECK(

@@ -31,14 +31,14 @@ fs::path hostile(const std::string& name) { return fs::path(ODOGRAPH_BUILD) / "t
 bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
 // Made with OpenSSL, `openssl pkeyutl -sign -rawin`, over the manifest of a library with the content "not a library".
-const char* const kSigner = "dcf6df3681d433ecf8f75cf207040907d42294e0e2edaebe2548e33547ce1682";
+const char* const kSigner = "86ee01c8e079893e5ea4b692c1ed183f8963b8bbaf497479be97e0d55ae0478f";
 const char* const kSignature =
-    "9aa358f3db7b2294afe92c69c5ab44de06a7f276ab0604a888d047ec15a2bf272538b9a95f58dfbe3d10394e16213ac7fe597ca2bc54386a8f"
-    "214a54f7622609";
-const char* const kSignedKind = "odo.attitude/draft2";
+    "ccee588eede5ca73677331bbd54101a77dbca94edbd9bb171f55ff115fe7acafcd63799469e07be31cc859e0a97b5de89011a2df37f3d15293"
+    "7a26446f8d1d01";
+const char* const kSignedKind = "odo.attitude/1";
 const char* const kSigned =
     R"({"odoplugin": 1, "id": "test/signed", "version": "1.0.0", "summary": "Signed.", )"
-    R"("interfaces": ["odo.attitude/draft2"], "abi": [0, 1], "library": "one.so", )"
+    R"("interfaces": ["odo.attitude/1"], "abi": [1, 0], "library": "one.so", )"
     R"("sha256": "f6bb034ecdd65239971cf2fbc49cb6ecef0dc0a192e40c2884e68e3346503e69", "parameters": []})";
 
 std::string bytes_of_hex(const std::string& hex) {

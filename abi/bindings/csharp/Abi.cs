@@ -8,8 +8,8 @@ namespace Odograph {
   public static unsafe class Abi {
     public const string Library = "odograph";
 
-    public const uint ODO_ABI_MAJOR = 0;
-    public const uint ODO_ABI_MINOR = 3;
+    public const uint ODO_ABI_MAJOR = 1;
+    public const uint ODO_ABI_MINOR = 0;
     public const int ODO_OK = 0;
     public const int ODO_NOT_READY = 1;
     public const int ODO_E_ARGUMENT = -1;
@@ -185,8 +185,8 @@ namespace Odograph {
     public const uint ODO_LARGEST_STATE = 16777216;
     public const uint ODO_PLUGIN_SEVERAL_CAMERAS = 1;
     public const uint ODO_PLUGIN_NATIVE_FRAMES = 2;
-    public const string ODO_PLUGIN_ENTRY_SYMBOL = "odo_plugin_entry_draft3";
-    public const string ODO_INTERFACE_ABSOLUTE_FIXER = "odo.absolute_fixer/draft3";
+    public const string ODO_PLUGIN_ENTRY_SYMBOL = "odo_plugin_entry_v1";
+    public const string ODO_INTERFACE_ABSOLUTE_FIXER = "odo.absolute_fixer/1";
     public const uint ODO_RUN_LIVE = 0;
     public const uint ODO_RUN_REPLAY = 1;
     public const uint ODO_SESSION_CRASH_NOTES = 1;
@@ -210,11 +210,11 @@ namespace Odograph {
     public const uint ODO_REASON_NO_FIX = 10;
     public const uint ODO_REASON_NO_GROUND = 11;
     public const uint ODO_REASON_NO_ORIGIN = 12;
-    public const string ODO_INTERFACE_ATTITUDE = "odo.attitude/draft3";
-    public const string ODO_INTERFACE_SCALE_SOURCE = "odo.scale_source/draft3";
-    public const string ODO_INTERFACE_STEP_ESTIMATOR = "odo.step_estimator/draft3";
-    public const string ODO_EXTENSION_TERRAIN = "odo.terrain/draft3";
-    public const string ODO_INTERFACE_VO_FRONTEND = "odo.vo_frontend/draft3";
+    public const string ODO_INTERFACE_ATTITUDE = "odo.attitude/1";
+    public const string ODO_INTERFACE_SCALE_SOURCE = "odo.scale_source/1";
+    public const string ODO_INTERFACE_STEP_ESTIMATOR = "odo.step_estimator/1";
+    public const string ODO_EXTENSION_TERRAIN = "odo.terrain/1";
+    public const string ODO_INTERFACE_VO_FRONTEND = "odo.vo_frontend/1";
 
     [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
     public static extern int odo_session_create(SessionOptions* options, odo_session** session, odo_error* error);

@@ -31,7 +31,7 @@ const bytes = view => Buffer.from(view.buffer);
 const message = address => messageAt(new DataView(koffi.view(address, new DataView(koffi.view(address, 4)).getUint32(0, true))), 0);
 
 /** Loads the library: a path, by default ODOGRAPH_LIBRARY or the default of the dynamic loader. */
-export function load(path = process.env.ODOGRAPH_LIBRARY ?? 'libodograph.so.0') {
+export function load(path = process.env.ODOGRAPH_LIBRARY ?? 'libodograph.so.1') {
   return new Odograph(koffi.load(path));
 }
 

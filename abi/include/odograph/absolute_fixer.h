@@ -14,6 +14,6 @@
 
 #include <odograph/plugin.h>
 
-#define ODO_INTERFACE_ABSOLUTE_FIXER "odo.absolute_fixer/draft3"
+#define ODO_INTERFACE_ABSOLUTE_FIXER "odo.absolute_fixer/1"
 
 #endif

@@ -13,6 +13,6 @@
 
 #include <odograph/plugin.h>
 
-#define ODO_INTERFACE_ATTITUDE "odo.attitude/draft3"
+#define ODO_INTERFACE_ATTITUDE "odo.attitude/1"
 
 #endif

@@ -97,10 +97,9 @@ extern "C" {
 #endif
 
 /* ABI version of these headers. An incompatible change raises the major version and renames the entry symbol; an
- * addition raises the minor version. Major 0 is a draft, and host and plugin must have the same minor version. The
- * freeze makes it 1.0. */
-#define ODO_ABI_MAJOR 0u
-#define ODO_ABI_MINOR 3u
+ * addition raises the minor version. */
+#define ODO_ABI_MAJOR 1u
+#define ODO_ABI_MINOR 0u
 
 /* True if the struct at `ptr` contains `field`, according to its size, which is its first member. */
 #define ODO_HAS(ptr, field)                                                                                            \

@@ -212,14 +212,13 @@ typedef struct odo_plugin {
 
 /* True if the host supports the ABI of these headers. Otherwise the entry must return ODO_E_VERSION. */
 #define ODO_HOST_FITS(host)                                                                                            \
-  ((host)->abi_major_min <= ODO_ABI_MAJOR && ((host)->abi_major_max - ODO_ABI_MAJOR) >> 31 == 0 &&                     \
-   (ODO_ABI_MAJOR != 0 || (host)->abi_minor == ODO_ABI_MINOR))
+  ((host)->abi_major_min <= ODO_ABI_MAJOR && (host)->abi_major_max >= ODO_ABI_MAJOR)
 
 /* Name of the entry function (odo_plugin_entry, base.h). A plugin that is linked into an app defines ODO_PLUGIN_ENTRY
  * as a unique name before it includes this header. */
-#define ODO_PLUGIN_ENTRY_SYMBOL "odo_plugin_entry_draft3" /* the freeze makes it odo_plugin_entry_v1 */
+#define ODO_PLUGIN_ENTRY_SYMBOL "odo_plugin_entry_v1"
 #if !defined(ODO_PLUGIN_ENTRY)
-#define ODO_PLUGIN_ENTRY odo_plugin_entry_draft3
+#define ODO_PLUGIN_ENTRY odo_plugin_entry_v1
 #endif
 ODO_EXPORT int32_t ODO_CALL ODO_PLUGIN_ENTRY(const odo_host *host, odo_plugin *out);
 

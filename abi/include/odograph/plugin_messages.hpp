@@ -22,9 +22,9 @@
 /* Inline namespace of this version, with hidden visibility: plugins built with other versions of these headers share no
  * symbols with it in one process. */
 #if defined(__GNUC__)
-#define ODO_DETAIL_VERSION draft3 __attribute__((visibility("hidden")))
+#define ODO_DETAIL_VERSION v1 __attribute__((visibility("hidden")))
 #else
-#define ODO_DETAIL_VERSION draft3
+#define ODO_DETAIL_VERSION v1
 #endif
 
 namespace odo {

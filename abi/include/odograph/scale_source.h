@@ -14,6 +14,6 @@
 
 #include <odograph/plugin.h>
 
-#define ODO_INTERFACE_SCALE_SOURCE "odo.scale_source/draft3"
+#define ODO_INTERFACE_SCALE_SOURCE "odo.scale_source/1"
 
 #endif

@@ -15,6 +15,6 @@
 
 #include <odograph/plugin.h>
 
-#define ODO_INTERFACE_STEP_ESTIMATOR "odo.step_estimator/draft3"
+#define ODO_INTERFACE_STEP_ESTIMATOR "odo.step_estimator/1"
 
 #endif

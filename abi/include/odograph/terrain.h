@@ -12,7 +12,7 @@
 extern "C" {
 #endif
 
-#define ODO_EXTENSION_TERRAIN "odo.terrain/draft3"
+#define ODO_EXTENSION_TERRAIN "odo.terrain/1"
 
 typedef struct odo_terrain {
   uint32_t struct_size;

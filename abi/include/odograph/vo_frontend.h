@@ -23,6 +23,6 @@
 
 #include <odograph/plugin.h>
 
-#define ODO_INTERFACE_VO_FRONTEND "odo.vo_frontend/draft3"
+#define ODO_INTERFACE_VO_FRONTEND "odo.vo_frontend/1"
 
 #endif

@@ -20,13 +20,10 @@ namespace {
 
 std::string text(const odo_string& s) { return s.size && s.data ? std::string(s.data, s.size) : std::string(); }
 
-/// A plugin for a draft ABI requires a host of the same draft.
 std::string version_fault(const odo_plugin& table, const odo_host& host) {
   const std::string its = "it is for ABI " + std::to_string(table.abi_major) + "." + std::to_string(table.abi_minor);
   if (table.abi_major < host.abi_major_min || table.abi_major > host.abi_major_max)
     return its + ", this host has major " + std::to_string(host.abi_major_max);
-  if (table.abi_major == 0 && table.abi_minor != host.abi_minor)
-    return its + ", a draft; this host has draft 0." + std::to_string(host.abi_minor) + ": rebuild it";
   return "";
 }
 

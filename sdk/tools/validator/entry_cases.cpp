@@ -132,14 +132,6 @@ Verdict refuses_other_major(CaseFixture& fixture) {
   return answer.table().refusal.size ? "" : "it refused without a reason (odo_plugin.refusal)";
 }
 
-Verdict refuses_other_draft(CaseFixture& fixture) {
-  if (ODO_ABI_MAJOR != 0) return not_applicable("the ABI is no longer a draft");
-  odo_host other = fixture.host;
-  other.abi_minor = ODO_ABI_MINOR + 1;
-  const Answer answer = ask(fixture, &other, sizeof(odo_plugin));
-  return answer.status < 0 ? "" : "it accepted a host of another draft of the ABI";
-}
-
 Verdict survives_null(CaseFixture& fixture) {
   const auto entry = entry_of(fixture);
   odo_plugin table{};
@@ -262,7 +254,6 @@ std::vector<Case> entry_cases() {
       {"entry.fills_table", "fills a table that the host accepts", 10, 0, false, fills_table},
       {"entry.quick", "loads and returns in less than 2 s", 10, 0, false, is_quick},
       {"entry.other_major", "refuses a host of another ABI major, with a reason", 10, 0, false, refuses_other_major},
-      {"entry.other_draft", "refuses a host of another draft", 10, 0, false, refuses_other_draft},
       {"entry.null", "refuses null pointers", 10, 0, false, survives_null},
       {"entry.small_table", "refuses a table that is too small, and writes nothing beyond it", 10, 0, false,
        refuses_small_table},

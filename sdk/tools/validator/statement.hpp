@@ -13,7 +13,7 @@ namespace odograph {
 /// version and machine of the test; each case that failed or does not apply. `checks` must contain all cases.
 std::string conformance_statement(const Manifest& manifest, const std::vector<PluginCheck>& checks);
 
-/// The same in one line, as an SVG picture of 20 pixels' height: "odo.scale_source/draft3 | 120 cases passed".
+/// The same in one line, as an SVG picture of 20 pixels' height: "odo.scale_source/1 | 120 cases passed".
 std::string conformance_badge(const Manifest& manifest, const std::vector<PluginCheck>& checks);
 
 }  // namespace odograph

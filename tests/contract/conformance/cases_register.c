@@ -57,10 +57,10 @@ static int32_t ODO_CALL too_old(const odo_host* host, odo_plugin* out) {
   return ODO_E_VERSION;
 }
 
-static int32_t ODO_CALL of_another_draft(const odo_host* host, odo_plugin* out) {
+static int32_t ODO_CALL of_another_major(const odo_host* host, odo_plugin* out) {
   const int32_t status = probe_entries[PROBE_FULL](host, out);
-  out->abi_minor = ODO_ABI_MINOR - 1;
-  out->id = string_of("conformance/another_draft");
+  out->abi_major = ODO_ABI_MAJOR + 1;
+  out->id = string_of("conformance/another_major");
   return status;
 }
 
@@ -108,7 +108,7 @@ static void same_id(int unused) {
 }
 
 static void bad_entries(int which) {
-  static const odo_plugin_entry entries[] = {refusing,          too_old, of_another_draft, without_id,
+  static const odo_plugin_entry entries[] = {refusing,          too_old, of_another_major, without_id,
                                              without_functions, failing, too_small};
   static const int32_t expected[] = {ODO_E_CONFIG, ODO_E_VERSION, ODO_E_VERSION, 0, 0, ODO_E_MEMORY, ODO_E_STRUCT_SIZE};
   static const char* const words[] = {"the licence has expired", "made for another ABI", NULL, NULL, NULL, NULL, NULL};
@@ -195,8 +195,8 @@ const conformance_case cases_register[] = {
     {"another plugin of a registered id is refused", "odograph.h", RETURNS, same_id, 0},
     {"an entry that refuses is refused with its reason", "odograph.h", RETURNS, bad_entries, 0},
     {"an entry for another ABI is refused with its reason", "odograph.h", RETURNS, bad_entries, 1},
-    {"a table of another draft is refused", "base.h", "host and plugin must have the same minor version", bad_entries,
-     2},
+    {"a table of another major version is refused", "base.h", "An incompatible change raises the major version",
+     bad_entries, 2},
     {"a table without an id is refused", "odograph.h", "`error`, which may be null, has the reason", bad_entries, 3},
     {"a table without its functions is refused", "odograph.h", "`error`, which may be null, has the reason",
      bad_entries, 4},

@@ -39,7 +39,7 @@ GOOD_ENTRY
 #elif defined(FAULTY_entry_quick__sleeps)
 TABLE(scale) { std::this_thread::sleep_for(std::chrono::milliseconds(2200)); }
 GOOD_ENTRY
-#elif defined(FAULTY_entry_other_major__takes_any) || defined(FAULTY_entry_other_draft__takes_any)
+#elif defined(FAULTY_entry_other_major__takes_any)
 TABLE(scale) {}
 extern "C" ODO_EXPORT int32_t ODO_PLUGIN_ENTRY(const odo_host* host, odo_plugin* out) {
   odo_host mine = *host;

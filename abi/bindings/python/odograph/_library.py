@@ -25,8 +25,7 @@ def library() -> c.CDLL:
     except OSError as error:
         raise ImportError(f"{error}. Install libodograph, or name its file in ODOGRAPH_LIBRARY") from error
     number = found.odo_abi_version()
-    draft = abi.ODO_ABI_MAJOR == 0 and number & 0xFFFF != abi.ODO_ABI_MINOR
-    if number >> 16 != abi.ODO_ABI_MAJOR or draft:
+    if number >> 16 != abi.ODO_ABI_MAJOR:
         raise ImportError(f"{path} has ABI {number >> 16}.{number & 0xFFFF}, this package {abi.ODO_ABI_MAJOR}.{abi.ODO_ABI_MINOR}")
     return found
 

@@ -13,8 +13,8 @@ def _pointer(name, kind):
     return [(name, kind)] if c.sizeof(c.c_void_p) == 8 else [(name, kind), (name + "_bits", c.c_uint32)]
 
 
-ODO_ABI_MAJOR = 0
-ODO_ABI_MINOR = 3
+ODO_ABI_MAJOR = 1
+ODO_ABI_MINOR = 0
 ODO_OK = 0
 ODO_NOT_READY = 1
 ODO_E_ARGUMENT = -1
@@ -190,8 +190,8 @@ ODO_PARAMETER_REALS = 6
 ODO_LARGEST_STATE = 0x1000000
 ODO_PLUGIN_SEVERAL_CAMERAS = 1
 ODO_PLUGIN_NATIVE_FRAMES = 2
-ODO_PLUGIN_ENTRY_SYMBOL = "odo_plugin_entry_draft3"
-ODO_INTERFACE_ABSOLUTE_FIXER = "odo.absolute_fixer/draft3"
+ODO_PLUGIN_ENTRY_SYMBOL = "odo_plugin_entry_v1"
+ODO_INTERFACE_ABSOLUTE_FIXER = "odo.absolute_fixer/1"
 ODO_RUN_LIVE = 0
 ODO_RUN_REPLAY = 1
 ODO_SESSION_CRASH_NOTES = 1
@@ -215,11 +215,11 @@ ODO_ANCHOR_IN_FRONT = 8
 ODO_REASON_NO_FIX = 10
 ODO_REASON_NO_GROUND = 11
 ODO_REASON_NO_ORIGIN = 12
-ODO_INTERFACE_ATTITUDE = "odo.attitude/draft3"
-ODO_INTERFACE_SCALE_SOURCE = "odo.scale_source/draft3"
-ODO_INTERFACE_STEP_ESTIMATOR = "odo.step_estimator/draft3"
-ODO_EXTENSION_TERRAIN = "odo.terrain/draft3"
-ODO_INTERFACE_VO_FRONTEND = "odo.vo_frontend/draft3"
+ODO_INTERFACE_ATTITUDE = "odo.attitude/1"
+ODO_INTERFACE_SCALE_SOURCE = "odo.scale_source/1"
+ODO_INTERFACE_STEP_ESTIMATOR = "odo.step_estimator/1"
+ODO_EXTENSION_TERRAIN = "odo.terrain/1"
+ODO_INTERFACE_VO_FRONTEND = "odo.vo_frontend/1"
 
 
 class odo_asset(c.Structure): pass

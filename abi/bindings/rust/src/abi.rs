@@ -27,8 +27,8 @@ pub unsafe trait Message: Copy {
         }
     }
 }
-pub const ODO_ABI_MAJOR: u32 = 0;
-pub const ODO_ABI_MINOR: u32 = 3;
+pub const ODO_ABI_MAJOR: u32 = 1;
+pub const ODO_ABI_MINOR: u32 = 0;
 pub const ODO_OK: i32 = 0;
 pub const ODO_NOT_READY: i32 = 1;
 pub const ODO_E_ARGUMENT: i32 = -1;
@@ -204,8 +204,8 @@ pub const ODO_PARAMETER_REALS: u32 = 6;
 pub const ODO_LARGEST_STATE: u32 = 16777216;
 pub const ODO_PLUGIN_SEVERAL_CAMERAS: u32 = 1;
 pub const ODO_PLUGIN_NATIVE_FRAMES: u32 = 2;
-pub const ODO_PLUGIN_ENTRY_SYMBOL: &str = "odo_plugin_entry_draft3";
-pub const ODO_INTERFACE_ABSOLUTE_FIXER: &str = "odo.absolute_fixer/draft3";
+pub const ODO_PLUGIN_ENTRY_SYMBOL: &str = "odo_plugin_entry_v1";
+pub const ODO_INTERFACE_ABSOLUTE_FIXER: &str = "odo.absolute_fixer/1";
 pub const ODO_RUN_LIVE: u32 = 0;
 pub const ODO_RUN_REPLAY: u32 = 1;
 pub const ODO_SESSION_CRASH_NOTES: u32 = 1;
@@ -229,11 +229,13 @@ pub const ODO_ANCHOR_IN_FRONT: u32 = 8;
 pub const ODO_REASON_NO_FIX: u32 = 10;
 pub const ODO_REASON_NO_GROUND: u32 = 11;
 pub const ODO_REASON_NO_ORIGIN: u32 = 12;
-pub const ODO_INTERFACE_ATTITUDE: &str = "odo.attitude/draft3";
-pub const ODO_INTERFACE_SCALE_SOURCE: &str = "odo.scale_source/draft3";
-pub const ODO_INTERFACE_STEP_ESTIMATOR: &str = "odo.step_estimator/draft3";
-pub const ODO_EXTENSION_TERRAIN: &str = "odo.terrain/draft3";
-pub const ODO_INTERFACE_VO_FRONTEND: &str = "odo.vo_frontend/draft3";
+pub const ODO_INTERFACE_ATTITUDE: &str = "odo.attitude/1";
+pub const ODO_INTERFACE_SCALE_SOURCE: &str = "odo.scale_source/1";
+pub const ODO_INTERFACE_STEP_ESTIMATOR: &str = "odo.step_estimator/1";
+pub const ODO_EXTENSION_TERRAIN: &str = "odo.terrain/1";
+pub const ODO_INTERFACE_VO_FRONTEND: &str = "odo.vo_frontend/1";
+/// Size of version 1.0 of the plugin's table.
+pub const ODO_PLUGIN_SIZE_MIN: u32 = 208;
 
 #[repr(C)]
 pub struct odo_asset {
@@ -1032,7 +1034,7 @@ pub type odo_callback = unsafe extern "C" fn(user: *mut c_void, event: *const od
 #[macro_export]
 macro_rules! plugin {
     ($kind:ty) => {
-        #[export_name = "odo_plugin_entry_draft3"]
+        #[export_name = "odo_plugin_entry_v1"]
         pub unsafe extern "C" fn odograph_plugin_entry(host: *const $crate::abi::odo_host, out: *mut $crate::abi::odo_plugin) -> i32 {
             static TABLE: $crate::plugin::Table = $crate::plugin::Table::new();
             TABLE.fill::<$kind>(host, out)

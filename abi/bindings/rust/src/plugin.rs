@@ -177,18 +177,17 @@ impl Table {
     /// # Safety
     /// `host` and `out` must be the arguments of the entry function.
     pub unsafe fn fill<P: Plugin>(&self, host: *const odo_host, out: *mut odo_plugin) -> i32 {
-        const SMALLEST: usize = size_of::<odo_plugin>(); // size of version 1.0; until the freeze, the current size
-        if host.is_null() || out.is_null() || ((*out).struct_size as usize) < SMALLEST {
+        if host.is_null() || out.is_null() || (*out).struct_size < ODO_PLUGIN_SIZE_MIN {
             return ODO_E_STRUCT_SIZE;
         }
-        let draft = ODO_ABI_MAJOR == 0 && (*host).abi_minor != ODO_ABI_MINOR;
-        if (*host).abi_major_min > ODO_ABI_MAJOR || (*host).abi_major_max < ODO_ABI_MAJOR || draft {
+        if (*host).abi_major_min > ODO_ABI_MAJOR || (*host).abi_major_max < ODO_ABI_MAJOR {
             (*out).refusal = string("the plugin was built for another ABI than the host's");
             return ODO_E_VERSION;
         }
         let (kind, parameters) = self.texts::<P>();
-        *out = odo_plugin {
-            struct_size: size_of::<odo_plugin>() as u32,
+        let room = (*out).struct_size.min(size_of::<odo_plugin>() as u32); // an older host has a smaller table
+        let table = odo_plugin {
+            struct_size: room,
             abi_major: ODO_ABI_MAJOR,
             abi_minor: ODO_ABI_MINOR,
             interface_count: 1,
@@ -207,6 +206,7 @@ impl Table {
             destroy: Some(destroy::<P>),
             ..odo_plugin::default()
         };
+        std::ptr::copy_nonoverlapping(&table as *const odo_plugin as *const u8, out as *mut u8, room as usize);
         ODO_OK
     }
 }

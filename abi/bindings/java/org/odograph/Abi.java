@@ -7,8 +7,8 @@ public final class Abi {
     private Abi() {}
     static { System.loadLibrary("odograph_jni"); }
 
-    public static final int ODO_ABI_MAJOR = 0;
-    public static final int ODO_ABI_MINOR = 3;
+    public static final int ODO_ABI_MAJOR = 1;
+    public static final int ODO_ABI_MINOR = 0;
     public static final int ODO_OK = 0;
     public static final int ODO_NOT_READY = 1;
     public static final int ODO_E_ARGUMENT = -1;
@@ -184,8 +184,8 @@ public final class Abi {
     public static final int ODO_LARGEST_STATE = 16777216;
     public static final int ODO_PLUGIN_SEVERAL_CAMERAS = 1;
     public static final int ODO_PLUGIN_NATIVE_FRAMES = 2;
-    public static final String ODO_PLUGIN_ENTRY_SYMBOL = "odo_plugin_entry_draft3";
-    public static final String ODO_INTERFACE_ABSOLUTE_FIXER = "odo.absolute_fixer/draft3";
+    public static final String ODO_PLUGIN_ENTRY_SYMBOL = "odo_plugin_entry_v1";
+    public static final String ODO_INTERFACE_ABSOLUTE_FIXER = "odo.absolute_fixer/1";
     public static final int ODO_RUN_LIVE = 0;
     public static final int ODO_RUN_REPLAY = 1;
     public static final int ODO_SESSION_CRASH_NOTES = 1;
@@ -209,11 +209,11 @@ public final class Abi {
     public static final int ODO_REASON_NO_FIX = 10;
     public static final int ODO_REASON_NO_GROUND = 11;
     public static final int ODO_REASON_NO_ORIGIN = 12;
-    public static final String ODO_INTERFACE_ATTITUDE = "odo.attitude/draft3";
-    public static final String ODO_INTERFACE_SCALE_SOURCE = "odo.scale_source/draft3";
-    public static final String ODO_INTERFACE_STEP_ESTIMATOR = "odo.step_estimator/draft3";
-    public static final String ODO_EXTENSION_TERRAIN = "odo.terrain/draft3";
-    public static final String ODO_INTERFACE_VO_FRONTEND = "odo.vo_frontend/draft3";
+    public static final String ODO_INTERFACE_ATTITUDE = "odo.attitude/1";
+    public static final String ODO_INTERFACE_SCALE_SOURCE = "odo.scale_source/1";
+    public static final String ODO_INTERFACE_STEP_ESTIMATOR = "odo.step_estimator/1";
+    public static final String ODO_EXTENSION_TERRAIN = "odo.terrain/1";
+    public static final String ODO_INTERFACE_VO_FRONTEND = "odo.vo_frontend/1";
 
     static native int odo_session_create(long options, long session, long error);
     static native void odo_session_destroy(long session);
