@@ -92,7 +92,7 @@ Outcome outcome(const std::string& isolation) {
 
 TEST_CASE("the app's services are offered by id, and assets come from the app before the host") {
   const Outcome out = outcome("none");
-  CHECK(contains(out.asked, "acme.number/1 odo.assets/2 "));
+  CHECK(contains(out.asked, "acme.number/1 odo.contents/1 "));
   CHECK_FALSE(contains(out.asked, "odo.report"));
   CHECK_FALSE(contains(out.asked, "odo.wake"));
   CHECK(contains(out.reported, "number 42\n"));

@@ -18,7 +18,7 @@ struct ServiceUser {
     say(std::string("wake ") + (service<odo_wake_service>(output, ODO_SERVICE_WAKE) ? "yes" : "no"));
     const auto* number = service<int>(output, "acme.number/1");
     say("number " + (number ? std::to_string(*number) : "none"));
-    const auto* assets = service<odo_asset_service_2>(output, ODO_SERVICE_ASSETS_2);
+    const auto* assets = service<odo_content_service>(output, ODO_SERVICE_CONTENTS);
     if (!assets) return say("no assets");
     const odo_string name = odo::str("asset.txt"), missing = odo::str("missing.txt");
     odo_asset* asset = nullptr;

@@ -12,6 +12,8 @@ namespace Odograph {
     public const uint ODO_ABI_MINOR = 0;
     public const int ODO_OK = 0;
     public const int ODO_NOT_READY = 1;
+    public const uint ODO_END = 2;
+    public const uint ODO_PARTIAL = 3;
     public const int ODO_E_ARGUMENT = -1;
     public const int ODO_E_DISCARD = -2;
     public const int ODO_E_EXHAUSTED = -3;
@@ -22,9 +24,10 @@ namespace Odograph {
     public const int ODO_E_CONFIG = -8;
     public const int ODO_E_NOT_FOUND = -9;
     public const int ODO_E_DATA = -10;
-    public const int ODO_E_MEMORY = -11;
-    public const int ODO_E_ERROR = -12;
-    public const int ODO_E_FATAL = -13;
+    public const int ODO_E_IO = -11;
+    public const int ODO_E_MEMORY = -1001;
+    public const int ODO_E_ERROR = -1002;
+    public const int ODO_E_FATAL = -2001;
     public const uint ODO_BORROWED = 2048;
     public const uint ODO_TYPE_IMU = 1;
     public const uint ODO_TYPE_MAGNETOMETER = 2;
@@ -50,8 +53,10 @@ namespace Odograph {
     public const uint ODO_TYPE_REPORT = 4106;
     public const uint ODO_TYPE_REFINED = 4107;
     public const uint ODO_TYPE_RELATIVE_POSE = 4108;
+    public const uint ODO_VENDOR_EVENT = 1024;
     public const uint ODO_LARGEST_MESSAGE = 65536;
     public const uint ODO_FLAG_QUALITY = 2147483648;
+    public const uint ODO_FLAG_DESCRIPTION = 268435456;
     public const uint ODO_FLAG_HOST_MASK = 251658240;
     public const uint ODO_FLAG_ACCEPTED = 16777216;
     public const uint ODO_FLAG_NAVIGATION = 33554432;
@@ -174,7 +179,7 @@ namespace Odograph {
     public const string ODO_SERVICE_REPORT = "odo.report/1";
     public const string ODO_SERVICE_RANDOM = "odo.random/1";
     public const string ODO_SERVICE_ASSETS = "odo.assets/1";
-    public const string ODO_SERVICE_ASSETS_2 = "odo.assets/2";
+    public const string ODO_SERVICE_CONTENTS = "odo.contents/1";
     public const string ODO_SERVICE_WAKE = "odo.wake/1";
     public const uint ODO_PARAMETER_BOOL = 1;
     public const uint ODO_PARAMETER_INT = 2;
@@ -191,6 +196,8 @@ namespace Odograph {
     public const uint ODO_RUN_REPLAY = 1;
     public const uint ODO_SESSION_CRASH_NOTES = 1;
     public const long ODO_TIME_LATEST = -9223372036854775808;
+    public const uint ODO_WORLD_CORRECTED = 0;
+    public const uint ODO_WORLD_SMOOTH = 1;
     public const uint ODO_OF_PIPELINE = 0;
     public const uint ODO_OF_BODY = 1;
     public const uint ODO_OF_CAMERA = 2;
@@ -201,8 +208,6 @@ namespace Odograph {
     public const uint ODO_HEIGHT_ELLIPSOID = 1;
     public const uint ODO_HEIGHT_GEOID = 2;
     public const uint ODO_HEIGHT_TERRAIN = 3;
-    public const uint ODO_WORLD_CORRECTED = 0;
-    public const uint ODO_WORLD_SMOOTH = 1;
     public const uint ODO_ANCHOR_PLACED = 1;
     public const uint ODO_ANCHOR_VIEW_POSE = 2;
     public const uint ODO_ANCHOR_ON_EARTH = 4;
@@ -211,6 +216,7 @@ namespace Odograph {
     public const uint ODO_REASON_NO_GROUND = 11;
     public const uint ODO_REASON_NO_ORIGIN = 12;
     public const string ODO_INTERFACE_ATTITUDE = "odo.attitude/1";
+    public const uint ODO_LARGEST_PICTURE = 67108864;
     public const string ODO_INTERFACE_SCALE_SOURCE = "odo.scale_source/1";
     public const string ODO_INTERFACE_STEP_ESTIMATOR = "odo.step_estimator/1";
     public const string ODO_EXTENSION_TERRAIN = "odo.terrain/1";
@@ -229,7 +235,7 @@ namespace Odograph {
     [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
     public static extern int odo_session_get_pose(odo_session* session, long t_ns, Pose* pose);
     [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
-    public static extern int odo_session_get_pose_of(odo_session* session, uint of, uint smooth, long t_ns, Pose* pose);
+    public static extern int odo_session_get_pose_of(odo_session* session, uint of, uint world, long t_ns, Pose* pose);
     [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]
     public static extern int odo_session_get_smooth_pose(odo_session* session, long t_ns, Pose* pose);
     [DllImport(Library, CallingConvention = CallingConvention.Cdecl)]

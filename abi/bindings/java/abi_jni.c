@@ -33,9 +33,9 @@ JNIEXPORT jint JNICALL Java_org_odograph_Abi_odo_1session_1get_1pose(JNIEnv *env
   (void)env, (void)self;
   return (jint)odo_session_get_pose((odo_session *)(intptr_t)session, (int64_t)t_ns, (odo_pose *)(intptr_t)pose);
 }
-JNIEXPORT jint JNICALL Java_org_odograph_Abi_odo_1session_1get_1pose_1of(JNIEnv *env, jclass self, jlong session, jint of, jint smooth, jlong t_ns, jlong pose) {
+JNIEXPORT jint JNICALL Java_org_odograph_Abi_odo_1session_1get_1pose_1of(JNIEnv *env, jclass self, jlong session, jint of, jint world, jlong t_ns, jlong pose) {
   (void)env, (void)self;
-  return (jint)odo_session_get_pose_of((odo_session *)(intptr_t)session, (uint32_t)of, (uint32_t)smooth, (int64_t)t_ns, (odo_pose *)(intptr_t)pose);
+  return (jint)odo_session_get_pose_of((odo_session *)(intptr_t)session, (uint32_t)of, (uint32_t)world, (int64_t)t_ns, (odo_pose *)(intptr_t)pose);
 }
 JNIEXPORT jint JNICALL Java_org_odograph_Abi_odo_1session_1get_1smooth_1pose(JNIEnv *env, jclass self, jlong session, jlong t_ns, jlong pose) {
   (void)env, (void)self;

@@ -7,7 +7,7 @@ export const PROTOTYPES = [
   'int32_t odo_session_push_imu(void *session, int64_t t_ns, void *gyro_b, void *accel_b)',
   'int32_t odo_session_flush(void *session)',
   'int32_t odo_session_get_pose(void *session, int64_t t_ns, void *pose)',
-  'int32_t odo_session_get_pose_of(void *session, uint32_t of, uint32_t smooth, int64_t t_ns, void *pose)',
+  'int32_t odo_session_get_pose_of(void *session, uint32_t of, uint32_t world, int64_t t_ns, void *pose)',
   'int32_t odo_session_get_smooth_pose(void *session, int64_t t_ns, void *pose)',
   'int32_t odo_session_set_callback(void *session, void *types, uint32_t count, void *callback, void *user)',
   'int32_t odo_register_plugin(void *entry, void *error)',

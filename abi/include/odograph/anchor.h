@@ -28,10 +28,6 @@ extern "C" {
 #define ODO_HEIGHT_GEOID 2u     /* above the geoid ("sea level"), which is geoid_height_m above the ellipsoid there */
 #define ODO_HEIGHT_TERRAIN 3u   /* above the ground, from a plugin with a terrain model */
 
-/* The two worlds for rendering, each with its pose of the phone. */
-#define ODO_WORLD_CORRECTED 0u /* odo_session_get_pose: best estimate; jumps at corrections */
-#define ODO_WORLD_SMOOTH 1u    /* odo_session_get_smooth_pose: content never jumps relative to the image */
-
 /* Placement of a new anchor. Set unused members to zero. */
 typedef struct odo_anchor_place {
   uint32_t struct_size;
@@ -47,7 +43,7 @@ typedef struct odo_anchor_place {
   double height_m;
   double geoid_height_m; /* with ODO_HEIGHT_GEOID */
   double sigma_m;        /* GEODETIC: standard deviation of the given position, in each axis */
-  odo_string name;       /* UTF-8; truncated to 63 bytes */
+  odo_string name;       /* UTF-8, at most 63 bytes */
 } odo_anchor_place;
 
 #define ODO_ANCHOR_PLACED 1u    /* q_n, p_n and their sigmas are valid */
@@ -67,7 +63,7 @@ typedef struct odo_anchor {
   uint32_t struct_size;
   uint32_t kind;         /* ODO_ANCHOR_* */
   uint64_t id;
-  int64_t t_ns;          /* requested time, with ODO_TIME_LATEST that of the newest sample */
+  int64_t t_ns;          /* requested time, with ODO_TIME_LATEST that of the newest sample, or INT64_MIN before it */
   uint32_t flags;        /* ODO_ANCHOR_PLACED ... */
   uint32_t state;        /* ODO_TRACKING: draw it; ODO_DEGRADED: less accurate; ODO_LOST: anchor or phone not placed */
   uint32_t reason;       /* ODO_REASON_*: of the state of the phone, or why the anchor is not placed */
@@ -86,12 +82,12 @@ typedef struct odo_anchor {
   char name[64];         /* terminated */
 } odo_anchor;
 
-/* [any] Creates an anchor. Ids count from 1 and are never reused. A geodetic anchor is placed as soon as the position
- * of the phone in n, the origin of n and, above terrain, the height of the ground are known. odo_session_load restores
- * saved anchors: look for the name in odo_anchor_list before creating an anchor again. Returns ODO_NOT_READY while the
- * position of the phone is unknown (local anchors), ODO_E_NOT_FOUND for a time outside the stored poses,
- * ODO_E_EXHAUSTED beyond 1024 anchors, ODO_E_ARGUMENT (unknown kind, number not finite, q not a unit quaternion,
- * latitude beyond a pole). */
+/* [any] Creates an anchor. Ids count from 1, belong to the session and are never reused in it. A geodetic anchor is
+ * placed as soon as the position of the phone in n, the origin of n and, above terrain, the height of the ground are
+ * known. odo_session_load restores saved anchors: look for the name in odo_anchor_list before creating an anchor again.
+ * Returns ODO_NOT_READY while the position of the phone is unknown (local anchors), ODO_E_NOT_FOUND for a time outside
+ * the stored poses, ODO_E_EXHAUSTED beyond 1024 anchors, ODO_E_ARGUMENT (unknown kind, number not finite, q not a unit
+ * quaternion, latitude beyond a pole, longitude beyond 2 pi, name of more than 63 bytes). */
 ODO_API int32_t ODO_CALL odo_anchor_create(odo_session *session, const odo_anchor_place *place, uint64_t *id);
 
 /* [any] Returns the anchor at a time (ODO_TIME_LATEST: at the newest sample) in a world (ODO_WORLD_*), relative to the

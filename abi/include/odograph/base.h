@@ -22,11 +22,15 @@
  *    checks every offset.
  *
  * Conventions
- *  - SI units and radians. Times are int64_t nanoseconds of the sensor clock: any epoch, one clock for all sensors.
- *  - Frames: n is local North-East-Down with true (geographic) north; b is the body, the axes of the IMU; c is the
+ *  - SI units and radians. Times are int64_t nanoseconds of the sensor clock: any epoch, one clock for all sensors. All
+ *    times are IMU time, but those of pushed frames, to which the host adds the camera's time_offset_ns.
+ *  - Frames: n is local North-East-Down; b is the body, the axes of the IMU; c is the
  *    camera, x right, y down, z forward. R_n_c rotates vectors from c to n; p_n_c is the position of the origin of c in
- *    n. The north of n is arbitrary until it is observed: see ODO_POSE_NORTH and ODO_ATTITUDE_TRUE_NORTH.
- *  - Quaternions are Hamilton, stored w, x, y, z; q_n_b rotates vectors from b to n. Matrices are row-major.
+ *    n. The north of n is true (geographic) north once it is observed, and arbitrary before: see ODO_POSE_NORTH and
+ *    ODO_ATTITUDE_TRUE_NORTH. Satellite positions and velocities, and headings of fixes (yaw_rad), refer to true north
+ *    at any time.
+ *  - Quaternions are Hamilton, stored w, x, y, z, of either sign; q_n_b rotates vectors from b to n. Matrices are
+ *    row-major.
  *  - Rotation errors are left perturbations in the target frame: R_true = Exp(theta) R, theta ~ N(0, P); for q_n_b,
  *    theta is expressed in n. Covariances are symmetric and positive semidefinite, standard deviations positive.
  */
@@ -107,22 +111,27 @@ extern "C" {
    (uint64_t) * (const uint32_t *)(const void *)(ptr))
 
 /* ---- status codes -------------------------------------------------------------------------------------------------
- * Zero is success, negative values are errors. Each comment states the effect on the session or plugin instance. */
+ * Zero is success, negative values are errors. The range states the effect on the session or plugin instance, also of
+ * a code that a later version adds: -1 to -999 discarded, state unchanged; -1000 to -1999 a plugin's instance needs
+ * reset or load, and a session can only be destroyed; -2000 and below the whole plugin library is quarantined. */
 #define ODO_OK 0
 #define ODO_NOT_READY 1         /* no output yet, no error; state unchanged */
-#define ODO_E_ARGUMENT (-1)     /* the call violates the contract; discarded, state unchanged */
-#define ODO_E_DISCARD (-2)      /* unusable input; discarded, state unchanged */
-#define ODO_E_EXHAUSTED (-3)    /* a quota or buffer is full; discarded, state unchanged */
-#define ODO_E_UNSUPPORTED (-4)  /* not supported by the called side; state unchanged */
-#define ODO_E_STRUCT_SIZE (-5)  /* a struct is smaller than in version 1.0; state unchanged */
+#define ODO_END 2               /* there is no more */
+#define ODO_PARTIAL 3           /* done in part, the rest was refused */
+#define ODO_E_ARGUMENT (-1)     /* the call violates the contract */
+#define ODO_E_DISCARD (-2)      /* unusable input */
+#define ODO_E_EXHAUSTED (-3)    /* a quota or buffer is full */
+#define ODO_E_UNSUPPORTED (-4)  /* not supported by the called side */
+#define ODO_E_STRUCT_SIZE (-5)  /* a struct is smaller than in version 1.0 */
 #define ODO_E_VERSION (-6)      /* no common ABI version; nothing was created */
-#define ODO_E_STATE (-7)        /* not allowed in this state; state unchanged */
+#define ODO_E_STATE (-7)        /* not allowed in this state */
 #define ODO_E_CONFIG (-8)       /* invalid configuration; the instance stays unconfigured */
-#define ODO_E_NOT_FOUND (-9)    /* no such file, plugin, key or time; state unchanged */
-#define ODO_E_DATA (-10)        /* a file or blob is damaged; state unchanged */
-#define ODO_E_MEMORY (-11)      /* out of memory; the instance needs reset or load */
-#define ODO_E_ERROR (-12)       /* internal failure; the instance needs reset or load */
-#define ODO_E_FATAL (-13)       /* the whole plugin library is quarantined */
+#define ODO_E_NOT_FOUND (-9)    /* no such file, plugin, key or time */
+#define ODO_E_DATA (-10)        /* a file or blob is damaged */
+#define ODO_E_IO (-11)          /* a file could not be created, read or written */
+#define ODO_E_MEMORY (-1001)    /* out of memory */
+#define ODO_E_ERROR (-1002)     /* internal failure */
+#define ODO_E_FATAL (-2001)     /* the library must not be called again */
 
 /* A UTF-8 string, neither terminated nor owned. Frozen at 16 bytes; embedded by value in other structs. */
 typedef struct odo_string {
@@ -130,7 +139,8 @@ typedef struct odo_string {
   uint64_t size;                   /* bytes */
 } odo_string;
 
-/* ---- messages ----------------------------------------------------------------------------------------------------- */
+/* ---- messages -----------------------------------------------------------------------------------------------------
+ * */
 /* Ranges of type numbers: 0 is none, 0x1 to 0xFFF are inputs, 0x1000 to 0x1FFF are events, 0x2000 to 0x7FFFFFFF are
  * reserved (apps, plugins and recordings must not use them), and 0x80000000 and above are vendor messages. A host
  * orders inputs and vendor messages of unknown type by time, records them and delivers them to the plugins that declare
@@ -164,19 +174,27 @@ typedef struct odo_string {
 
 /* Type number of a vendor message. `vendor` (below 2^19) is assigned in docs/abi.md; the vendor chooses `number` (below
  * 4096). The message starts with an odo_header, contains no pointer and has at most ODO_LARGEST_MESSAGE bytes; it is
- * copied, recorded and replayed. With number & ODO_BORROWED it starts with an odo_borrowed instead. Vendor 0 is for
- * experiments. */
+ * copied, recorded and replayed. With number & ODO_VENDOR_EVENT it is an event, which plugins emit and apps do not
+ * push; without, it is an input, which apps push and plugins do not emit (ODO_E_ARGUMENT). With number & ODO_BORROWED
+ * it starts with an odo_borrowed instead, and must be an input. Vendor 0 is for experiments. */
+#define ODO_VENDOR_EVENT 0x400u
 #define ODO_TYPE_VENDOR(vendor, number)                                                                                \
   (0x80000000u | ((uint32_t)(vendor) & 0x7FFFFu) << 12 | ((uint32_t)(number) & 0xFFFu))
-#define ODO_IS_EVENT(type) (((uint32_t)(type) >> 12) == 1)
 #define ODO_IS_VENDOR(type) (((uint32_t)(type) >> 31) == 1)
+#define ODO_IS_EVENT(type)                                                                                             \
+  (((uint32_t)(type) >> 12) == 1 || (ODO_IS_VENDOR(type) && ((uint32_t)(type) & ODO_VENDOR_EVENT) != 0))
 #define ODO_IS_RESERVED(type) ((uint32_t)(type) == 0 || ((uint32_t)(type) >= 0x2000u && (uint32_t)(type) <= 0x7FFFFFFFu))
 #define ODO_IS_BORROWED(type) (((uint32_t)(type) & ODO_BORROWED) != 0)
 #define ODO_LARGEST_MESSAGE 65536u
 
 /* Bits of header.flags: 0 to 23 are specific to the type. Only the host sets 24 to 27; it clears all four on every
- * message that it receives. 28 to 31 are common to all types (28 to 30 are unused). */
-#define ODO_FLAG_QUALITY 0x80000000u   /* header.quality is valid */
+ * message that it receives. 28 to 31 are common to all types (29 and 30 are unused). Writers set bits that their
+ * version does not define to 0. */
+#define ODO_FLAG_QUALITY 0x80000000u     /* header.quality is valid */
+/* On an input: it describes a sensor, an antenna, a map. The host keeps the newest of each type and source, and
+ * delivers it again, before anything else, to a plugin that was reset or restarted. odo_calibration, odo_imu_noise and
+ * odo_earth_field are such descriptions without the flag. */
+#define ODO_FLAG_DESCRIPTION 0x10000000u
 #define ODO_FLAG_HOST_MASK 0x0F000000u
 #define ODO_FLAG_ACCEPTED 0x01000000u  /* on a published fix or scale: the host used it */
 #define ODO_FLAG_NAVIGATION 0x02000000u /* on a motion: q_n_c0 is valid */
@@ -185,7 +203,7 @@ typedef struct odo_string {
 typedef struct odo_header {
   uint32_t struct_size; /* size of the whole message in its writer's version, bytes */
   uint32_t type;        /* ODO_TYPE_* */
-  int64_t t_ns;         /* time of validity; for a frame, the middle of the exposure of the middle row */
+  int64_t t_ns;         /* time of validity, within +-2^62; for a frame, the middle of the exposure of the middle row */
   uint32_t source;      /* input: number of the sensor, the same for frames and calibration of one camera; event: number
                          * of the plugin instance, set by the host */
   uint32_t flags;       /* validity bits */
@@ -206,7 +224,9 @@ typedef struct odo_loan {
   uint64_t reserved; /* 0 */
 } odo_loan;
 
-/* Ids for `native`, and the type that it returns for each. */
+/* Ids for `native`, and the type that it returns for each. The content is complete when the message is pushed: the app
+ * has waited for the camera's fence. A reader, on a GPU too, has finished before the call returns or before it calls
+ * release. "odo.bytes/1" is reserved for a plain copy of borrowed memory. */
 #define ODO_NATIVE_HARDWARE_BUFFER "android.hardware_buffer/1" /* AHardwareBuffer * */
 #define ODO_NATIVE_PIXEL_BUFFER "apple.pixel_buffer/1"         /* CVPixelBufferRef */
 

@@ -91,7 +91,8 @@ typedef struct odo_vo_motion {
   uint32_t camera;       /* header.source of its frames */
   uint32_t state;        /* ODO_TRACKING, ODO_DEGRADED, ODO_LOST */
   uint32_t reason;       /* ODO_REASON_* */
-  uint32_t scale_group;  /* motions of one group have one scale; a new number after the scale may have changed */
+  uint32_t scale_group;  /* motions of one group have one scale; a new number after the scale may have changed. A group
+                          * belongs to its instance (header.source) since its last reset */
   uint32_t tracked;      /* number of features tracked from c0 to c1 */
   uint32_t inliers;      /* number of these that agree with the motion */
   double scale_sigma;    /* relative standard deviation of the scale; successive motions of a group share the error */
@@ -138,7 +139,7 @@ typedef struct odo_scale {
 typedef struct odo_fix {
   odo_header header;
   double p_n[3];                 /* position in n of the point lever_b, m */
-  double covariance_n[9];        /* of p_n, m^2 */
+  double covariance_n[9];        /* of p_n, m^2; with GEODETIC in North-East-Down at the position */
   double q_n_b[4];
   double orientation_cov_n[9];   /* of the rotation, in n, rad^2 */
   double yaw_rad;                /* heading of the horizontal part of yaw_axis_b, from north to east */
@@ -157,7 +158,7 @@ typedef struct odo_fix {
 } odo_fix;
 
 /* Relative pose of the body between two times, for example from a loop closure or another map. The host publishes and
- * records it and passes it to plugins that declare it; its own estimate does not use it yet. */
+ * records it and passes it to plugins that declare it, and may use it. */
 #define ODO_RELATIVE_POSE_TRANSLATION 1u
 #define ODO_RELATIVE_POSE_ROTATION 2u
 typedef struct odo_relative_pose {
@@ -185,7 +186,7 @@ typedef struct odo_pose {
   odo_header header;
   double q_n[4];         /* rotates vectors from the camera (or body) to n */
   double p_n[3];         /* m */
-  double velocity_n[3];  /* m/s */
+  double velocity_n[3];  /* of the point p_n, m/s */
   double covariance[36]; /* of (rotation in n, position in n), rad^2 and m^2 */
   double scale;          /* current scale: metres = scale * displacement of the front-end; 0: unknown */
   double scale_sigma;    /* standard deviation of scale; 0: unknown */
@@ -205,16 +206,17 @@ typedef struct odo_state {
   uint32_t reason;
 } odo_state;
 
-/* A correction of the track: a point at x in the old n is at q_n * x + p_n in the new n. It is published before the
- * first corrected pose. Apply it to positions derived from the track (anchors, observed objects), and rotate their axes
- * by q_n; surveyed positions (roofs, waypoints, transmitters) do not change. */
+/* A correction of the track: a point at x in the old n is at q_n * x + p_n in the new n, exactly near the pose at t_ns.
+ * It is published before the first corrected pose, whose time may be that of an earlier one. It may be the identity.
+ * Apply it to positions derived from the track (anchors, observed objects), and rotate their axes by q_n; surveyed
+ * positions (roofs, waypoints, transmitters) do not change. */
 #define ODO_CORRECTION_FIX 1u       /* an absolute position or orientation was used */
 #define ODO_CORRECTION_SCALE 2u     /* metric scale was determined or improved */
 #define ODO_CORRECTION_RECOVERED 3u /* a component of the estimator was reset */
 #define ODO_CORRECTION_RESTART 4u   /* the sensor clock was set back: n restarts, and the phone is where it was */
 typedef struct odo_correction {
   odo_header header; /* t_ns: time of the pose at which the two agree best */
-  double q_n[4];     /* rotates vectors from the old n to the new n, about the vertical */
+  double q_n[4];     /* rotates vectors from the old n to the new n */
   double p_n[3];     /* m */
   uint32_t reason;   /* ODO_CORRECTION_* */
   uint32_t reserved; /* 0 */

@@ -154,10 +154,10 @@ ODO_LAYOUT(odo_random_service, sizeof(odo_random_service) == 16 && offsetof(odo_
            offsetof(odo_random_service, reserved) == 4 && offsetof(odo_random_service, seed) == 8)
 ODO_LAYOUT(odo_asset_service, sizeof(odo_asset_service) == 16 && offsetof(odo_asset_service, struct_size) == 0 &&
            offsetof(odo_asset_service, reserved) == 4 && offsetof(odo_asset_service, resolve) == 8)
-ODO_LAYOUT(odo_asset_service_2, sizeof(odo_asset_service_2) == 40 &&
-           offsetof(odo_asset_service_2, struct_size) == 0 && offsetof(odo_asset_service_2, reserved) == 4 &&
-           offsetof(odo_asset_service_2, user) == 8 && offsetof(odo_asset_service_2, open) == 16 &&
-           offsetof(odo_asset_service_2, read) == 24 && offsetof(odo_asset_service_2, close) == 32)
+ODO_LAYOUT(odo_content_service, sizeof(odo_content_service) == 40 &&
+           offsetof(odo_content_service, struct_size) == 0 && offsetof(odo_content_service, reserved) == 4 &&
+           offsetof(odo_content_service, user) == 8 && offsetof(odo_content_service, open) == 16 &&
+           offsetof(odo_content_service, read) == 24 && offsetof(odo_content_service, close) == 32)
 ODO_LAYOUT(odo_wake_service, sizeof(odo_wake_service) == 16 && offsetof(odo_wake_service, struct_size) == 0 &&
            offsetof(odo_wake_service, reserved) == 4 && offsetof(odo_wake_service, wake) == 8)
 ODO_LAYOUT(odo_parameter, sizeof(odo_parameter) == 112 && offsetof(odo_parameter, struct_size) == 0 &&

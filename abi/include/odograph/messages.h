@@ -77,6 +77,7 @@
 #define ODO_ANCHOR_PLACE_SIZE_MIN 136u
 #define ODO_ANCHOR_SIZE_MIN 264u
 #define ODO_TERRAIN_SIZE_MIN 24u
+#define ODO_CONTENT_SERVICE_SIZE_MIN 40u
 /* clang-format on */
 
 #endif

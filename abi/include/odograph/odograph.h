@@ -5,7 +5,8 @@
  * A session is one pipeline. Order of calls: odo_session_create, odo_session_set_callback (optional), odo_session_push
  * for each sample, odo_session_flush, odo_session_destroy. A tag in [brackets] states the threads of each function:
  *   [any]      any thread, several at once
- *   [control]  one thread at a time, not within a callback
+ *   [control]  one thread at a time for each session, not within a callback; odo_session_create: any thread
+ * There may be several sessions at a time; they share nothing but the loaded plugin libraries.
  */
 #ifndef ODOGRAPH_ODOGRAPH_H
 #define ODOGRAPH_ODOGRAPH_H
@@ -40,15 +41,16 @@ typedef struct odo_session_options {
   uint32_t struct_size;
   uint32_t run;            /* ODO_RUN_* */
   odo_string config_path;  /* path of a YAML file; set exactly one of config_path and config_text */
-  odo_string config_text;  /* YAML text */
+  odo_string config_text;  /* YAML text; relative names in it are searched in asset_path alone */
   odo_string plugin_path;  /* directories that are searched first for plugins, separated by ':' (';' on Windows) */
   uint64_t seed;           /* seed of the random numbers for plugins */
-  odo_string asset_path;   /* directories to search for files that the config names and that are not beside it */
+  odo_string asset_path;   /* directories to search for files that the config names and that are not beside it,
+                            * separated as those of plugin_path */
   uint32_t flags;          /* ODO_SESSION_* */
   uint32_t reserved;       /* 0 */
   ODO_POINTER(void *, user); /* passed to get_service */
   /* [any] May be null. Services that the app provides to plugins: returns the table for an id of the app
-   * ("acme.java_vm/1") or for ODO_SERVICE_ASSETS_2, otherwise null. Tables must stay valid as long as the session.
+   * ("acme.java_vm/1") or for ODO_SERVICE_CONTENTS, otherwise null. Tables must stay valid as long as the session.
    * Plugins that are isolated in a process do not receive them. */
   ODO_FUNCTION(const void *, get_service, (void *user, const char *id, uint64_t id_size));
 } odo_session_options;
@@ -86,8 +88,8 @@ typedef struct odo_statistics {
  * Returns ODO_E_CONFIG, ODO_E_NOT_FOUND, ODO_E_VERSION, ODO_E_ARGUMENT or another status. */
 ODO_API int32_t ODO_CALL odo_session_create(const odo_session_options *options, odo_session **session, odo_error *error);
 
-/* [control] Stops the thread of the session, destroys the plugin instances and releases retained frames. Null is
- * allowed. */
+/* [control] Stops the thread of the session, destroys the plugin instances and releases retained frames. Samples that
+ * wait are dropped (odo_session_flush processes them). No other call of the session may be running. Null is allowed. */
 ODO_API void ODO_CALL odo_session_destroy(odo_session *session);
 
 /* [any] Adds an input of samples.h or a vendor message, with struct_size and type set. The struct is copied, and the
@@ -99,7 +101,8 @@ ODO_API void ODO_CALL odo_session_destroy(odo_session *session);
  * An inertial sample that jumps relative to its predecessor waits for the next one and is dropped if the next one does
  * not confirm it. No lock is held while retain or release is called: they may push. Returns ODO_E_ARGUMENT (type of an
  * event or reserved type), ODO_E_DISCARD (not finite, outside the range of any sensor, late), ODO_E_EXHAUSTED (queue
- * full, too many frames retained), ODO_E_UNSUPPORTED, ODO_E_STRUCT_SIZE. */
+ * full, too many frames retained), ODO_E_UNSUPPORTED, ODO_E_STRUCT_SIZE, ODO_E_STATE (the session is being destroyed).
+ * If an error is returned, nothing of the message was used. */
 ODO_API int32_t ODO_CALL odo_session_push(odo_session *session, const odo_header *sample);
 
 /* [any] Pushes an odo_imu with both sensors: arrays of 3, rad/s and m/s^2, in b. */
@@ -110,7 +113,8 @@ ODO_API int32_t ODO_CALL odo_session_push_imu(odo_session *session, int64_t t_ns
 ODO_API int32_t ODO_CALL odo_session_flush(odo_session *session);
 
 #define ODO_TIME_LATEST INT64_MIN
-/* [any] Returns the pose at a time of the sensor clock, or at the newest sample. Between two poses it is interpolated.
+/* [any] Returns the pose at a time of the sensor clock, or at the newest sample, in today's n: with each correction
+ * (odo_correction) the stored poses move. Between two poses it is interpolated.
  * After the last pose it is propagated with the inertial samples pushed since, and beyond the newest sample with their
  * last values (intended for 100 ms, at most 0.5 s); ODO_POSE_EXTRAPOLATED is then set. While the position is unknown
  * (camera off for more than 0.5 s, state lost), only the orientation is valid: check the flags. Takes microseconds and
@@ -119,13 +123,18 @@ ODO_API int32_t ODO_CALL odo_session_flush(odo_session *session);
  * ODO_E_STRUCT_SIZE. */
 ODO_API int32_t ODO_CALL odo_session_get_pose(odo_session *session, int64_t t_ns, odo_pose *pose);
 
-#define ODO_OF_PIPELINE 0u /* the camera if the config has one, otherwise the body */
+/* The two worlds for rendering, each with its pose of the phone. */
+#define ODO_WORLD_CORRECTED 0u /* odo_session_get_pose: best estimate; jumps at corrections */
+#define ODO_WORLD_SMOOTH 1u    /* odo_session_get_smooth_pose: content never jumps relative to the image */
+
+#define ODO_OF_PIPELINE 0u /* what the pipeline tracks: the camera or the body, as ODO_POSE_CAMERA states; it may change
+                            * from the body to the camera when a front-end begins */
 #define ODO_OF_BODY 1u
 #define ODO_OF_CAMERA 2u
-/* [any] Like odo_session_get_pose, for the camera or the body: `of` is ODO_OF_*. The conversion uses the extrinsics of
- * the pipeline's camera (ODO_CALIBRATION_EXTRINSICS of its newest calibration); without them, camera and body coincide.
- * `smooth`: nonzero for the smooth pose. ODO_E_ARGUMENT for any other `of`. */
-ODO_API int32_t ODO_CALL odo_session_get_pose_of(odo_session *session, uint32_t of, uint32_t smooth, int64_t t_ns,
+/* [any] Like odo_session_get_pose, for the camera or the body (`of`: ODO_OF_*) in a world (ODO_WORLD_*). The conversion
+ * uses the extrinsics of the pipeline's camera (ODO_CALIBRATION_EXTRINSICS of its newest calibration); ODO_NOT_READY if
+ * it is needed and they are unknown. ODO_E_ARGUMENT for any other `of` or world. */
+ODO_API int32_t ODO_CALL odo_session_get_pose_of(odo_session *session, uint32_t of, uint32_t world, int64_t t_ns,
                                                  odo_pose *pose);
 
 /* [any] Like odo_session_get_pose, but corrections (see odo_correction) are blended in: beyond the true motion at most
@@ -140,8 +149,8 @@ typedef void (ODO_CALL *odo_callback)(void *user, const odo_header *event);
 
 #define ODO_ALL_EVENTS UINT32_MAX
 /* [control] Replaces the callback. `types` are the wanted events (ODO_TYPE_*, vendor types too) and are copied; a type
- * that this library never emits is no error. Null types with the count ODO_ALL_EVENTS select all events. With count 0
- * or a null function, no more calls follow; after the return none is running, except the one that called this
+ * that this library never emits is no error. With the count ODO_ALL_EVENTS, which selects all, types is ignored. With
+ * count 0 or a null function, no more calls follow; after the return none is running, except the one that called this
  * function. */
 ODO_API int32_t ODO_CALL odo_session_set_callback(odo_session *session, const uint32_t *types, uint32_t count,
                                                   odo_callback callback, void *user);
@@ -160,10 +169,12 @@ ODO_API uint64_t ODO_CALL odo_current_plugin_call(char *text, uint64_t capacity)
 /* [any] Returns the statistics. Never waits for the pipeline. */
 ODO_API int32_t ODO_CALL odo_session_get_statistics(odo_session *session, odo_statistics *statistics);
 
-/* [any] Returns the latest error or warning of a push or a plugin since the last call; ODO_OK if there is none. */
+/* [any] Writes the latest error or warning of a push or a plugin since the last call; error->status is ODO_OK if there
+ * is none. Returns ODO_OK if it was written. */
 ODO_API int32_t ODO_CALL odo_session_last_error(odo_session *session, odo_error *error);
 
-/* [any] Convert between n (local NED) and WGS 84, exactly (GeographicLib::LocalCartesian). p_n is an array of 3, m;
+/* [any] Convert between n (local NED) and WGS 84, exactly (GeographicLib::LocalCartesian) if the north of n is true
+ * north (ODO_POSE_NORTH), and otherwise turned about the origin like n. p_n is an array of 3, m;
  * geodetic is latitude and longitude, rad, and ellipsoidal height, m. ODO_NOT_READY while the origin of n is unknown
  * (neither navigation.origin nor a GNSS fix). This concerns only n: with navigation.origin the functions work
  * immediately, but the position of the phone in n is arbitrary until a navigation.start or a position fix
@@ -176,9 +187,10 @@ ODO_API int32_t ODO_CALL odo_session_from_geodetic(odo_session *session, const d
  * odo_session_load. Returns the number of bytes required, and writes them if `capacity` suffices; data may be null with
  * capacity 0. A negative value is a status. */
 ODO_API int64_t ODO_CALL odo_session_save(odo_session *session, void *data, uint64_t capacity);
-/* [control] Restores saved state, normally before the first sample. Its parts are identified by plugin id; those of
- * plugins that the config does not contain are ignored. ODO_E_DATA if the blob is damaged (nothing changes) or if a
- * plugin rejects its part (the other parts are restored). */
+/* [control] Restores saved state, once, before the first sample. Its parts are identified by plugin id; those of
+ * plugins that the config does not contain are ignored. Saved anchors are added to those that there are, with new ids.
+ * ODO_PARTIAL if a plugin rejects its part (the others are restored), ODO_E_DATA if the blob is damaged (nothing
+ * changes). */
 ODO_API int32_t ODO_CALL odo_session_load(odo_session *session, const void *data, uint64_t size);
 
 /* [any] Returns the version of the library, "major.minor.patch", terminated; never null. */

@@ -25,13 +25,15 @@
 extern "C" {
 #endif
 
-/* ---- services of the host ----------------------------------------------------------------------------------------- */
-/* Host of one session. Valid from the call of the entry or of create until the last of its instances is destroyed. */
+/* ---- services of the host -----------------------------------------------------------------------------------------
+ * */
+/* Host of one session. One that is passed to create is valid until the last of its instances is destroyed; one that is
+ * passed to the entry, during that call only. */
 typedef struct odo_host {
   uint32_t struct_size;
   uint32_t abi_major_min; /* range of supported major ABI versions, inclusive */
   uint32_t abi_major_max;
-  uint32_t abi_minor;     /* minor version of abi_major_max */
+  uint32_t abi_minor;     /* minor version of the major whose entry was called */
   odo_string version;     /* version of the host, for logs */
   /* [any] Returns the table of a service, or null if it is not available; a plugin must work without it. Tables are
    * valid as long as the host. The host provides the ids that start with "odo."; it passes all others to the app
@@ -60,7 +62,7 @@ typedef struct odo_random_service {
 
 #define ODO_SERVICE_ASSETS "odo.assets/1"
 /* Resolves names of files in a config, which are relative to the config. If assets have no paths (inside an APK, in a
- * browser), use odo.assets/2. */
+ * browser), use odo.contents/1. */
 typedef struct odo_asset_service {
   uint32_t struct_size;
   uint32_t reserved;
@@ -69,22 +71,22 @@ typedef struct odo_asset_service {
   ODO_FUNCTION(int64_t, resolve, (const odo_host *host, const odo_string *name, char *path, uint64_t capacity));
 } odo_asset_service;
 
-#define ODO_SERVICE_ASSETS_2 "odo.assets/2"
+#define ODO_SERVICE_CONTENTS "odo.contents/1"
 typedef struct odo_asset odo_asset; /* opaque, defined by the provider */
 /* Contents of files that a config names. The service of the host reads files; the app may provide its own
  * (odo_session_options.get_service). */
-typedef struct odo_asset_service_2 {
+typedef struct odo_content_service {
   uint32_t struct_size;
   uint32_t reserved;
   ODO_POINTER(void *, user); /* passed to open */
-  /* [control] Opens an asset and writes its size in bytes. Returns ODO_OK or ODO_E_NOT_FOUND. */
+  /* [any] Opens an asset and writes its size in bytes. Returns ODO_OK or ODO_E_NOT_FOUND. */
   ODO_FUNCTION(int32_t, open, (void *user, const odo_string *name, odo_asset **asset, uint64_t *size));
   /* [any, one thread at a time for each asset] Copies up to `size` bytes from `offset`. Returns their number, 0 at the
    * end, or a negative status. */
   ODO_FUNCTION(int64_t, read, (odo_asset *asset, uint64_t offset, void *data, uint64_t size));
   /* [any] */
   ODO_FUNCTION(void, close, (odo_asset *asset));
-} odo_asset_service_2;
+} odo_content_service;
 
 #define ODO_SERVICE_WAKE "odo.wake/1"
 /* For plugins with another source of data (a radio, a worker thread): requests a call of process. */
@@ -96,7 +98,8 @@ typedef struct odo_wake_service {
   ODO_FUNCTION(void, wake, (const odo_host *host, uint32_t instance));
 } odo_wake_service;
 
-/* ---- parameters --------------------------------------------------------------------------------------------------- */
+/* ---- parameters ---------------------------------------------------------------------------------------------------
+ * */
 #define ODO_PARAMETER_BOOL 1u
 #define ODO_PARAMETER_INT 2u
 #define ODO_PARAMETER_REAL 3u
@@ -104,18 +107,20 @@ typedef struct odo_wake_service {
 #define ODO_PARAMETER_CHOICE 5u /* a string, one of `choices` */
 #define ODO_PARAMETER_REALS 6u  /* exactly `count` numbers */
 
-/* One row of a plugin's parameter table, used for validation, `odograph plugins ID`, the manifest and the schema. */
+/* One row of a plugin's parameter table, used for validation, `odograph plugins ID`, the manifest and the schema. A
+ * host ignores a row of a type that it does not know: the key is an error in a config, and the plugin keeps its
+ * default. */
 typedef struct odo_parameter {
   uint32_t struct_size;
   uint32_t type;          /* ODO_PARAMETER_* */
-  odo_string name;        /* lower_case */
+  odo_string name;        /* [a-z0-9_] */
   odo_string unit;        /* SI: "m", "rad", "m/s^2", "m^(3/4)*s^(1/2)" (products, quotients, powers), px; "": none */
   odo_string help;        /* one sentence with the source of the number */
-  odo_string default_text; /* in YAML syntax, in `unit` */
+  odo_string default_text; /* in YAML syntax, in `unit`; a number needs one */
   odo_string choices;     /* separated by '|' */
-  double min;             /* inclusive, numbers only */
+  double min;             /* inclusive and finite, numbers only; min = max = 0: no bounds */
   double max;
-  uint32_t count;         /* number of values of ODO_PARAMETER_REALS */
+  uint32_t count;         /* number of values of ODO_PARAMETER_REALS, 1 to 64 */
   uint32_t reserved;      /* 0 */
 } odo_parameter;
 
@@ -130,12 +135,15 @@ typedef struct odo_value {
   int64_t integer;      /* INT; BOOL as 0 or 1 */
 } odo_value;
 
-/* ---- data in and out ---------------------------------------------------------------------------------------------- */
-/* Messages in time order. Late GNSS samples, waypoints, ranges, system steps, sensor descriptions and vendor messages
- * may follow newer messages. The host has validated all messages: they have at least the size of version 1.0, and their
- * numbers are finite and within the range of a sensor. A plugin must survive other messages, but need not process them.
- * Types and sizes of the messages may differ. The partition of the input into batches must not change the output. A
- * batch may be empty (odo.wake/1). */
+/* ---- data in and out ----------------------------------------------------------------------------------------------
+ * */
+/* Messages in time order; at equal times descriptions (ODO_FLAG_DESCRIPTION) first, then by type, source and order of
+ * push. An odo_attitude comes before the odo_imu of its time. Only inertial, magnetometer and barometer samples, frames
+ * and platform poses never follow newer ones; all others may be late. Messages have at least the size of version 1.0.
+ * In the fields that its version has, the host has checked that numbers are finite and within the range of a sensor;
+ * check the fields of later versions and of vendors' messages yourself. A plugin must survive other messages, and
+ * returns ODO_OK for a type that it does not know. Types and sizes of the messages may differ. The partition of the
+ * input into batches must not change the output. A batch may be empty (odo.wake/1). */
 typedef struct odo_batch {
   uint32_t struct_size;
   uint32_t count;
@@ -149,16 +157,18 @@ typedef struct odo_sink {
   /* [process] Copies an event to the host and clears the bits of ODO_FLAG_HOST_MASK. Returns ODO_E_STATE outside
    * process of this instance and on other threads; ODO_E_ARGUMENT for a type that neither the kind emits nor the table
    * declares, for an input, pose, state, correction or report, and for a field that is out of range (a report names
-   * it); ODO_E_STRUCT_SIZE; ODO_E_EXHAUSTED for more than 256 events in one call; ODO_E_UNSUPPORTED for an event that
-   * is newer than the host, which is no fault. */
+   * it) or a time more than a second after the newest message; ODO_E_STRUCT_SIZE; ODO_E_EXHAUSTED for more than 256
+   * events for each message of the batch (256 for an empty one); ODO_E_UNSUPPORTED, which is no fault, for an event
+   * that is newer than the host and not among `outputs`. One that is among them is forwarded unread. */
   ODO_FUNCTION(int32_t, emit, (const struct odo_sink *sink, const odo_header *event));
 } odo_sink;
 
-/* ---- table of the plugin ------------------------------------------------------------------------------------------ */
+/* ---- table of the plugin ------------------------------------------------------------------------------------------
+ * */
 typedef struct odo_instance odo_instance; /* opaque, defined by the plugin */
 #define ODO_LARGEST_STATE 16777216u       /* bytes of saved state of one instance; more is reported, not saved */
 
-/* Bits of odo_plugin.flags. */
+/* Bits of odo_plugin.flags. A host ignores bits that it does not know. */
 #define ODO_PLUGIN_SEVERAL_CAMERAS 1u /* the front-end receives frames of all cameras, not only of the main one */
 #define ODO_PLUGIN_NATIVE_FRAMES 2u   /* the plugin accepts frames whose pixels are available from loan.native only */
 
@@ -168,7 +178,7 @@ typedef struct odo_plugin {
   uint32_t abi_minor;
   uint32_t interface_count;
   ODO_POINTER(const odo_string *, interfaces); /* kinds that it implements: ODO_INTERFACE_* */
-  odo_string id;          /* "group/name", used in configs */
+  odo_string id;          /* "group/name", each of [a-z0-9_-], at most 63 bytes; groups "odo" and "host" are reserved */
   odo_string version;     /* "major.minor.patch" */
   odo_string summary;     /* one sentence */
   odo_string refusal;     /* reason if the entry does not return ODO_OK */
@@ -184,14 +194,14 @@ typedef struct odo_plugin {
   ODO_FUNCTION(int32_t, configure, (odo_instance *instance, const odo_value *values, uint32_t count, uint32_t stride));
   /* [control] After this call, process may be called. `sink` outlives the instance. */
   ODO_FUNCTION(int32_t, activate, (odo_instance *instance, const odo_sink *sink));
-  /* [process] Processes every message of the batch, even if earlier ones fail; emitted events remain valid. Returns the
-   * lowest status. */
+  /* [process] Processes every message of the batch, even if earlier ones are discarded, up to one that leaves the
+   * instance in need of reset; emitted events remain valid. Returns the lowest status. */
   ODO_FUNCTION(int32_t, process, (odo_instance *instance, const odo_batch *batch));
   /* [control] Destroys the instance, which must release everything that it has retained. */
   ODO_FUNCTION(void, destroy, (odo_instance *instance));
   /* The remaining members are optional and may be null. */
   /* [control] Returns to the state after activate and discards everything else, loaded state too; the host sends
-   * calibrations and noise again. If it is null, the host creates a new instance. */
+   * descriptions again (ODO_FLAG_DESCRIPTION). If it is null, the host creates a new instance. */
   ODO_FUNCTION(int32_t, reset, (odo_instance *instance));
   /* [control] Saves state that should survive a restart (such as personal parameters of the user), at most
    * ODO_LARGEST_STATE bytes. Returns the number of bytes required, and writes them if `capacity` suffices. 0: nothing
@@ -200,7 +210,8 @@ typedef struct odo_plugin {
   /* [control] Restores saved state, after activate. ODO_E_DATA if the blob is damaged or from another plugin; the state
    * is then unchanged. */
   ODO_FUNCTION(int32_t, load, (odo_instance *instance, const void *data, uint64_t size));
-  /* [any] Returns the table of an extension, or null. */
+  /* [control] Returns the table of an extension, or null. It is valid until the next reset or destroy; the host asks
+   * again afterwards. Not called in isolated plugins. */
   ODO_FUNCTION(const void *, get_interface, (odo_instance *instance, const char *id, uint64_t id_size));
   /* Types of messages that the plugin receives and may emit in addition to those of its kinds: vendor messages, frames
    * for a scale source, attitudes from an odometry. */

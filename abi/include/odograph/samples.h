@@ -25,7 +25,8 @@ static inline void odo_copy(void *mine, uint32_t size, const odo_header *message
 
 /* Inertial sample. If gyroscope and accelerometer are delivered separately, push a sample for each, with one bit set:
  * the host interpolates the accelerometer at the times of the gyroscope. Without the CORRECTED bits the values are raw
- * measurements (Android's *_UNCALIBRATED, raw Core Motion data). */
+ * measurements (Android's *_UNCALIBRATED, raw Core Motion data). Of several gyroscopes, accelerometers, magnetometers
+ * or barometers (header.source) the host takes the first that delivers, and refuses the others (ODO_E_UNSUPPORTED). */
 #define ODO_IMU_GYRO 1u
 #define ODO_IMU_ACCEL 2u
 #define ODO_IMU_GYRO_CORRECTED 4u  /* the operating system has subtracted its bias estimate */
@@ -61,8 +62,8 @@ typedef struct odo_gnss {
   double latitude_rad;      /* geodetic, WGS 84 */
   double longitude_rad;     /* WGS 84 */
   double height_m;          /* above the WGS 84 ellipsoid */
-  double covariance_n[9];   /* of the position, in n, m^2 */
-  double velocity_n[3];     /* m/s */
+  double covariance_n[9];   /* of the position, in North-East-Down there, m^2 */
+  double velocity_n[3];     /* in North-East-Down there, m/s */
   uint32_t satellites;      /* number used in the solution; 0: unknown */
   uint32_t reserved;        /* 0 */
   double lever_b[3];        /* position of the antenna in b, m */
@@ -71,12 +72,13 @@ typedef struct odo_gnss {
 /* One plane of an image. Frozen at 24 bytes. */
 typedef struct odo_plane {
   ODO_POINTER(const uint8_t *, data); /* first pixel of the first row; null if only loan.native has the pixels */
-  int64_t row_stride;                 /* bytes from one row to the next */
-  uint32_t pixel_stride;              /* bytes from one pixel (or chroma pair) to the next */
+  int64_t row_stride;                 /* bytes from one row to the next; negative: bottom row first in memory.
+                                       * Bytes after the last pixel of a row need not be readable */
+  uint32_t pixel_stride;              /* bytes from one chroma sample to the next in YUV420, 0: 1; unused otherwise */
   uint32_t rows;                      /* of this plane; 0: implied by the format */
 } odo_plane;
 
-/* Full and video range are both accepted; values are used without conversion. */
+/* Full and video range are both accepted; values are used without conversion. Half sizes are rounded up. */
 #define ODO_FORMAT_GREY8 1u
 #define ODO_FORMAT_NV12 2u  /* plane 0 luma, plane 1 interleaved U V, both at half size */
 #define ODO_FORMAT_NV21 3u  /* plane 0 luma, plane 1 interleaved V U, both at half size */
@@ -93,22 +95,25 @@ typedef struct odo_plane {
 typedef struct odo_frame {
   odo_header header;
   odo_loan loan;
-  uint32_t format;      /* ODO_FORMAT_*. An unknown format is forwarded; if the frame cannot be retained, its planes are
-                         * copied, and then every row, including the last, must have |row_stride| readable bytes */
+  uint32_t format;      /* ODO_FORMAT_*. A format unknown to the host is forwarded; if the frame cannot be retained, its
+                         * planes are copied, and then every row, including the last, must have |row_stride| readable
+                         * bytes */
   uint32_t width;       /* pixels, 1 to 16384 */
   uint32_t height;      /* pixels, 1 to 16384; width * height is at most 2^24 */
   uint32_t plane_count; /* 1 to 4; 0: implied by the format */
   odo_plane planes[4];
   odo_plane mask;       /* grey8 with the size of the frame; pixels with value 0 are not used */
   int64_t exposure_ns;  /* duration of the exposure of a row */
-  int64_t line_time_ns; /* rolling shutter: time between the exposures of consecutive rows; 0: global shutter */
+  int64_t line_time_ns; /* rolling shutter: time between the exposures of consecutive rows, negative if the last row is
+                         * exposed first; 0: global shutter. It replaces that of the calibration */
   double fx;            /* pixels; valid with ODO_FRAME_INTRINSICS */
   double fy;
   double cx;            /* pixels; the centre of the first pixel is (0, 0), as in odo_calibration */
   double cy;
 } odo_frame;
 
-/* Calibration of the camera `header.source`. Push it before the first frame of that camera and whenever it changes. */
+/* Calibration of the camera `header.source`. Push it before the first frame of that camera and whenever it changes. The
+ * host forwards a model that it does not know, with any number of coefficients: check the model before you use it. */
 #define ODO_CAMERA_PINHOLE 1u        /* radial-tangential; distortion k1 k2 p1 p2 [k3 [k4 k5 k6]] as in OpenCV */
 #define ODO_CAMERA_KANNALA_BRANDT 2u /* fisheye; distortion k1 k2 k3 k4 (Kannala & Brandt 2006, as in OpenCV) */
 #define ODO_CALIBRATION_EXTRINSICS 1u
@@ -119,7 +124,7 @@ typedef struct odo_calibration {
   uint32_t model;            /* ODO_CAMERA_* */
   uint32_t width;
   uint32_t height;
-  uint32_t distortion_count; /* 0, 4, 5 or 8 */
+  uint32_t distortion_count; /* PINHOLE: 0, 4, 5 or 8; KANNALA_BRANDT: 0 or 4 */
   double fx, fy, cx, cy;     /* pixels; the centre of the first pixel is (0, 0) */
   double distortion[8];
   double q_b_c[4];           /* rotates vectors from camera to body */
@@ -160,7 +165,8 @@ typedef struct odo_earth_field {
   double intensity_t;     /* tesla */
 } odo_earth_field;
 
-/* A pose from the tracking of the platform (ARKit, ARCore, OpenXR), in its world frame w: metric, z downwards. If the y
+/* A pose from the tracking of the platform (ARKit, ARCore, OpenXR) at a time of the IMU's clock, in its world frame w:
+ * metric, z downwards. If the y
  * axis of the platform's world points up (ARKit, ARCore: x right, z backwards), the app sets p_w = (-z, x, -y) and
  * converts q_w likewise, see docs/embed.md. */
 #define ODO_PLATFORM_POSE_CAMERA 1u     /* pose of the camera header.source; if not set, of the body */

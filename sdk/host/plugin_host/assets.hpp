@@ -14,7 +14,7 @@ namespace odograph {
 std::optional<std::filesystem::path> find_asset(const std::vector<std::filesystem::path>& folders,
                                                 const std::string& name);
 
-// File-backed odo.assets/2 (plugin.h).
+// File-backed odo.contents/1 (plugin.h).
 int32_t open_asset(const std::vector<std::filesystem::path>& folders, const std::string& name, odo_asset** asset,
                    uint64_t* size) noexcept;
 int64_t read_asset(odo_asset* asset, uint64_t offset, void* data, uint64_t size) noexcept;

@@ -54,7 +54,7 @@ const void* HostServices::find_service(const odo_host* host, const char* id, uin
 
 /// Ids that begin with "odo." belong to the host; for assets, the app's contents take precedence over the host's.
 const void* HostServices::service(std::string_view id) {
-  const bool app_may_have_it = !id.starts_with("odo.") || id == ODO_SERVICE_ASSETS_2;
+  const bool app_may_have_it = !id.starts_with("odo.") || id == ODO_SERVICE_CONTENTS;
   const void* found = app_may_have_it && app_.get ? app_.get(app_.user, id.data(), id.size()) : nullptr;
   return found ? found : own_service(id);
 }
@@ -84,7 +84,7 @@ const void* HostServices::own_service(std::string_view id) const {
   if (id == ODO_SERVICE_REPORT) return &reports;
   if (id == ODO_SERVICE_RANDOM) return &random;
   if (id == ODO_SERVICE_ASSETS) return &paths;
-  if (id == ODO_SERVICE_ASSETS_2) return &asset_contents_;
+  if (id == ODO_SERVICE_CONTENTS) return &asset_contents_;
   if (id == ODO_SERVICE_WAKE) return &wakes;
   return nullptr;
 }

@@ -90,7 +90,7 @@ class HostServices : public odo_host {
   std::vector<std::filesystem::path> assets_;
   Listener listener_;
   AppServices app_;
-  odo_asset_service_2 asset_contents_{};
+  odo_content_service asset_contents_{};
   std::function<void()> wake_listener_;
   std::set<uint32_t> woken_;
   std::atomic<bool> has_woken_{false};

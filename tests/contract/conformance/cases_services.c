@@ -12,7 +12,7 @@ static const odo_host* host_at_create;
 static const void* found[8];
 
 static int64_t ask_for(const odo_host* host) {
-  static const char* const ids[] = {ODO_SERVICE_REPORT, ODO_SERVICE_RANDOM, ODO_SERVICE_ASSETS, ODO_SERVICE_ASSETS_2,
+  static const char* const ids[] = {ODO_SERVICE_REPORT, ODO_SERVICE_RANDOM, ODO_SERVICE_ASSETS, ODO_SERVICE_CONTENTS,
                                     ODO_SERVICE_WAKE,   "odo.nothing/1",    "acme.java_vm/1",   ""};
   size_t i;
   host_at_create = host;
@@ -147,12 +147,12 @@ static int64_t use_assets(probe_call* call) {
   const odo_string name = string_of("asset.txt"), nowhere = string_of("nowhere.txt");
   const odo_host* host;
   const odo_asset_service* paths;
-  const odo_asset_service_2* contents;
+  const odo_content_service* contents;
   odo_asset* asset = NULL;
   if (call->what != PROBE_CONFIGURE) return ODO_OK;
   host = call->instance->host;
   paths = (const odo_asset_service*)SERVICE(host, ODO_SERVICE_ASSETS);
-  contents = (const odo_asset_service_2*)SERVICE(host, ODO_SERVICE_ASSETS_2);
+  contents = (const odo_content_service*)SERVICE(host, ODO_SERVICE_CONTENTS);
   if (paths) {
     assets.resolved = paths->resolve(host, &name, assets.path, sizeof assets.path);
     assets.missing = paths->resolve(host, &nowhere, assets.path + 256, 256);
@@ -185,14 +185,14 @@ static void asset_files(int unused) {
         "odo.assets/1 resolved %lld: \"%.200s\"", (long long)assets.resolved, assets.path);
   CHECK(assets.missing == ODO_E_NOT_FOUND, "odo.assets/1 resolved a file that is not there: %s",
         status_name(assets.missing));
-  if (!assets.has_contents) skip_case("the host has no odo.assets/2");
-  CHECK(assets.not_opened == ODO_E_NOT_FOUND, "odo.assets/2 open of a file that is not there = %s",
+  if (!assets.has_contents) skip_case("the host has no odo.contents/1");
+  CHECK(assets.not_opened == ODO_E_NOT_FOUND, "odo.contents/1 open of a file that is not there = %s",
         status_name(assets.not_opened));
-  CHECK(assets.opened == ODO_OK && assets.size == 5, "odo.assets/2 open = %s, size %llu", status_name(assets.opened),
+  CHECK(assets.opened == ODO_OK && assets.size == 5, "odo.contents/1 open = %s, size %llu", status_name(assets.opened),
         (unsigned long long)assets.size);
-  CHECK(assets.read == 3 && memcmp(assets.data, "llo", 3) == 0, "odo.assets/2 read %lld bytes; expected 3",
+  CHECK(assets.read == 3 && memcmp(assets.data, "llo", 3) == 0, "odo.contents/1 read %lld bytes; expected 3",
         (long long)assets.read);
-  CHECK(assets.behind == 0, "odo.assets/2 read %lld bytes at the end; expected 0", (long long)assets.behind);
+  CHECK(assets.behind == 0, "odo.contents/1 read %lld bytes at the end; expected 0", (long long)assets.behind);
 }
 
 /* ---- wake ---- */

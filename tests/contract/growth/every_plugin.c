@@ -44,7 +44,7 @@ static const void* service(const odo_instance* self, const char* id) {
 }
 
 static int32_t ODO_CALL activate(odo_instance* self, const odo_sink* sink) {
-  static const char* const ids[] = {ODO_SERVICE_REPORT, ODO_SERVICE_RANDOM, ODO_SERVICE_ASSETS, ODO_SERVICE_ASSETS_2,
+  static const char* const ids[] = {ODO_SERVICE_REPORT, ODO_SERVICE_RANDOM, ODO_SERVICE_ASSETS, ODO_SERVICE_CONTENTS,
                                     ODO_SERVICE_WAKE};
   const odo_report_service* report = (const odo_report_service*)service(self, ODO_SERVICE_REPORT);
   const odo_random_service* random = (const odo_random_service*)service(self, ODO_SERVICE_RANDOM);

@@ -31,6 +31,8 @@ pub const ODO_ABI_MAJOR: u32 = 1;
 pub const ODO_ABI_MINOR: u32 = 0;
 pub const ODO_OK: i32 = 0;
 pub const ODO_NOT_READY: i32 = 1;
+pub const ODO_END: u32 = 2;
+pub const ODO_PARTIAL: u32 = 3;
 pub const ODO_E_ARGUMENT: i32 = -1;
 pub const ODO_E_DISCARD: i32 = -2;
 pub const ODO_E_EXHAUSTED: i32 = -3;
@@ -41,9 +43,10 @@ pub const ODO_E_STATE: i32 = -7;
 pub const ODO_E_CONFIG: i32 = -8;
 pub const ODO_E_NOT_FOUND: i32 = -9;
 pub const ODO_E_DATA: i32 = -10;
-pub const ODO_E_MEMORY: i32 = -11;
-pub const ODO_E_ERROR: i32 = -12;
-pub const ODO_E_FATAL: i32 = -13;
+pub const ODO_E_IO: i32 = -11;
+pub const ODO_E_MEMORY: i32 = -1001;
+pub const ODO_E_ERROR: i32 = -1002;
+pub const ODO_E_FATAL: i32 = -2001;
 pub const ODO_BORROWED: u32 = 2048;
 pub const ODO_TYPE_IMU: u32 = 1;
 pub const ODO_TYPE_MAGNETOMETER: u32 = 2;
@@ -69,8 +72,10 @@ pub const ODO_TYPE_CORRECTION: u32 = 4105;
 pub const ODO_TYPE_REPORT: u32 = 4106;
 pub const ODO_TYPE_REFINED: u32 = 4107;
 pub const ODO_TYPE_RELATIVE_POSE: u32 = 4108;
+pub const ODO_VENDOR_EVENT: u32 = 1024;
 pub const ODO_LARGEST_MESSAGE: u32 = 65536;
 pub const ODO_FLAG_QUALITY: u32 = 2147483648;
+pub const ODO_FLAG_DESCRIPTION: u32 = 268435456;
 pub const ODO_FLAG_HOST_MASK: u32 = 251658240;
 pub const ODO_FLAG_ACCEPTED: u32 = 16777216;
 pub const ODO_FLAG_NAVIGATION: u32 = 33554432;
@@ -193,7 +198,7 @@ pub const ODO_SYSTEM_STEP_DISTANCE: u32 = 2;
 pub const ODO_SERVICE_REPORT: &str = "odo.report/1";
 pub const ODO_SERVICE_RANDOM: &str = "odo.random/1";
 pub const ODO_SERVICE_ASSETS: &str = "odo.assets/1";
-pub const ODO_SERVICE_ASSETS_2: &str = "odo.assets/2";
+pub const ODO_SERVICE_CONTENTS: &str = "odo.contents/1";
 pub const ODO_SERVICE_WAKE: &str = "odo.wake/1";
 pub const ODO_PARAMETER_BOOL: u32 = 1;
 pub const ODO_PARAMETER_INT: u32 = 2;
@@ -210,6 +215,8 @@ pub const ODO_RUN_LIVE: u32 = 0;
 pub const ODO_RUN_REPLAY: u32 = 1;
 pub const ODO_SESSION_CRASH_NOTES: u32 = 1;
 pub const ODO_TIME_LATEST: i64 = -9223372036854775808;
+pub const ODO_WORLD_CORRECTED: u32 = 0;
+pub const ODO_WORLD_SMOOTH: u32 = 1;
 pub const ODO_OF_PIPELINE: u32 = 0;
 pub const ODO_OF_BODY: u32 = 1;
 pub const ODO_OF_CAMERA: u32 = 2;
@@ -220,8 +227,6 @@ pub const ODO_ANCHOR_GEODETIC: u32 = 3;
 pub const ODO_HEIGHT_ELLIPSOID: u32 = 1;
 pub const ODO_HEIGHT_GEOID: u32 = 2;
 pub const ODO_HEIGHT_TERRAIN: u32 = 3;
-pub const ODO_WORLD_CORRECTED: u32 = 0;
-pub const ODO_WORLD_SMOOTH: u32 = 1;
 pub const ODO_ANCHOR_PLACED: u32 = 1;
 pub const ODO_ANCHOR_VIEW_POSE: u32 = 2;
 pub const ODO_ANCHOR_ON_EARTH: u32 = 4;
@@ -230,6 +235,7 @@ pub const ODO_REASON_NO_FIX: u32 = 10;
 pub const ODO_REASON_NO_GROUND: u32 = 11;
 pub const ODO_REASON_NO_ORIGIN: u32 = 12;
 pub const ODO_INTERFACE_ATTITUDE: &str = "odo.attitude/1";
+pub const ODO_LARGEST_PICTURE: u32 = 67108864;
 pub const ODO_INTERFACE_SCALE_SOURCE: &str = "odo.scale_source/1";
 pub const ODO_INTERFACE_STEP_ESTIMATOR: &str = "odo.step_estimator/1";
 pub const ODO_EXTENSION_TERRAIN: &str = "odo.terrain/1";
@@ -777,7 +783,7 @@ impl Default for odo_asset_service {
 }
 #[repr(C)]
 #[derive(Clone, Copy)]
-pub struct odo_asset_service_2 {
+pub struct odo_content_service {
     pub struct_size: u32,
     pub reserved: u32,
     pub user: *mut c_void,
@@ -785,7 +791,7 @@ pub struct odo_asset_service_2 {
     pub read: Option<unsafe extern "C" fn(*mut odo_asset, u64, *mut c_void, u64) -> i64>,
     pub close: Option<unsafe extern "C" fn(*mut odo_asset)>,
 }
-impl Default for odo_asset_service_2 {
+impl Default for odo_content_service {
     fn default() -> Self {
         unsafe { std::mem::zeroed() }
     }
@@ -1051,7 +1057,7 @@ extern "C" {
     pub fn odo_session_push_imu(session: *mut odo_session, t_ns: i64, gyro_b: *const f64, accel_b: *const f64) -> i32;
     pub fn odo_session_flush(session: *mut odo_session) -> i32;
     pub fn odo_session_get_pose(session: *mut odo_session, t_ns: i64, pose: *mut odo_pose) -> i32;
-    pub fn odo_session_get_pose_of(session: *mut odo_session, of: u32, smooth: u32, t_ns: i64, pose: *mut odo_pose) -> i32;
+    pub fn odo_session_get_pose_of(session: *mut odo_session, of: u32, world: u32, t_ns: i64, pose: *mut odo_pose) -> i32;
     pub fn odo_session_get_smooth_pose(session: *mut odo_session, t_ns: i64, pose: *mut odo_pose) -> i32;
     pub fn odo_session_set_callback(session: *mut odo_session, types: *const u32, count: u32, callback: Option<odo_callback>, user: *mut c_void) -> i32;
     pub fn odo_register_plugin(entry: Option<odo_plugin_entry>, error: *mut odo_error) -> i32;

@@ -11,6 +11,8 @@ public final class Abi {
     public static final int ODO_ABI_MINOR = 0;
     public static final int ODO_OK = 0;
     public static final int ODO_NOT_READY = 1;
+    public static final int ODO_END = 2;
+    public static final int ODO_PARTIAL = 3;
     public static final int ODO_E_ARGUMENT = -1;
     public static final int ODO_E_DISCARD = -2;
     public static final int ODO_E_EXHAUSTED = -3;
@@ -21,9 +23,10 @@ public final class Abi {
     public static final int ODO_E_CONFIG = -8;
     public static final int ODO_E_NOT_FOUND = -9;
     public static final int ODO_E_DATA = -10;
-    public static final int ODO_E_MEMORY = -11;
-    public static final int ODO_E_ERROR = -12;
-    public static final int ODO_E_FATAL = -13;
+    public static final int ODO_E_IO = -11;
+    public static final int ODO_E_MEMORY = -1001;
+    public static final int ODO_E_ERROR = -1002;
+    public static final int ODO_E_FATAL = -2001;
     public static final int ODO_BORROWED = 2048;
     public static final int ODO_TYPE_IMU = 1;
     public static final int ODO_TYPE_MAGNETOMETER = 2;
@@ -49,8 +52,10 @@ public final class Abi {
     public static final int ODO_TYPE_REPORT = 4106;
     public static final int ODO_TYPE_REFINED = 4107;
     public static final int ODO_TYPE_RELATIVE_POSE = 4108;
+    public static final int ODO_VENDOR_EVENT = 1024;
     public static final int ODO_LARGEST_MESSAGE = 65536;
     public static final int ODO_FLAG_QUALITY = -2147483648;
+    public static final int ODO_FLAG_DESCRIPTION = 268435456;
     public static final int ODO_FLAG_HOST_MASK = 251658240;
     public static final int ODO_FLAG_ACCEPTED = 16777216;
     public static final int ODO_FLAG_NAVIGATION = 33554432;
@@ -173,7 +178,7 @@ public final class Abi {
     public static final String ODO_SERVICE_REPORT = "odo.report/1";
     public static final String ODO_SERVICE_RANDOM = "odo.random/1";
     public static final String ODO_SERVICE_ASSETS = "odo.assets/1";
-    public static final String ODO_SERVICE_ASSETS_2 = "odo.assets/2";
+    public static final String ODO_SERVICE_CONTENTS = "odo.contents/1";
     public static final String ODO_SERVICE_WAKE = "odo.wake/1";
     public static final int ODO_PARAMETER_BOOL = 1;
     public static final int ODO_PARAMETER_INT = 2;
@@ -190,6 +195,8 @@ public final class Abi {
     public static final int ODO_RUN_REPLAY = 1;
     public static final int ODO_SESSION_CRASH_NOTES = 1;
     public static final long ODO_TIME_LATEST = -9223372036854775808L;
+    public static final int ODO_WORLD_CORRECTED = 0;
+    public static final int ODO_WORLD_SMOOTH = 1;
     public static final int ODO_OF_PIPELINE = 0;
     public static final int ODO_OF_BODY = 1;
     public static final int ODO_OF_CAMERA = 2;
@@ -200,8 +207,6 @@ public final class Abi {
     public static final int ODO_HEIGHT_ELLIPSOID = 1;
     public static final int ODO_HEIGHT_GEOID = 2;
     public static final int ODO_HEIGHT_TERRAIN = 3;
-    public static final int ODO_WORLD_CORRECTED = 0;
-    public static final int ODO_WORLD_SMOOTH = 1;
     public static final int ODO_ANCHOR_PLACED = 1;
     public static final int ODO_ANCHOR_VIEW_POSE = 2;
     public static final int ODO_ANCHOR_ON_EARTH = 4;
@@ -210,6 +215,7 @@ public final class Abi {
     public static final int ODO_REASON_NO_GROUND = 11;
     public static final int ODO_REASON_NO_ORIGIN = 12;
     public static final String ODO_INTERFACE_ATTITUDE = "odo.attitude/1";
+    public static final int ODO_LARGEST_PICTURE = 67108864;
     public static final String ODO_INTERFACE_SCALE_SOURCE = "odo.scale_source/1";
     public static final String ODO_INTERFACE_STEP_ESTIMATOR = "odo.step_estimator/1";
     public static final String ODO_EXTENSION_TERRAIN = "odo.terrain/1";
@@ -221,7 +227,7 @@ public final class Abi {
     static native int odo_session_push_imu(long session, long t_ns, long gyro_b, long accel_b);
     static native int odo_session_flush(long session);
     static native int odo_session_get_pose(long session, long t_ns, long pose);
-    static native int odo_session_get_pose_of(long session, int of, int smooth, long t_ns, long pose);
+    static native int odo_session_get_pose_of(long session, int of, int world, long t_ns, long pose);
     static native int odo_session_get_smooth_pose(long session, long t_ns, long pose);
     static native int odo_session_set_callback(long session, long types, int count, long callback, long user);
     static native int odo_register_plugin(long entry, long error);
