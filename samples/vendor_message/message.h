@@ -8,7 +8,7 @@
 #include <odograph/base.h>
 
 #define EXAMPLE_TYPE_WIFI_SCAN ODO_TYPE_VENDOR(0, 1)
-#define EXAMPLE_TYPE_ZONE ODO_TYPE_VENDOR(0, 2)
+#define EXAMPLE_TYPE_ZONE ODO_TYPE_VENDOR(0, ODO_VENDOR_EVENT | 2)
 
 /* From the app: the access points found by a scan. No pointers, so that it can be recorded and replayed. */
 typedef struct example_wifi_scan {

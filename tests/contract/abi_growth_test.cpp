@@ -147,7 +147,7 @@ TEST_CASE(
   CHECK(fixes[1].header.t_ns == 3'050'000'000);
   CHECK(fixes[1].p_n[0] == 2000);  // the plugin saw the whole message
   CHECK(app.statistics().unknown == 0);
-  const auto answers = app.all<odo_fix>(ODO_TYPE_VENDOR(7, 2));
+  const auto answers = app.all<odo_fix>(ODO_TYPE_VENDOR(7, ODO_VENDOR_EVENT | 2));
   CHECK(answers.size() == 2);
   CHECK(app.statistics().plugin_faults == 0);
 }

@@ -148,7 +148,7 @@ TEST_CASE("no plugin can emit inputs, the host's own events, reserved numbers or
     });
   };
   int64_t t_ns = 1'000'000'000;
-  CHECK(echoed(ODO_TYPE_VENDOR(0, 2), t_ns));
+  CHECK(echoed(ODO_TYPE_VENDOR(0, ODO_VENDOR_EVENT | 2), t_ns));
   for (const uint32_t type :
        {ODO_TYPE_IMU, ODO_TYPE_POSE, ODO_TYPE_CORRECTION, ODO_TYPE_REPORT, 0x5000u, ODO_TYPE_VENDOR(0, ODO_BORROWED)})
     CHECK_FALSE(echoed(type, t_ns += 1'000'000));

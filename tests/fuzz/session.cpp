@@ -218,7 +218,7 @@ class Caller {
   /// test/echo emits any bytes of an event.
   void emit() {
     constexpr uint32_t kEvents[] = {ODO_TYPE_ATTITUDE, ODO_TYPE_STEP, ODO_TYPE_MOTION_MODE,
-                                    ODO_TYPE_SCALE,    ODO_TYPE_FIX,  ODO_TYPE_VENDOR(0, 2)};
+                                    ODO_TYPE_SCALE,    ODO_TYPE_FIX,  ODO_TYPE_VENDOR(0, ODO_VENDOR_EVENT | 2)};
     alignas(8) unsigned char bytes[sizeof(odo_header) + 512] = {};
     auto& outer = *reinterpret_cast<odo_header*>(bytes);
     auto& inner = *reinterpret_cast<odo_header*>(bytes + sizeof outer);

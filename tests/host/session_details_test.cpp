@@ -30,7 +30,7 @@ std::vector<Message> given(const App& app, uint32_t type) {
   for (const std::string& bytes : app.events) {
     odo_header head;
     std::memcpy(&head, bytes.data(), sizeof head);
-    if (head.type != ODO_TYPE_VENDOR(0, 2)) continue;
+    if (head.type != ODO_TYPE_VENDOR(0, ODO_VENDOR_EVENT | 2)) continue;
     std::memcpy(&head, bytes.data() + sizeof head, sizeof head);
     if (head.type != type) continue;
     std::memcpy(static_cast<void*>(&all.emplace_back()), bytes.data() + sizeof head,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A front-end that reports its inputs: ODO_TYPE_VENDOR(0, 2) with the message behind the head. It also declares its own
+// A front-end that reports its inputs: ODO_TYPE_VENDOR(0, ODO_VENDOR_EVENT | 2) with the message behind the head. It also declares its own
 // events as inputs, which it must not receive.
 #define HOSTILE_ID "test/listens"
 #include <odograph/vo_frontend.h>
@@ -8,7 +8,7 @@
 
 extern "C" int32_t ODO_PLUGIN_ENTRY(const odo_host*, odo_plugin* out) {
   static const odo_string interfaces[] = {{ODO_INTERFACE_VO_FRONTEND, sizeof(ODO_INTERFACE_VO_FRONTEND) - 1}};
-  static const uint32_t types[] = {ODO_TYPE_VENDOR(0, 2)};
+  static const uint32_t types[] = {ODO_TYPE_VENDOR(0, ODO_VENDOR_EVENT | 2)};
   odo_plugin t = hostile::table();
   t.interfaces = interfaces;
   t.inputs = t.outputs = types, t.input_count = t.output_count = 1;
@@ -19,7 +19,7 @@ extern "C" int32_t ODO_PLUGIN_ENTRY(const odo_host*, odo_plugin* out) {
     alignas(8) static unsigned char event[ODO_LARGEST_MESSAGE];
     auto& head = *reinterpret_cast<odo_header*>(event);
     head = told;
-    head.type = ODO_TYPE_VENDOR(0, 2), head.struct_size = static_cast<uint32_t>(sizeof head) + told.struct_size;
+    head.type = ODO_TYPE_VENDOR(0, ODO_VENDOR_EVENT | 2), head.struct_size = static_cast<uint32_t>(sizeof head) + told.struct_size;
     std::memcpy(event + sizeof head, &told, told.struct_size);
     hostile::sink()->emit(hostile::sink(), &head);
     return ODO_OK;

@@ -7,7 +7,7 @@
 
 extern "C" int32_t ODO_PLUGIN_ENTRY(const odo_host*, odo_plugin* out) {
   static const odo_string interfaces[] = {{ODO_INTERFACE_ABSOLUTE_FIXER, sizeof(ODO_INTERFACE_ABSOLUTE_FIXER) - 1}};
-  static const uint32_t inputs[] = {ODO_TYPE_VENDOR(7, 1)}, outputs[] = {ODO_TYPE_VENDOR(7, 2)};
+  static const uint32_t inputs[] = {ODO_TYPE_VENDOR(7, 1)}, outputs[] = {ODO_TYPE_VENDOR(7, ODO_VENDOR_EVENT | 2)};
   odo_plugin t = hostile::table();
   t.interfaces = interfaces;
   t.inputs = inputs, t.outputs = outputs;
@@ -25,7 +25,7 @@ extern "C" int32_t ODO_PLUGIN_ENTRY(const odo_host*, odo_plugin* out) {
       fix.covariance_n[0] = fix.covariance_n[4] = fix.covariance_n[8] = 1;
       odo_header answer = {};
       answer.struct_size = sizeof answer;
-      answer.type = ODO_TYPE_VENDOR(7, 2);
+      answer.type = ODO_TYPE_VENDOR(7, ODO_VENDOR_EVENT | 2);
       answer.t_ns = message.t_ns;
       if (hostile::sink()->emit(hostile::sink(), &fix.header) < 0) return ODO_E_ERROR;
       if (hostile::sink()->emit(hostile::sink(), &answer) < 0) return ODO_E_ERROR;

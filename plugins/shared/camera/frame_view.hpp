@@ -29,11 +29,14 @@ inline CameraModel camera_of(const odo_calibration& c) {
 class CalibratedCamera {
  public:
   /// Takes a calibration. True if it is a different camera; a phone with autofocus or stabiliser sends its own lens
-  /// repeatedly.
+  /// repeatedly. Throws odo::Error (unsupported) for an unknown model, and then has no camera.
   bool take(const odo_calibration& c) {
     const bool same = calibration_ && calibration_->header.source == c.header.source &&
                       calibration_->model == c.model && calibration_->width == c.width &&
                       calibration_->height == c.height;
+    calibration_.reset();
+    if (c.model != ODO_CAMERA_PINHOLE && c.model != ODO_CAMERA_KANNALA_BRANDT)
+      throw odo::Error(ODO_E_UNSUPPORTED, "camera model " + std::to_string(c.model) + " is unknown to this plugin");
     calibration_ = c;
     return !same;
   }

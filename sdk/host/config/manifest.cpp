@@ -38,6 +38,14 @@ Spec list_of(const char* name, Spec item, const char* help) {
   return {.name = name, .type = SpecType::list, .help = help, .required = true, .children = {std::move(item)}};
 }
 
+bool is_readable_default(const Spec& spec) {
+  return spec.type != SpecType::real || spec.fallback.empty() || parse_quantity(spec.fallback, spec.unit).ok();
+}
+
+std::string default_fault(const Spec& spec) {
+  return "parameter '" + spec.name + "': its default '" + spec.fallback + "' is no number in " + spec.unit;
+}
+
 }  // namespace
 
 const Spec& manifest_spec() {
@@ -46,11 +54,7 @@ const Spec& manifest_spec() {
     Spec parameter{.name = "parameter", .type = SpecType::map, .open = true};
     parameter.children = {
         text_spec("name", "lower_case"),
-        {.name = "type",
-         .type = SpecType::choice,
-         .choices = "bool|int|real|string|choice|reals",
-         .help = "of the value",
-         .required = true},
+        text_spec("type", "of the value: bool, int, real, string, choice, reals; a row of another type is ignored"),
         text_spec("unit", "SI", false),
         {.name = "min", .type = SpecType::real, .fallback = "0", .help = "inclusive"},
         {.name = "max", .type = SpecType::real, .fallback = "0", .help = "inclusive; no bound where both are 0"},
@@ -73,7 +77,7 @@ const Spec& manifest_spec() {
         list_of("interfaces", text_spec("interface", "odo.KIND/VERSION"), "kinds it serves"),
         list_of("abi", whole, "major, then minor"),
         text_spec("library", "file name, beside the manifest"),
-        text_spec("sha256", "of the library, hex"),
+        text_spec("sha256", "of the library, hex; without it the library is not checked", false),
         list_of("parameters", parameter, "the plugin's parameter table"),
     };
     return root;
@@ -116,8 +120,10 @@ Result<Manifest> parse_manifest(std::string text, const std::filesystem::path& p
   for (const Value& item : value["parameters"].items) {
     Spec spec;
     spec.name = item["name"].text;
-    for (const auto& type : kTypes)
-      if (item["type"].text == type.name) spec.type = type.type;
+    const auto type = std::find_if(std::begin(kTypes), std::end(kTypes),
+                                   [&](const auto& known) { return item["type"].text == known.name; });
+    if (type == std::end(kTypes)) continue;  // of a newer plugin, which keeps its default
+    spec.type = type->type;
     spec.unit = item["unit"].text;
     spec.min = item["min"].real;
     spec.max = item["max"].real;
@@ -125,6 +131,8 @@ Result<Manifest> parse_manifest(std::string text, const std::filesystem::path& p
     spec.choices = item["choices"].text;
     spec.count = static_cast<size_t>(item["count"].integer);
     spec.help = item["help"].text;
+    if (!is_readable_default(spec))
+      return Failure{ODO_E_CONFIG, at(path.string(), item["default"].mark, default_fault(spec))};
     manifest.parameters.push_back(std::move(spec));
   }
   return manifest;
@@ -141,11 +149,10 @@ Result<std::vector<Spec>> parameter_specs(const odo_plugin& plugin) {
                 std::min<size_t>(plugin.parameter_stride, sizeof row));
     Spec spec;
     spec.name = text(row.name);
-    bool known = false;
-    for (const auto& type : kTypes)
-      if (row.type == type.code) spec.type = type.type, known = true;
-    if (!known)
-      return Failure{ODO_E_DATA, "parameter '" + spec.name + "' has unknown type " + std::to_string(row.type)};
+    const auto type = std::find_if(std::begin(kTypes), std::end(kTypes),
+                                   [&](const auto& known) { return row.type == known.code; });
+    if (type == std::end(kTypes)) continue;  // of a newer plugin, which keeps its default
+    spec.type = type->type;
     spec.unit = text(row.unit);
     spec.min = row.min;
     spec.max = row.max;
@@ -153,6 +160,7 @@ Result<std::vector<Spec>> parameter_specs(const odo_plugin& plugin) {
     spec.choices = text(row.choices);
     spec.count = spec.type == SpecType::reals ? row.count : 1;
     spec.help = text(row.help);
+    if (!is_readable_default(spec)) return Failure{ODO_E_DATA, default_fault(spec)};
     specs.push_back(std::move(spec));
   }
   return specs;

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include <odograph/types.h>
+
 #include "sdk/host/base/nearest.hpp"
 #include "sdk/host/config/linked_plugins.hpp"
 #include "sdk/host/platform/file_access.hpp"
@@ -79,7 +81,6 @@ std::vector<fs::path> plugin_directories(const std::vector<fs::path>& first) {
     directories.push_back(binary.parent_path() / "odograph/plugins");
     directories.push_back(binary.parent_path() / ODOGRAPH_FROM_BIN / "plugins");
   }
-  directories.emplace_back(ODOGRAPH_PLUGIN_DIR);
   return directories;
 }
 
@@ -101,10 +102,13 @@ PluginRegistry::PluginRegistry(const std::vector<fs::path>& directories, size_t 
     std::sort(files.begin(), files.end());
     for (const auto& file : files) {
       auto manifest = read_manifest(file);
-      if (manifest)
-        manifests_.push_back(std::move(*manifest));
-      else
+      if (!manifest)
         problems_.push_back(manifest.failure().text);
+      else if (manifest->abi_major != ODO_ABI_MAJOR)
+        problems_.push_back(file.string() + ": it is for ABI " + std::to_string(manifest->abi_major) + ", this host is " +
+                            std::to_string(ODO_ABI_MAJOR));
+      else
+        manifests_.push_back(std::move(*manifest));
     }
   }
   directories_ = std::move(seen);
@@ -123,11 +127,11 @@ Result<const Manifest*> PluginRegistry::find(const std::string& id, const std::s
     for (const Manifest& manifest : *manifests) {
       const auto& kinds = manifest.interfaces;
       if (std::find(kinds.begin(), kinds.end(), interface_id) != kinds.end()) usable.push_back(manifest.id);
-      if (manifest.id != id || (found && found->entry)) continue;
-      if (found)
+      if (manifest.id != id) continue;
+      if (found && found->path.parent_path() == manifest.path.parent_path())
         return Failure{ODO_E_CONFIG, "two plugins have the id '" + id + "': " + found->path.string() + " and " +
                                          manifest.path.string() + "; expected one, or the path of one manifest"};
-      found = &manifest;
+      if (!found) found = &manifest;  // the first folder has precedence
     }
   if (!found) return not_found(id, interface_id, usable);
   if (std::find(found->interfaces.begin(), found->interfaces.end(), interface_id) == found->interfaces.end())

@@ -34,7 +34,7 @@ struct Crypto {
 
  private:
   static std::optional<Crypto> load() {
-    for (const char* name : {"libcrypto.so.3", "libcrypto.so.1.1", "libcrypto.3.dylib"}) {
+    for (const char* name : {"libcrypto.so.4", "libcrypto.so.3", "libcrypto.so.1.1", "libcrypto.3.dylib"}) {
       std::string why;
       void* library = open_library(name, why);
       if (!library) continue;

@@ -223,6 +223,8 @@ const char* odo_status_text(int32_t status) {
   switch (status) {
     case ODO_OK: return "ok";
     case ODO_NOT_READY: return "not ready yet";
+    case ODO_END: return "at the end";
+    case ODO_PARTIAL: return "done in part";
     case ODO_E_ARGUMENT: return "bad argument";
     case ODO_E_DISCARD: return "input discarded";
     case ODO_E_EXHAUSTED: return "quota or buffer exhausted";
@@ -233,6 +235,7 @@ const char* odo_status_text(int32_t status) {
     case ODO_E_CONFIG: return "configuration refused";
     case ODO_E_NOT_FOUND: return "not found";
     case ODO_E_DATA: return "damaged data";
+    case ODO_E_IO: return "input or output failed";
     case ODO_E_MEMORY: return "out of memory";
     case ODO_E_ERROR: return "error";
     case ODO_E_FATAL: return "fatal error";

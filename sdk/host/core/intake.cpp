@@ -14,6 +14,20 @@ Intake::Intake(const PipelineConfig& config, SharedPixels* shared, CameraTable& 
       frames_(config.ordering.frames, shared),
       order_(config.ordering.queue, static_cast<int64_t>(config.ordering.max_wait_s * 1e9)) {
   if (config.camera) order_.expect_camera();
+  for (auto& source : sources_) source = -1;
+}
+
+/// Of several gyroscopes, accelerometers, magnetometers or barometers, the first that delivers is used.
+bool Intake::is_first_source(const odo_header& sample) {
+  const bool imu = sample.type == ODO_TYPE_IMU;
+  const std::array<bool, 4> of = {imu && (sample.flags & ODO_IMU_GYRO), imu && (sample.flags & ODO_IMU_ACCEL),
+                                  sample.type == ODO_TYPE_MAGNETOMETER, sample.type == ODO_TYPE_BAROMETER};
+  for (size_t i = 0; i < of.size(); ++i) {
+    int64_t none = -1;
+    if (of[i]) sources_[i].compare_exchange_strong(none, sample.source);
+    if (of[i] && sources_[i] != sample.source) return false;
+  }
+  return true;
 }
 
 int32_t Intake::take(const odo_header& sample, OwnedMessage& out) {
@@ -31,6 +45,9 @@ int32_t Intake::take(const odo_header& sample, OwnedMessage& out) {
     return refuse_invalid(sample, ODO_E_DISCARD, fault);
   if (!gate_.within_range(copy.header()))
     return refuse(counts_.wild, "wild_", sample, ODO_E_DISCARD, "value outside the range of any such sensor");
+  if (!is_first_source(sample))
+    return refuse_invalid(sample, ODO_E_UNSUPPORTED,
+                          "source = " + std::to_string(sample.source) + "; expected that of the first such sensor");
   if (sample.type == ODO_TYPE_CALIBRATION) cameras_.take_calibration(reinterpret_cast<odo_calibration&>(copy.header()));
   if (sample.type == ODO_TYPE_FRAME)
     if (const std::string fault = cameras_.size_fault(as<odo_frame>(copy.header())); !fault.empty())
@@ -102,9 +119,7 @@ void Intake::restart(std::vector<OwnedMessage>& dropped) {
   std::vector<OwnedMessage> descriptions;
   OwnedMessage message;
   while (order_.drain(message)) {
-    const uint32_t type = message.header().type;
-    const bool describes = type == ODO_TYPE_CALIBRATION || type == ODO_TYPE_IMU_NOISE;
-    (describes ? descriptions : dropped).push_back(std::move(message));
+    (is_description(message.header()) ? descriptions : dropped).push_back(std::move(message));
   }
   order_.restart();
   gate_.reset();

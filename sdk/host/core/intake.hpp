@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <atomic>
 #include <mutex>
 #include <string>
@@ -49,6 +50,7 @@ class Intake {
 
  private:
   int32_t borrow(odo_borrowed& message);
+  bool is_first_source(const odo_header& sample);
   TimeOrder::Verdict order(OwnedMessage message, std::vector<OwnedMessage>& dropped);
   void restart(std::vector<OwnedMessage>& dropped);
   int32_t refuse(std::atomic<uint64_t>& count, const char* key, const odo_header& sample, int32_t status,
@@ -64,6 +66,7 @@ class Intake {
   Outbox& outbox_;
   FrameStore frames_;
   Counts counts_;
+  std::array<std::atomic<int64_t>, 4> sources_;  // of gyroscope, accelerometer, magnetometer, barometer; negative: none yet
 
   mutable std::mutex mutex_;  // guards what follows
   SampleGate gate_;           // its ranges are constant

@@ -22,12 +22,9 @@ void Pipeline::process(const odo_header& message) {
   wake();
   events_.begin();
   if (watch_.on_message(message)) on_pause();
+  if (is_description(message)) roster_.store_description(message);
   switch (message.type) {
     case ODO_TYPE_IMU: joiner_.push(as<odo_imu>(message), [this](const odo_imu& whole) { on_imu(whole); }); break;
-    case ODO_TYPE_IMU_NOISE:
-      roster_.store_description(message);
-      dispatch(message);
-      break;
     case ODO_TYPE_FRAME:
       ++counters_.frames;
       if (roster_.is_main_camera(message) && roster_.has_front_end()) composer_.update(FrameTime{message.t_ns});
@@ -35,7 +32,6 @@ void Pipeline::process(const odo_header& message) {
       dispatch(message);
       break;
     case ODO_TYPE_CALIBRATION:
-      roster_.store_description(message);
       if (roster_.is_main_camera(message)) composer_.on_calibration(as<odo_calibration>(message));
       dispatch(message);
       break;

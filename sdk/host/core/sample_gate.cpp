@@ -39,15 +39,6 @@ bool SampleGate::within_range(const odo_header& sample) const {
   }
 }
 
-SampleGate::Track& SampleGate::track_of(const odo_header& header) {
-  const uint64_t key = uint64_t(header.source) << 32 | (header.flags & (ODO_IMU_GYRO | ODO_IMU_ACCEL)) | 4;
-  for (Track& track : tracks_) {
-    if (track.key == 0) track.key = key;
-    if (track.key == key) return track;
-  }
-  return tracks_.back();
-}
-
 bool SampleGate::differs(const odo_imu& a, const odo_imu& b) const {
   const int64_t apart_ns = saturating_difference(b.header.t_ns, a.header.t_ns);
   if (apart_ns <= -parameters_.neighbour_ns || apart_ns >= parameters_.neighbour_ns) return false;

@@ -35,7 +35,7 @@ class SampleGate {
   /// of arrival: none (held), the sample, or the held one and the sample. Returns the number of spikes dropped, 0 or 1.
   template <class Take>
   int push(const odo_imu& sample, Take&& take) {
-    Track& track = track_of(sample.header);
+    Track& track = tracks_[sample.header.flags & (ODO_IMU_GYRO | ODO_IMU_ACCEL)];
     if (track.holding) {
       track.holding = false;
       const bool spike = differs(track.held, sample) && !differs(track.last, sample);
@@ -59,17 +59,15 @@ class SampleGate {
 
  private:
   struct Track {
-    uint64_t key = 0;
     bool begun = false, holding = false;
     odo_imu last{}, held{};
   };
 
-  Track& track_of(const odo_header& header);
   /// Whether two samples are neighbours but differ by more than the spike threshold.
   bool differs(const odo_imu& a, const odo_imu& b) const;
 
   Parameters parameters_;
-  std::array<Track, 6> tracks_{};  // gyroscope, accelerometer and both, of two inertial sensors
+  std::array<Track, 4> tracks_{};  // by flags: neither, gyroscope, accelerometer, both
 };
 
 }  // namespace odograph

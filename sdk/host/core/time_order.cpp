@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "sdk/host/base/saturating.hpp"
+#include "sdk/host/messages/messages.hpp"
 
 namespace odograph {
 namespace {
@@ -25,8 +26,10 @@ bool may_be_late(uint32_t type) {
          type == ODO_TYPE_SYSTEM_STEP || !message_info(type);
 }
 
-/// Among equal times: sensor descriptions first, then by type.
-uint32_t rank_of(uint32_t type) { return type == ODO_TYPE_CALIBRATION || type == ODO_TYPE_IMU_NOISE ? 0 : type; }
+/// Among equal times: descriptions first, then by type and source.
+uint64_t rank_of(const odo_header& message) {
+  return is_description(message) ? 0 : uint64_t(message.type) << 32 | message.source;
+}
 
 }  // namespace
 
@@ -117,7 +120,7 @@ void TimeOrder::add(OwnedMessage message) {
   }
   const uint32_t slot = free_.back();
   free_.pop_back();
-  heap_.push_back({header.t_ns, rank_of(header.type), slot, sequence_++});
+  heap_.push_back({header.t_ns, rank_of(header), slot, sequence_++});
   slots_[slot] = std::move(message);
   std::push_heap(heap_.begin(), heap_.end(), later);
 }

@@ -74,7 +74,7 @@ class TimeOrder {
   };
   struct Entry {
     int64_t t_ns;
-    uint32_t rank;
+    uint64_t rank;
     uint32_t slot;
     uint64_t sequence;
   };

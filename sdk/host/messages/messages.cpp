@@ -136,11 +136,11 @@ void check_calibration(FieldCheck& check, const odo_calibration& m) {
       .finite("distortion", m.distortion, 8);
   check.require(m.width > 0 && m.width <= 16384, "width", m.width, "1 to 16384")
       .require(m.height > 0 && m.height <= 16384, "height", m.height, "1 to 16384");
-  check.require(
-      m.distortion_count == 0 || m.distortion_count == 4 || m.distortion_count == 5 || m.distortion_count == 8,
-      "distortion_count", m.distortion_count, "0, 4, 5 or 8");
-  check.require(m.model == ODO_CAMERA_PINHOLE || m.model == ODO_CAMERA_KANNALA_BRANDT, "model", m.model,
-                "one of ODO_CAMERA_*");
+  const uint32_t n = m.distortion_count;
+  if (m.model == ODO_CAMERA_PINHOLE)
+    check.require(n == 0 || n == 4 || n == 5 || n == 8, "distortion_count", n, "0, 4, 5 or 8");
+  if (m.model == ODO_CAMERA_KANNALA_BRANDT) check.require(n == 0 || n == 4, "distortion_count", n, "0 or 4");
+  check.require(m.model != 0, "model", m.model, "one of ODO_CAMERA_*");
   check.when(ODO_CALIBRATION_EXTRINSICS).unit("q_b_c", m.q_b_c).finite("p_b_c", m.p_b_c, 3);
 }
 

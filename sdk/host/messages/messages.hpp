@@ -35,6 +35,12 @@ constexpr bool is_plausible_time(int64_t t_ns) { return t_ns >= -kFarthestTime_n
 /// Whether an app may push the type: everything but events and reserved numbers.
 inline bool is_input(uint32_t type) { return !ODO_IS_EVENT(type) && !ODO_IS_RESERVED(type); }
 
+/// Whether an input describes a sensor, an antenna or a map: it is kept for plugins that are reset.
+inline bool is_description(const odo_header& input) {
+  return input.type == ODO_TYPE_CALIBRATION || input.type == ODO_TYPE_IMU_NOISE || input.type == ODO_TYPE_EARTH_FIELD ||
+         (input.flags & ODO_FLAG_DESCRIPTION) != 0;
+}
+
 /// Why a message is unusable, as "field = value; expected ...": a time out of range, a valid-flagged number that is not
 /// finite or out of range, a quaternion whose norm differs from 1 by more than 1e-3. Empty if usable. Only for messages
 /// known to be as large as the host's struct (AnyMessage).

@@ -150,9 +150,10 @@ void PluginInstance::update_types() {
 
 namespace {
 
+constexpr int32_t kNeedsReset = -1000, kQuarantines = -2000;  // ranges of status codes, base.h
+
 /// Inputs come from the app and some events from the host; no table can declare them.
 bool may_be_emitted(uint32_t type) {
-  if (ODO_IS_VENDOR(type)) return true;
   return ODO_IS_EVENT(type) && type != ODO_TYPE_POSE && type != ODO_TYPE_STATE && type != ODO_TYPE_CORRECTION &&
          type != ODO_TYPE_REPORT;
 }
@@ -346,14 +347,14 @@ void PluginInstance::save_periodically() {
 
 void PluginInstance::failed(int32_t status, const odo_header* message) {
   const std::string given = message ? "a sample of " + message_name(message->type) : "being woken";
-  if (status == ODO_E_DISCARD || status == ODO_E_ARGUMENT || status == ODO_E_EXHAUSTED || status == ODO_E_UNSUPPORTED) {
+  if (status > kNeedsReset) {
     const std::string why = status == ODO_E_DISCARD ? "" : std::string(": ") + odo_status_text(status);
     fault("discarded", "discarded " + given + (message ? " (t_ns = " + std::to_string(message->t_ns) + ")" : "") + why,
           status);
     return;
   }
   fault("failed", "failed at " + given + ": " + odo_status_text(status), status);
-  if (status == ODO_E_FATAL) backend_->quarantine();
+  if (status <= kQuarantines) backend_->quarantine();
   if (backend_->quarantined() || ++consecutive_failures_ >= parameters_.failures_before_giving_up) return give_up();
   reset();
 }

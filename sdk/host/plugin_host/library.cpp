@@ -27,6 +27,15 @@ std::string version_fault(const odo_plugin& table, const odo_host& host) {
   return "";
 }
 
+/// "group/name", see odo_plugin.id.
+bool is_plugin_id(const std::string& id) {
+  const auto slash = id.find('/');
+  return slash != std::string::npos && slash > 0 && slash + 1 < id.size() && id.size() < 64 &&
+         id.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789_-") == slash &&
+         id.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789_-", slash + 1) == std::string::npos &&
+         !id.starts_with("odo/") && !id.starts_with("host/");
+}
+
 /// The fault of a table, or nothing.
 std::string table_fault(const odo_plugin& t) {
   for (const auto& [present, name] :
@@ -34,7 +43,8 @@ std::string table_fault(const odo_plugin& t) {
         std::pair{t.activate != nullptr, "activate"}, std::pair{t.process != nullptr, "process"},
         std::pair{t.destroy != nullptr, "destroy"}})
     if (!present) return std::string("its table lacks ") + name;
-  if (text(t.id).empty()) return "its table has no id";
+  if (const std::string id = text(t.id); !is_plugin_id(id))
+    return "its id is '" + id + "'; expected group/name of a-z, 0-9, _ and -, at most 63 bytes, not of group odo or host";
   if (t.interface_count == 0 || !t.interfaces) return "its table has no interface";
   if ((t.input_count > 0 && !t.inputs) || (t.output_count > 0 && !t.outputs))
     return "its table counts inputs or outputs and has no list of them";

@@ -95,7 +95,6 @@ fs::path plugin_host_program() {
     if (const fs::path binary = fs::canonical(self.dli_fname, error); !error)
       for (const char* folder : {".", "odograph", "../bin", ODOGRAPH_FROM_BIN})
         places.push_back(binary.parent_path() / folder / kName);
-  places.push_back(fs::path(ODOGRAPH_PLUGIN_DIR).parent_path() / kName);
   for (const fs::path& place : places)
     if (access(place.c_str(), X_OK) == 0) return place;
   return {};

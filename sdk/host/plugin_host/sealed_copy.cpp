@@ -27,7 +27,7 @@ Result<bool> has_hash_of(const Manifest& manifest, const fs::path& copy) {
   // Format first: "truncated" is more specific than "hash differs".
   const auto file = check_shared_library(copy, manifest.library);
   if (!file) return file.failure();
-  if (*hash != manifest.sha256)
+  if (!manifest.sha256.empty() && *hash != manifest.sha256)
     return Failure{ODO_E_DATA, manifest.library.string() + ": its hash differs from the manifest's (" +
                                    manifest.path.string() + "); `odograph plugin manifest` writes a new one"};
   return true;
@@ -77,6 +77,9 @@ Result<fs::path> sealed_copy(const Manifest& manifest) {
   static std::mutex mutex;
   static std::map<std::string, fs::path> copies;  // by hash
   const std::lock_guard lock(mutex);
+  if (manifest.sha256.empty())
+    return Failure{ODO_E_CONFIG, manifest.path.string() + ": it has no sha256, which plugins allowed by hash or "
+                                 "signature need; `odograph plugin manifest` writes it"};
   if (const auto known = copies.find(manifest.sha256); known != copies.end()) return known->second;
   const std::string who = manifest.library.string();
   const Descriptor file{open(manifest.library.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK)};  // a pipe would block

@@ -9,7 +9,7 @@
 
 #include <odograph/messages.h>
 
-#define ANSWER ODO_TYPE_VENDOR(9, 2)
+#define ANSWER ODO_TYPE_VENDOR(9, ODO_VENDOR_EVENT | 2)
 #define QUESTION ODO_TYPE_VENDOR(9, 1)
 #define MAX_ROWS 32u
 
