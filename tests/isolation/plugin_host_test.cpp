@@ -77,7 +77,7 @@ TEST_CASE("files that are not plugins are rejected with their path and the reaso
 
 TEST_CASE("plugins without an entry or with an unusable table are rejected with the reason") {
   CHECK(contains(refusal(hostile("abi_too_new")),
-                 "it is for ABI 3." + std::to_string(ODO_ABI_MINOR) + ", this host has major 0"));
+                 "it is for ABI 3." + std::to_string(ODO_ABI_MINOR) + ", this host has major 1"));
   CHECK(contains(refusal(hostile("no_symbol")), "symbol missing"));
   CHECK(contains(refusal(hostile("refuses")), "the licence has expired"));
   CHECK(contains(refusal(hostile("table_too_small")), "its table has"));
@@ -168,7 +168,7 @@ TEST_CASE("manifests with a duplicate id, a changed library, a false statement o
       contains(PluginLibrary::load(*read, LibraryCheck::hash, &host).failure().text, "the manifest says 'test/other'"));
   read->abi_major = 3;
   CHECK(contains(PluginLibrary::load(*read, LibraryCheck::hash, &host).failure().text,
-                 "it is for ABI 3." + std::to_string(ODO_ABI_MINOR) + ", this host has major 0"));
+                 "it is for ABI 3." + std::to_string(ODO_ABI_MINOR) + ", this host has major 1"));
   read->abi_major = ODO_ABI_MAJOR;
   read->sha256[0] = read->sha256[0] == '0' ? '1' : '0';
   CHECK(contains(PluginLibrary::load(*read, LibraryCheck::hash, &host).failure().text, "hash differs"));
@@ -178,6 +178,47 @@ TEST_CASE("manifests with a duplicate id, a changed library, a false statement o
   const PluginRegistry registry({folder.path()});
   REQUIRE(registry.problems().size() == 1);
   CHECK(contains(registry.problems()[0], "broken.odoplugin.json:1:"));
+}
+
+TEST_CASE("of equal ids the first folder wins, and manifests of another major version are skipped") {
+  const TemporaryFolder first, second, later;
+  for (const TemporaryFolder* folder : {&first, &second, &later}) {
+    fs::copy_file(hostile("good"), *folder / (std::string("one") + ODOGRAPH_LIBRARY));
+    REQUIRE(write_manifest_beside(*folder / (std::string("one") + ODOGRAPH_LIBRARY)).ok());
+  }
+  std::string text = read_text(later / "one.odoplugin.json");
+  const auto at = text.find("[", text.find("\"abi\"")) + 1;
+  text.replace(at, text.find_first_of(",", at) - at, "2");
+  write_text(later / "one.odoplugin.json", text);
+  PluginRegistry registry({later.path(), second.path(), first.path()});
+  const auto found = registry.find("test/hostile", ODO_INTERFACE_SCALE_SOURCE, ".", {});
+  REQUIRE(found.ok());
+  CHECK(fs::equivalent((*found)->path, second / "one.odoplugin.json"));
+  REQUIRE(registry.problems().size() == 1);
+  CHECK(contains(registry.problems()[0], "it is for ABI 2, this host is 1"));
+}
+
+TEST_CASE("a library may have several plugins, each with its entry and manifest, and a manifest no hash") {
+  const TemporaryFolder folder;
+  const HostServices host(0, {"."}, nullptr);
+  fs::copy_file(hostile("good"), folder / (std::string("one") + ODOGRAPH_LIBRARY));
+  REQUIRE(write_manifest_beside(folder / (std::string("one") + ODOGRAPH_LIBRARY)).ok());
+  std::string text = read_text(folder / "one.odoplugin.json");
+  const auto replace = [&](const std::string& before, const std::string& after) {
+    REQUIRE(contains(text, before));
+    text.replace(text.find(before), before.size(), after);
+  };
+  replace("\"test/hostile\"", "\"test/second\", \"entry\": \"odo_plugin_entry_v1_second\"");
+  replace("\"sha256\"", "\"not_sha256\"");
+  write_text(folder / "second.odoplugin.json", text);
+  PluginRegistry registry({folder.path()});
+  for (const char* id : {"test/hostile", "test/second"}) {
+    const auto found = registry.find(id, ODO_INTERFACE_SCALE_SOURCE, ".", {});
+    REQUIRE(found.ok());
+    CHECK(PluginLibrary::load(**found, LibraryCheck::hash, &host).ok());
+    const bool bound = PluginLibrary::load(**found, LibraryCheck::sealed, &host).ok();
+    CHECK(bound == ((*found)->id == "test/hostile"));  // a seal needs a hash
+  }
 }
 
 TEST_CASE("a manifest states what the library states") {

@@ -77,6 +77,10 @@ const Spec& manifest_spec() {
         list_of("interfaces", text_spec("interface", "odo.KIND/VERSION"), "kinds it serves"),
         list_of("abi", whole, "major, then minor"),
         text_spec("library", "file name, beside the manifest"),
+        {.name = "entry",
+         .type = SpecType::text,
+         .fallback = ODO_PLUGIN_ENTRY_SYMBOL,
+         .help = "the entry function; a library may have several plugins, each with a manifest of its own"},
         text_spec("sha256", "of the library, hex; without it the library is not checked", false),
         list_of("parameters", parameter, "the plugin's parameter table"),
     };
@@ -106,6 +110,7 @@ Result<Manifest> parse_manifest(std::string text, const std::filesystem::path& p
   manifest.version = value["version"].text;
   manifest.summary = value["summary"].text;
   manifest.sha256 = value["sha256"].text;
+  manifest.entry_symbol = value["entry"].text;
   for (const Value& item : value["interfaces"].items) manifest.interfaces.push_back(item.text);
   const auto& abi = value["abi"].items;
   if (abi.size() != 2)

@@ -25,6 +25,7 @@ struct Manifest {
   std::filesystem::path path;        // of the manifest
   std::string text;                  // as read once, so that the text used is the text verified
   std::filesystem::path library;     // absolute
+  std::string entry_symbol = ODO_PLUGIN_ENTRY_SYMBOL;  // a library with several plugins has several entries, each with its manifest
   std::string id;
   std::string version;
   std::string summary;

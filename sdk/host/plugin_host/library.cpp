@@ -91,11 +91,12 @@ Result<odo_plugin> read_table(odo_plugin_entry entry, const odo_host* host, cons
 }  // namespace
 
 Result<std::shared_ptr<PluginLibrary>> PluginLibrary::load(const std::filesystem::path& path, const odo_host* host) {
-  return open(path, path, host);
+  return open(path, path, ODO_PLUGIN_ENTRY_SYMBOL, host);
 }
 
 Result<std::shared_ptr<PluginLibrary>> PluginLibrary::open(const std::filesystem::path& path,
-                                                           const std::filesystem::path& opened, const odo_host* host) {
+                                                           const std::filesystem::path& opened,
+                                                           const std::string& symbol, const odo_host* host) {
   const auto fail = [&](int32_t status, const std::string& why) { return Failure{status, path.string() + ": " + why}; };
   const auto file = check_shared_library(opened, path);
   if (!file) return file.failure();
@@ -105,8 +106,8 @@ Result<std::shared_ptr<PluginLibrary>> PluginLibrary::open(const std::filesystem
     return fail(ODO_E_DATA,
                 "the loader refused it: " + why +
                     (opened == path ? "" : "; loaded from a sealed copy, for which $ORIGIN is not its folder"));
-  const auto entry = reinterpret_cast<odo_plugin_entry>(library_symbol(handle, ODO_PLUGIN_ENTRY_SYMBOL));
-  if (!entry) return fail(ODO_E_UNSUPPORTED, "symbol missing: it does not export " ODO_PLUGIN_ENTRY_SYMBOL);
+  const auto entry = reinterpret_cast<odo_plugin_entry>(library_symbol(handle, symbol.c_str()));
+  if (!entry) return fail(ODO_E_UNSUPPORTED, "symbol missing: it does not export " + symbol);
 
   const auto table = read_table(entry, host, path.string());
   if (!table) return table.failure();
@@ -138,7 +139,7 @@ Result<std::shared_ptr<PluginLibrary>> PluginLibrary::load(const Manifest& manif
     if (!copy) return copy.failure();
     opened = *copy;
   }
-  auto library = open(manifest.library, opened, host);
+  auto library = open(manifest.library, opened, manifest.entry_symbol, host);
   if (library && text((*library)->table().id) != manifest.id)
     return Failure{ODO_E_DATA, manifest.library.string() + ": its id is '" + text((*library)->table().id) +
                                    "', the manifest says '" + manifest.id + "'"};

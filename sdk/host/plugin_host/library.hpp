@@ -32,9 +32,10 @@ class PluginLibrary {
   void quarantine() { quarantined_ = true; }
 
  private:
-  /// `path` names it in messages; `opened` is the file that the loader opens.
+  /// `path` names it in messages; `opened` is the file that the loader opens, `symbol` the entry in it.
   static Result<std::shared_ptr<PluginLibrary>> open(const std::filesystem::path& path,
-                                                     const std::filesystem::path& opened, const odo_host* host);
+                                                     const std::filesystem::path& opened, const std::string& symbol,
+                                                     const odo_host* host);
 
   std::filesystem::path path_;
   odo_plugin table_{};
