@@ -19,7 +19,7 @@ class Odograph(ConanFile):
 
     def export_sources(self):
         root = os.path.join(self.recipe_folder, "..", "..")
-        for pattern in ("CMakeLists.txt", "LICENSE", "abi/*", "sdk/*", "plugins/*", "packaging/*", "samples/*", "schemas/*"):
+        for pattern in ("CMakeLists.txt", "LICENSE", "NOTICE", "abi/*", "sdk/*", "plugins/*", "packaging/*", "samples/*", "schemas/*"):
             copy(self, pattern, root, self.export_sources_folder)
 
     def layout(self):
@@ -38,7 +38,8 @@ class Odograph(ConanFile):
 
     def package(self):
         CMake(self).install()
-        copy(self, "LICENSE", self.source_folder, os.path.join(self.package_folder, "licenses"))
+        for name in ("LICENSE", "NOTICE"):
+            copy(self, name, self.source_folder, os.path.join(self.package_folder, "licenses"))
 
     def package_info(self):
         self.cpp_info.libs = ["odograph"]

@@ -7,7 +7,7 @@ command -v reuse > /dev/null || { echo "SKIPPED: no reuse"; exit 77; }
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 reuse lint > "$work/said" 2>&1 || { cat "$work/said"; exit 1; }
-! grep ERROR "$work/said"
+if grep ERROR "$work/said"; then exit 1; fi
 python3 -c 'import ast, sys; ast.parse(open(sys.argv[1]).read())' packaging/conan/conanfile.py
 python3 -m json.tool packaging/vcpkg/ports/odograph/vcpkg.json > /dev/null
 # Each command of the port exists in vcpkg and has valid arguments.

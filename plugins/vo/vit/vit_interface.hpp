@@ -1,7 +1,9 @@
-// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: 2023-2024 Collabora, Ltd.
+// SPDX-FileCopyrightText: 2026 Odograph contributors
+// SPDX-License-Identifier: Apache-2.0 AND BSL-1.0
 //
-// Declarations of Monado's Visual-Inertial Tracking interface (vit_interface.h 2.0), with its names and layouts. The
-// part for a consumer with one camera and one IMU is the same in version 1.
+// Declarations of Monado's Visual-Inertial Tracking interface (vit_interface.h 2.0, BSL-1.0), with its names and
+// layouts. The part for a consumer with one camera and one IMU is the same in version 1.
 #pragma once
 
 #include <cstdint>
