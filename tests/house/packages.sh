@@ -38,6 +38,14 @@ dpkg-deb -f packages/libodograph1_*.deb Provides | grep -q 'odograph-plugin-abi-
 dpkg-deb -f "$plugin" Static-Built-Using | grep -q 'ceres-solver (= .*eigen3 (= '
 if dpkg-deb -f "$plugin" Depends | grep -q atlas; then echo "vo/odograph needs ATLAS"; exit 1; fi
 
+# Packages of two architectures can be installed together: what both have is the same, the rest has the architecture in its path.
+architecture=$(dpkg --print-architecture)
+for package in packages/*_"$architecture".deb; do
+  case $package in packages/odograph_*) continue ;; esac # the command line, of one architecture
+  dpkg-deb --fsys-tarfile "$package" | tar -t > files
+  if grep -v -E "/\$|^\./usr/(lib|include)/|/(copyright|changelog\.gz|NOTICE)\$|/doc/[^/]*/[a-z]*\.$architecture\." files; then echo "$package: not for a second architecture"; exit 1; fi
+done
+
 key=$(openssl pkey -in key.pem -pubout -outform DER | tail -c 32 | od -An -v -tx1 | tr -d ' \n')
 printf 'odograph: 1\nplugins: {signers: [{key: %s}]}\nattitude: {plugin: attitude/vqf}\n' "$key" > signed.yaml
 "$root/bin/odograph" config check signed.yaml

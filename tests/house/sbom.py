@@ -41,11 +41,12 @@ def built(build):
 def main(root, build):
     archives, unstripped = static_archives(os.path.realpath(build)), built(build)
     wrong, libraries, parts, files = [], 0, 0, 0
-    for path in sorted(glob.glob(f"{root}/share/doc/*/sbom.spdx.json.gz")):
+    for path in sorted(glob.glob(f"{root}/share/doc/*/sbom.*.spdx.json.gz")):
         sbom = json.load(gzip.open(path))
         ids = {element["SPDXID"] for element in sbom["packages"] + sbom["files"]} | {"SPDXRef-DOCUMENT"}
         wrong += [f"{path}: {r}" for r in sbom["relationships"] if r["spdxElementId"] not in ids or r["relatedSpdxElement"] not in ids]
-        notices = gzip.open(os.path.join(os.path.dirname(path), "notices.gz"), "rt").read()
+        folder, name = os.path.split(path)
+        notices = gzip.open(f"{folder}/notices.{name.split('.')[1]}.gz", "rt").read()
         for entry in sbom["files"]:
             files += 1
             file = root + entry["fileName"].removeprefix("./usr")
