@@ -30,6 +30,9 @@ cmake --build "$work/live" >/dev/null
 cmake -S "$work/samples/plugin_example" -B "$work/plugin" -DCMAKE_PREFIX_PATH="$work/prefix" >/dev/null
 cmake --build "$work/plugin" >/dev/null
 "$work/prefix/bin/odograph" plugin manifest "$work/plugin/constant_speed.so"
+cp "$work/plugin/constant_speed.odoplugin.json" "$work/by_command_line.json"
+"$(pkg-config --variable=manifest odograph)" "$work/plugin/constant_speed.so"
+cmp "$work/by_command_line.json" "$work/plugin/constant_speed.odoplugin.json"
 "$work/prefix/bin/odograph" plugin check "$work/plugin/constant_speed.so"
 [ "$(nm -D --defined-only "$work/plugin/constant_speed.so" | awk '{print $NF}')" = odo_plugin_entry_v1 ]
 

@@ -34,7 +34,9 @@ cmp run/trajectory.tum from_build/trajectory.tum
 # What packages need and hold of others.
 plugin=$(echo packages/odograph-plugin-vo-odograph_*.deb)
 dpkg-deb -f "$plugin" Depends | grep -q 'odograph-plugin-abi-1'
-dpkg-deb -f packages/libodograph1_*.deb Provides | grep -q 'odograph-plugin-abi-1'
+dpkg-deb -f packages/libodograph1_*.deb Provides | grep -q 'odograph-plugin-abi-1 (= 1\.[0-9]'
+dpkg-deb --fsys-tarfile packages/libodograph1_*.deb | tar -t | grep -q '/odograph/odograph-plugin-host$' # of the library's own version
+dpkg-deb -I packages/libodograph1_*.deb symbols | grep -q ' odo_abi_version@ODOGRAPH_1.0 '
 dpkg-deb -f "$plugin" Static-Built-Using | grep -q 'ceres-solver (= .*eigen3 (= '
 if dpkg-deb -f "$plugin" Depends | grep -q atlas; then echo "vo/odograph needs ATLAS"; exit 1; fi
 
