@@ -5,8 +5,8 @@
     abi_config.py PROJECT ODOGRAPH PLUGIN_FOLDER [--write]
 
 A fact is a key's path with its type, unit, range, choices and default, as the program's JSON Schemas and the plugins'
-manifests state them; help texts are not promised. Where abi/golden/config_released_v1.txt exists, its facts are those of the
-last release: facts may be added to them, and a key that the reader demands may not.
+manifests state them; help texts are not promised. The facts of abi/golden/config_released_v1.txt are those of the last release
+(packaging/release): facts may be added to them, and a key that the reader demands may not.
 """
 import json
 import pathlib
@@ -86,7 +86,7 @@ def main():
     if "--write" in sys.argv:
         return golden.write_text(text)
     wrong = list(differences(golden.read_text(), text, "golden"))
-    wrong += breaks(released.read_text(), text) if released.exists() else []
+    wrong += breaks(released.read_text(), text) if released.exists() else [f"{released} is missing: packaging/release writes it"]
     if wrong:
         sys.exit("\n".join(wrong))
     return print(f"{len(read(text))} facts of configs and plugins hold")
