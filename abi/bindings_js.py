@@ -33,7 +33,7 @@ def kept(description, name):
 def constants(description):
     """Constants for users of messages and sessions."""
     return {name: value for name, value in description.constants.items()
-            if not isinstance(value, str) and not name.startswith(("ODO_LARGEST", "ODO_ABI_")) and -2**31 <= value < 2**32}
+            if not isinstance(value, str) and not name.startswith("ODO_LARGEST") and -2**31 <= value < 2**32}
 
 
 def javascript(description):

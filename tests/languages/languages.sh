@@ -37,6 +37,19 @@ compare() {
   done=$((done + 1))
 }
 
+# A library of another major version: all functions, which return 0, as the ABI's version does. ABI 0.0.
+mkdir "$work/other"
+python3 "$source/abi/generate.py" --probe >"$work/other.c"
+say library cc -shared -fPIC -O1 -w -I"$source/abi/include" -Wl,-soname,libodograph.so.1 -Wl,--version-script="$source/sdk/host/odograph.map" "$work/other.c" -o "$work/other/libodograph.so.1" || exit 1
+ln -s libodograph.so.1 "$work/other/libodograph.so"
+# refuses LANGUAGE COMMAND...: with that library the sample ends with an error that names both versions
+refuses() {
+  local language=$1
+  shift
+  LD_LIBRARY_PATH=$work/other "$@" "$config" "$work/walk.odo" >"$work/said" 2>&1
+  grep -q 'has ABI 0\.0, this [a-z]* 1\.' "$work/said" || { echo "FAILED: $language accepts a library of another major version"; tail -5 "$work/said"; failed=1; }
+}
+
 say recording "$build/bin/odograph" sim "$source/samples/scenarios/walk_short.yaml" --first 8 -o "$work/jpeg.odo" || exit 1
 say recording "$build/bin/odograph" convert --pgm "$work/jpeg.odo" "$work/walk.odo" || exit 1
 say run "$build/bin/odograph" run -c "$config" -i "$work/walk.odo" -o "$work/run" || exit 1
@@ -67,6 +80,7 @@ python() {
     cp -r "$work/python" "$work/site"
   fi
   PYTHONPATH=$work/site compare Python "$python" "$walk/walk.py" || return
+  PYTHONPATH=$work/site refuses Python "$python" "$walk/walk.py"
   PYTHONPATH=$work/site LD_PRELOAD=$work/count.so "$python" "$here/no_copy.py" || { echo "FAILED: Python copies, keeps or allocates for a frame"; failed=1; }
   PATH=$build/bin:$PATH PYTHONPATH=$work/site say Python "$python" "$here/python_package.py" "$config" "$work/walk.odo" "$work"
   PATH=$build/bin:$PATH PYTHONPATH=$work/site say Python "$python" "$walk/evaluate.py" "$config" "$work/walk.odo" "$work/sample.tum"
@@ -76,7 +90,7 @@ python() {
 
 csharp() {
   missing 'C#' mcs mono && return
-  say 'C#' mcs -unsafe -warnaserror -out:"$work/Walk.exe" "$source"/abi/bindings/csharp/*.cs "$walk/Walk.cs" && compare 'C#' mono "$work/Walk.exe"
+  say 'C#' mcs -unsafe -warnaserror -out:"$work/Walk.exe" "$source"/abi/bindings/csharp/*.cs "$walk/Walk.cs" && compare 'C#' mono "$work/Walk.exe" && refuses 'C#' mono "$work/Walk.exe"
   say 'C#' mcs -unsafe -warnaserror -out:"$work/NoCopy.exe" "$source"/abi/bindings/csharp/*.cs "$here/NoCopy.cs" || return
   LD_PRELOAD=$work/count.so mono "$work/NoCopy.exe" || { echo "FAILED: C# copies, keeps or allocates for a frame"; failed=1; }
   say Unity mcs -unsafe -out:"$work/Unity.exe" "$source"/abi/bindings/csharp/*.cs "$source/samples/unity/OdographProvider.cs" "$here/unity.cs" && say Unity mono "$work/Unity.exe"
@@ -89,7 +103,7 @@ rust() {
   cp -r "$source/abi/bindings/rust" "$work/rust"
   mkdir -p "$work/walk_rust/src" && cp "$walk/walk.rs" "$work/walk_rust/src/main.rs"
   printf '[package]\nname = "walk"\nversion = "0.1.0"\nedition = "2021"\n\n[dependencies]\nodograph = {path = "%s"}\n' "$work/rust" >"$work/walk_rust/Cargo.toml"
-  (cd "$work/walk_rust" && say Rust cargo build --offline) && compare Rust "$work/cargo/debug/walk"
+  (cd "$work/walk_rust" && say Rust cargo build --offline) && compare Rust "$work/cargo/debug/walk" && refuses Rust "$work/cargo/debug/walk"
   # bindgen's reading of the headers as an oracle.
   missing "Rust's layout" bindgen && return
   say Rust bindgen "$source/abi/include/odograph/layout.h" -o "$work/bindgen.rs" --no-layout-tests -- -I"$source/abi/include" || return
@@ -108,6 +122,7 @@ java() {
     -L"$build/lib" -lodograph -o "$work/libodograph_jni.so" || return
   say Java javac -Xlint:all -Werror --release 11 -d "$work/java" "$source"/abi/bindings/java/org/odograph/*.java "$walk/Walk.java" || return
   compare Java "$home/bin/java" -Xcheck:jni -Djava.library.path="$work" -cp "$work/java" Walk
+  refuses Java "$home/bin/java" -Djava.library.path="$work" -cp "$work/java" Walk
   missing Kotlin kotlinc && return
   say Kotlin kotlinc -cp "$work/java" -d "$work/kotlin.jar" -include-runtime "$walk/Walk.kt" &&
     compare Kotlin "$home/bin/java" -Djava.library.path="$work" -cp "$work/java:$work/kotlin.jar" WalkKt
@@ -124,6 +139,7 @@ javascript() {
   ln -s "$(dirname "$koffi")/@koromix" "$work/node/node_modules/@koromix" # koffi's compiled part
   cp "$walk/walk.mjs" "$work/node/"
   compare JavaScript node --preserve-symlinks "$work/node/walk.mjs"
+  refuses JavaScript node --preserve-symlinks "$work/node/walk.mjs"
 }
 
 swift() { # the headers as Swift imports them

@@ -35,6 +35,13 @@ namespace Odograph {
       string text = error == null ? "" : Marshal.PtrToStringAnsi((IntPtr)error->message);
       throw new OdographException(status, text != "" ? text : Marshal.PtrToStringAnsi((IntPtr)Abi.odo_status_text(status)));
     }
+
+    /// The loader finds the library by a name without a major version: it may be another one than that of these declarations.
+    internal static void CheckAbi() {
+      uint abi = Abi.odo_abi_version();
+      if (abi >> 16 != Abi.ODO_ABI_MAJOR)
+        throw new OdographException(Abi.ODO_E_VERSION, "the library has ABI " + (abi >> 16) + "." + (abi & 0xFFFF) + ", this package " + Abi.ODO_ABI_MAJOR + "." + Abi.ODO_ABI_MINOR);
+    }
   }
 
   /// A borrowed message of any type: an event is valid during its call, a recorded message until the next one. TryGet copies it.
@@ -140,6 +147,7 @@ namespace Odograph {
 
     /// `config`: a YAML file, or its text. A text has a line break or ": " in it, as every YAML mapping has; a path with either is taken for one.
     public Session(string config, bool live = false, string pluginPath = "", string assetPath = "", ulong seed = 0) {
+      OdographException.CheckAbi();
       byte[] yaml = Encoding.UTF8.GetBytes(config + "\0"), plugins = Encoding.UTF8.GetBytes(pluginPath + "\0"), assets = Encoding.UTF8.GetBytes(assetPath + "\0");
       var options = default(SessionOptions);
       var error = default(odo_error);
@@ -266,6 +274,7 @@ namespace Odograph {
     odo_recording* recording;
 
     public Recording(string path) {
+      OdographException.CheckAbi();
       byte[] name = Encoding.UTF8.GetBytes(path + "\0");
       var error = default(odo_error);
       error.struct_size = (uint)sizeof(odo_error);

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Written by abi/generate.py; do not edit.
+export const ODO_ABI_MAJOR: 1;
+export const ODO_ABI_MINOR: 0;
 export const ODO_OK: 0;
 export const ODO_NOT_READY: 1;
 export const ODO_END: 2;

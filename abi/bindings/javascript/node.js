@@ -38,6 +38,10 @@ export function load(path = process.env.ODOGRAPH_LIBRARY ?? 'libodograph.so.1') 
 export class Odograph {
   constructor(library) {
     for (const prototype of PROTOTYPES) this[prototype.match(/(odo_\w+)\(/)[1]] = library.func(prototype);
+    const found = this.odo_abi_version();
+    if (found >>> 16 !== abi.ODO_ABI_MAJOR) {
+      throw new OdographError(abi.ODO_E_VERSION, `the library has ABI ${found >>> 16}.${found & 0xFFFF}, this package ${abi.ODO_ABI_MAJOR}.${abi.ODO_ABI_MINOR}`);
+    }
   }
 
   get version() { return this.odo_version(); }

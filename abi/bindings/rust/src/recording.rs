@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //! Recordings (*.odo), read and written.
 use crate::abi::*;
-use crate::session::{check, with_error};
+use crate::session::{check, check_abi, with_error};
 use crate::{sized, string, Event, Result};
 use std::os::raw::c_void;
 use std::ptr::{null, null_mut, NonNull};
@@ -18,6 +18,7 @@ unsafe impl Send for Recording {}
 
 impl Recording {
     pub fn open(path: &str) -> Result<Recording> {
+        check_abi()?;
         let mut made = null_mut();
         with_error(|error| unsafe { odo_recording_open(&string(path), &mut made, error) })?;
         Ok(Recording(NonNull::new(made).expect("a recording was opened")))
@@ -51,6 +52,7 @@ unsafe impl Send for Recorder {}
 
 impl Recorder {
     pub fn create(path: &str) -> Result<Recorder> {
+        check_abi()?;
         let mut made = null_mut();
         with_error(|error| unsafe { odo_recorder_create(&string(path), &mut made, error) })?;
         Ok(Recorder(NonNull::new(made).expect("a recorder was made")))

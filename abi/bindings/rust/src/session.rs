@@ -20,6 +20,16 @@ pub(crate) fn check(status: i32) -> Result<i32> {
     Err(Error { status, message: unsafe { owned(odo_status_text(status)) } })
 }
 
+/// The library that the loader found may have another major version than the one that was linked.
+pub(crate) fn check_abi() -> Result<()> {
+    let found = unsafe { odo_abi_version() };
+    if found >> 16 == ODO_ABI_MAJOR {
+        return Ok(());
+    }
+    let message = format!("the library has ABI {}.{}, this crate {ODO_ABI_MAJOR}.{ODO_ABI_MINOR}", found >> 16, found & 0xFFFF);
+    Err(Error { status: ODO_E_VERSION, message })
+}
+
 /// Runs a call that fills an odo_error.
 pub(crate) fn with_error(call: impl FnOnce(*mut odo_error) -> i32) -> Result<()> {
     let mut error = odo_error { struct_size: size_of::<odo_error>() as u32, ..odo_error::default() };
@@ -66,6 +76,7 @@ unsafe impl Sync for Session {}
 
 impl Session {
     pub fn new(options: &Options<'_>) -> Result<Session> {
+        check_abi()?;
         let config = string(options.config);
         let (config_text, config_path) = if options.config.contains('\n') || options.config.contains(": ") { (config, string("")) } else { (string(""), config) };
         let c = SessionOptions {
