@@ -53,7 +53,9 @@ static void numbers_have_words(int unused) {
   NEED(state_text);
   NEED(reason_text);
   NEED(mode_text);
-  check_texts("status", status_text, ODO_E_FATAL, ODO_NOT_READY, ODO_E_FATAL);
+  check_texts("status", status_text, ODO_E_IO, ODO_PARTIAL, ODO_E_IO);
+  check_texts("status", status_text, ODO_E_ERROR, ODO_E_MEMORY, ODO_E_ERROR);
+  CHECK(status_text(ODO_E_FATAL)[0], "the text of ODO_E_FATAL is empty");
   check_texts("state", state_text, ODO_TRACKING, ODO_LOST, ODO_TRACKING);
   check_texts("reason", reason_text, ODO_REASON_NONE, ODO_REASON_NO_ORIGIN, ODO_REASON_INITIALISING);
   check_texts("motion mode", mode_text, ODO_MODE_UNKNOWN, ODO_MODE_HANDLING, ODO_MODE_STATIC);
