@@ -36,10 +36,13 @@ TEST_CASE("every number has a unique text, and so has a number of a newer list")
                                                    {ODO_E_CONFIG, "configuration refused"},
                                                    {ODO_E_NOT_FOUND, "not found"},
                                                    {ODO_E_DATA, "damaged data"},
+                                                   {ODO_E_IO, "input or output failed"},
+                                                   {ODO_END, "at the end"},
+                                                   {ODO_PARTIAL, "done in part"},
                                                    {ODO_E_MEMORY, "out of memory"},
                                                    {ODO_E_ERROR, "error"},
                                                    {ODO_E_FATAL, "fatal error"}};
-  for (int32_t s = -200; s < 20; ++s) {
+  for (int32_t s = -2200; s < 20; ++s) {
     const auto found = statuses.find(s);
     CHECK(std::string(odo_status_text(s)) == (found == statuses.end() ? "unknown status" : found->second));
   }

@@ -346,7 +346,7 @@ TEST_CASE("integers of calibrations and frames are accepted within their limits 
       {ODO_TYPE_FRAME, offsetof(odo_frame, plane_count), {0, 1, 2, 3, 4}, {5, UINT32_MAX}},
       {ODO_TYPE_CALIBRATION, offsetof(odo_calibration, width), size, no_size},
       {ODO_TYPE_CALIBRATION, offsetof(odo_calibration, height), size, no_size},
-      {ODO_TYPE_CALIBRATION, offsetof(odo_calibration, model), {1, 2}, {0, 3}},
+      {ODO_TYPE_CALIBRATION, offsetof(odo_calibration, model), {1, 2, 3, UINT32_MAX}, {0}},
       {ODO_TYPE_CALIBRATION, offsetof(odo_calibration, distortion_count), {0, 4, 5, 8}, {1, 2, 3, 6, 7, 9}},
   };
   for (const Limit& limit : limits) {

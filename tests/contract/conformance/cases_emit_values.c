@@ -210,7 +210,7 @@ const conformance_case cases_emit_values[] = {
     {"the end of a later event is published", "base.h",
      "Of a larger one, the part beyond the known fields is forwarded unread.", end_is_published, 0},
     {"a correction comes before the pose that it corrected", "events.h",
-     "It is published before the first corrected pose.", correction_comes_first, 0},
+     "It is published before the first corrected pose", correction_comes_first, 0},
     {"a published motion has the orientation as the host estimates it", "events.h",
      "orientation of c0, estimated by the host; valid with ODO_FLAG_NAVIGATION", motions_carry_the_orientation, 0},
     {NULL, NULL, NULL, NULL, 0}};

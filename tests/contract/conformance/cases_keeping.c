@@ -251,5 +251,6 @@ const conformance_case cases_keeping[] = {
     {"odo_frame that is too small is refused", "base.h", "A struct smaller than in version 1.0 is rejected.",
      frame_too_small, 0},
     {"a frame of an unknown format is passed on", "samples.h",
-     "An unknown format is forwarded; if the frame cannot be retained, its planes are copied", unknown_format, 0},
+     "A format unknown to the host is forwarded; if the frame cannot be retained, its planes are copied",
+     unknown_format, 0},
     {NULL, NULL, NULL, NULL, 0}};

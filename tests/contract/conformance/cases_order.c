@@ -125,6 +125,28 @@ static void two_sources_are_two_sensors(int unused) {
         (unsigned)given_count(PROBE_MESSAGE, FIXER));
 }
 
+static void second_sensor(int type) {
+  app* self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
+  odo_barometer pressure;
+  odo_imu turned;
+  put_header(&turned.header, sizeof turned, ODO_TYPE_IMU, T0);
+  turned.header.flags = ODO_IMU_GYRO, turned.header.source = 3;
+  memset(turned.gyro_b, 0, sizeof turned.gyro_b), memset(turned.accel_b, 0, sizeof turned.accel_b);
+  put_header(&pressure.header, sizeof pressure, ODO_TYPE_BAROMETER, T0);
+  pressure.header.source = 3, pressure.pressure_pa = 1e5, pressure.sigma_pa = 0;
+  if (type == ODO_TYPE_IMU) {
+    EXPECT(push(self, &turned), ODO_OK);
+    turned.header.source = 0, turned.header.t_ns += MS;
+    EXPECT(push(self, &turned), ODO_E_UNSUPPORTED);
+    turned.header.flags = ODO_IMU_ACCEL; /* another sensor */
+    EXPECT(push(self, &turned), ODO_OK);
+  } else {
+    EXPECT(push(self, &pressure), ODO_OK);
+    pressure.header.source = 0, pressure.header.t_ns += MS;
+    EXPECT(push(self, &pressure), ODO_E_UNSUPPORTED);
+  }
+}
+
 static void flush_processes_all(int run) {
   app* self = app_open(FIXER_ALONE "time_ordering:\n  max_wait: 5 s\n", (uint32_t)run);
   push_rest_between(self, T0, T0 + 20 * MS);
@@ -137,8 +159,14 @@ static void flush_processes_all(int run) {
 
 static void set_back(app* self) {
   odo_calibration calibration;
+  odo_header map;
   put_calibration(&calibration, 0, T0);
   EXPECT(push(self, &calibration), ODO_OK);
+  put_header(&map, sizeof map, PROBE_MESSAGE, T0);
+  map.flags = ODO_FLAG_DESCRIPTION;
+  EXPECT(push(self, &map), ODO_OK);
+  map.flags = 0, map.source = 1;
+  EXPECT(push(self, &map), ODO_OK);
   push_rest_between(self, T0, T0 + 2 * SECOND);
   app_flush(self);
   journal_clear();
@@ -156,6 +184,9 @@ static void clock_set_back(int unused) {
   CHECK(journal_count(PROBE_CREATE, FIXER) == 0, "a new instance was made of a plugin that can be reset");
   CHECK(given_count(ODO_TYPE_CALIBRATION, FIXER) == 1, "the calibration came %u times after the reset; expected once",
         (unsigned)given_count(ODO_TYPE_CALIBRATION, FIXER));
+  CHECK(given_count(PROBE_MESSAGE, FIXER) == 1,
+        "of a vendor's description and another message %u came after the reset; expected the description alone",
+        (unsigned)given_count(PROBE_MESSAGE, FIXER));
   newest = given_message(ODO_TYPE_IMU, FIXER, 200);
   CHECK(newest && newest->t_ns > T0 / 2 && newest->t_ns < T0, "samples of the new clock were not given");
 }
@@ -215,9 +246,9 @@ static void structs_have_their_sizes(int unused) {
 #define ANY_ORDER \
   "Samples of different sensors may arrive in any order within the configured wait (time_ordering.max_wait)."
 const conformance_case cases_order[] = {
-    {"two sensors are put in order in a replay", "plugin.h", "Messages in time order.", pairs_are_ordered,
+    {"two sensors are put in order in a replay", "plugin.h", "Messages in time order;", pairs_are_ordered,
      ODO_RUN_REPLAY},
-    {"two sensors are put in order in a live session", "plugin.h", "Messages in time order.", pairs_are_ordered,
+    {"two sensors are put in order in a live session", "plugin.h", "Messages in time order;", pairs_are_ordered,
      ODO_RUN_LIVE},
     {"a camera may lag behind the others by less than the wait", "odograph.h", ANY_ORDER, camera_may_lag, 0},
     {"a magnetometer may lag behind the others by less than the wait", "odograph.h", ANY_ORDER, sensor_may_lag, 1},
@@ -238,10 +269,14 @@ const conformance_case cases_order[] = {
     {"a flush of a live session processes all", "odograph.h",
      "Processes all pushed samples without waiting for slower sensors", flush_processes_all, ODO_RUN_LIVE},
     {"plugins are reset when the clock is set back, and calibrations come again", "plugin.h",
-     "the host sends calibrations and noise again.", clock_set_back, 0},
+     "the host sends descriptions again (ODO_FLAG_DESCRIPTION).", clock_set_back, 0},
     {"a plugin without reset is made anew when the clock is set back", "plugin.h",
      "If it is null, the host creates a new instance.", set_back_without_reset, 0},
-    {"each sample is in one batch", "plugin.h", "Messages in time order.", batches_are_whole, 0},
+    {"a second gyroscope is refused", "samples.h", "the host takes the first that delivers, and refuses the others",
+     second_sensor, ODO_TYPE_IMU},
+    {"a second barometer is refused", "samples.h", "the host takes the first that delivers, and refuses the others",
+     second_sensor, ODO_TYPE_BAROMETER},
+    {"each sample is in one batch", "plugin.h", "Messages in time order;", batches_are_whole, 0},
     {"what a plugin is given has at least the sizes of 1.0", "base.h", "It starts with `uint32_t struct_size`.",
      structs_have_their_sizes, 0},
     {NULL, NULL, NULL, NULL, 0}};

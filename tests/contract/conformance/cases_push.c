@@ -31,6 +31,7 @@ static void events_are_refused(int unused) {
   for (type = ODO_TYPE_ATTITUDE; type <= ODO_TYPE_RELATIVE_POSE; ++type) refuse(self, type);
   refuse(self, 0x1000);
   refuse(self, PROBE_NEWER_EVENT);
+  refuse(self, PROBE_EVENT);
   refuse(self, 0x1FFF);
   app_flush(self);
   CHECK(app_statistics(self).processed == 0, "one was processed");
