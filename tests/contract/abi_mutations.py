@@ -67,9 +67,9 @@ def targets(folder, _):
 def relink(folder, file, target):
     """The target with the changed file in the place of its own object, or before the archive that has it."""
     output = folder / "linked" / target
-    output.parent.mkdir(exist_ok=True)
+    output.parent.mkdir(parents=True, exist_ok=True)
     commands = run(["ninja", "-C", BUILD, "-t", "commands", target])[1].splitlines()
-    link = shlex.split(next(part for part in re.split(r" && ", commands[-1]) if " -o " in part))
+    link = shlex.split(next(part for command in reversed(commands) for part in re.split(r" && ", command) if " -o " in part))
     link[link.index("-o") + 1] = str(output)
     link = [word for word in link if not word.startswith("-Wl,-Map=")]  # the map belongs to the build
     if file:
@@ -89,9 +89,12 @@ def relink(folder, file, target):
     return output if status == 0 else sys.exit(f"{target} does not link: {text}")
 
 
-def behaviour(folder, file):
-    program = relink(folder, file, "behaviour_app")
-    return run([program, BUILD / "tests/behaviour", BUILD / "lib/odograph/plugins", folder / "reserved.odo"])
+def conformance(folder, file):
+    """The cases of the conformance suite that the table names."""
+    library = relink(folder, file, "lib/libodograph.so")
+    names = [expected.removeprefix("fail  ") for _, _, check, expected in ROWS if check == "conformance"]
+    found = [run([BUILD / "bin/odograph-host-conformance", library, "--only", name]) for name in names]
+    return max(status for status, _ in found), "".join(text for _, text in found)
 
 
 def config(folder, file):
@@ -110,7 +113,7 @@ def config(folder, file):
     return run([sys.executable, PROJECT / "tests/contract/abi_config.py", PROJECT, program, plugins])
 
 
-CHECKS = {check.__name__: check for check in (contract, binary, targets, behaviour, config)}
+CHECKS = {check.__name__: check for check in (contract, binary, targets, conformance, config)}
 
 
 def attempt(check, edits):
@@ -120,7 +123,7 @@ def attempt(check, edits):
         if is_abi:
             copy_abi(folder)
         for file, before, after in edits:
-            if not is_abi:
+            if not is_abi and not (folder / file).exists():  # a second edit of the same file adds to the first
                 (folder / file).parent.mkdir(parents=True, exist_ok=True)
                 shutil.copy(PROJECT / file, folder / file)
             edit(folder / file, before, after)

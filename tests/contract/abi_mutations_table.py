@@ -51,10 +51,10 @@ ROWS = [
     ("pointers of 4 bytes", [(BASE, "    type name;                                                                                                         \\\n    uint64_t name##_bits;",
                               "    type name;                                                                                                         \\\n    uint32_t name##_bits;")], "targets", "i386-linux-gnu"),
     ("name missing in the linker's map", [(MAP, "    odo_session_save;\n", "")], "contract", "odo_session_save: declared, but not in odograph.map"),
-    # Behaviour.
-    ("correction after the pose", [(OUTPUT, CORRECTION, ""), (OUTPUT, NEW_POSES, NEW_POSES + CORRECTION)], "behaviour", "a correction is published before the pose that it moved"),
-    ("host's bits pass in", [("sdk/host/core/intake.cpp", "  copy.header().flags &= ~ODO_FLAG_HOST_MASK;\n", "")], "behaviour", "the host's bits are cleared on push"),
-    ("host's bits pass out", [("sdk/host/plugin_host/instance.cpp", "  copy.header().flags &= ~ODO_FLAG_HOST_MASK;\n", "")], "behaviour", "the host's bits are cleared on emit"),
+    # Behaviour of the host.
+    ("correction after the pose", [(OUTPUT, CORRECTION, ""), (OUTPUT, NEW_POSES, NEW_POSES + CORRECTION)], "conformance", "fail  a correction comes before the pose that it corrected"),
+    ("host's bits pass in", [("sdk/host/core/intake.cpp", "  copy.header().flags &= ~ODO_FLAG_HOST_MASK;\n", "")], "conformance", "fail  the host's bits are cleared on odo_gnss"),
+    ("host's bits pass out", [("sdk/host/plugin_host/instance.cpp", "  copy.header().flags &= ~ODO_FLAG_HOST_MASK;\n", "")], "conformance", "fail  a vendor's event is published with its bytes, its source and without the host's bits"),
     ("default of a key", [("sdk/host/config/pipeline_spec.cpp", 'real("max_wait", "s", 0, 5, "0.2"', 'real("max_wait", "s", 0, 5, "0.3"')], "config", "max_wait"),
     ("default of a parameter", [(WEINBERG, "double k = 0.42", "double k = 0.43")], "config", "parameter step/weinberg2002.k"),
     ("unit of a parameter", [(WEINBERG, 'odo::real("relative_sigma", ""', 'odo::real("relative_sigma", "m"')], "config", "parameter step/weinberg2002.relative_sigma"),

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
- * Every message of the ABI with values that a host accepts, and fields added by a later version, for every_app.c and
- * every_plugin.c. Built with today's headers and, with ODO_TEST_GROWN, with those of a later version. */
+ * Every message of the ABI with values that a host accepts, and fields added by a later version, for app.c and
+ * plugin.c. Built with today's headers and, with ODO_TEST_GROWN, with those of a later version. */
 #ifndef ODOGRAPH_TESTS_GROWTH_EVERY_H
 #define ODOGRAPH_TESTS_GROWTH_EVERY_H
 
@@ -11,6 +11,7 @@
 
 #define ANSWER ODO_TYPE_VENDOR(9, ODO_VENDOR_EVENT | 2)
 #define QUESTION ODO_TYPE_VENDOR(9, 1)
+#define LARGE ODO_TYPE_VENDOR(9, 3)
 #define MAX_ROWS 32u
 
 /* What the plugin received, in a message of its own. */
@@ -19,7 +20,14 @@ struct answer {
   double grown[MAX_ROWS]; /* by row of ODO_FOR_EACH_MESSAGE: what a later version added, -1 absent, -2 not received */
   double services;        /* a bit each */
   double seed;
-  double state; /* the loaded state */
+  double state;      /* the loaded state */
+  double large_size; /* of the newest LARGE */
+};
+
+/* Larger than any message of the library. */
+struct large {
+  odo_header header;
+  double values[300];
 };
 
 union message {

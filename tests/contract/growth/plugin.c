@@ -1,95 +1,141 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
- * An attitude for the growth matrix, built with today's headers and, with ODO_TEST_GROWN, with those of a later
- * version. Its gyro_bias_b reports: the number of samples, the newest magnetometer's field of the later version, and
- * the size of the newest vendor's message. */
+ * An attitude that declares every input and emits every event that a plugin may emit, for app.c: in
+ * response to a QUESTION it emits one of each, and an ANSWER with its inputs so far. */
 #include <stdlib.h>
-#include <string.h>
 
 #include <odograph/attitude.h>
-#include <odograph/messages.h>
+
+#include "every.h"
 
 struct odo_instance {
+  const odo_host* host;
   const odo_sink* sink;
-  double samples, field, vendor_size;
+  uint32_t number;
+  struct answer answer;
 };
 
-static int32_t create(const odo_host* host, uint32_t number, const odo_string* kind, odo_instance** out) {
-  (void)host, (void)number, (void)kind;
-  *out = (odo_instance*)calloc(1, sizeof **out);
-  return *out ? ODO_OK : ODO_E_MEMORY;
-}
-
-static int32_t configure(odo_instance* self, const odo_value* values, uint32_t count, uint32_t stride) {
-  (void)self;
-  if (count != 1 || stride < ODO_VALUE_SIZE_MIN || values->integer != 42) return ODO_E_CONFIG;
-  return ODO_OK;
-}
-
-static int32_t activate(odo_instance* self, const odo_sink* sink) {
-  self->sink = sink;
-  return ODO_OK;
-}
-
-static int32_t answer(odo_instance* self, const odo_header* sample) {
-  odo_attitude attitude;
-  memset(&attitude, 0, sizeof attitude);
-  attitude.header.struct_size = sizeof attitude;
-  attitude.header.type = ODO_TYPE_ATTITUDE;
-  attitude.header.t_ns = sample->t_ns;
-  attitude.q_n_b[1] = 1;
-  attitude.covariance_n[0] = attitude.covariance_n[4] = attitude.covariance_n[8] = 1e-3;
-  attitude.gyro_bias_b[0] = ++self->samples;
-  attitude.gyro_bias_b[1] = self->field;
-  attitude.gyro_bias_b[2] = self->vendor_size;
+struct state {
+  char magic[8];
+  double value;
 #ifdef ODO_TEST_GROWN
-  attitude.grown[0] = 7;
+  double later;
 #endif
-  return self->sink->emit(self->sink, &attitude.header);
+};
+
+static int32_t ODO_CALL create(const odo_host* host, uint32_t number, const odo_string* kind, odo_instance** out) {
+  uint32_t i;
+  (void)kind;
+  *out = (odo_instance*)calloc(1, sizeof **out);
+  if (!*out) return ODO_E_MEMORY;
+  (*out)->host = host, (*out)->number = number;
+  for (i = 0; i < MAX_ROWS; ++i) (*out)->answer.grown[i] = -2;
+  return ODO_OK;
 }
 
-static int32_t process(odo_instance* self, const odo_batch* batch) {
+static int32_t ODO_CALL configure(odo_instance* self, const odo_value* values, uint32_t count, uint32_t stride) {
+  (void)self;
+  return count == 1 && stride >= ODO_VALUE_SIZE_MIN && values->integer == 42 ? ODO_OK : ODO_E_CONFIG;
+}
+
+static const void* service(const odo_instance* self, const char* id) {
+  const uint32_t* table = (const uint32_t*)self->host->get_service(self->host, id, strlen(id));
+  return table && *table >= 16 ? table : NULL;
+}
+
+static int32_t ODO_CALL activate(odo_instance* self, const odo_sink* sink) {
+  static const char* const ids[] = {ODO_SERVICE_REPORT, ODO_SERVICE_RANDOM, ODO_SERVICE_ASSETS, ODO_SERVICE_CONTENTS,
+                                    ODO_SERVICE_WAKE};
+  const odo_report_service* report = (const odo_report_service*)service(self, ODO_SERVICE_REPORT);
+  const odo_random_service* random = (const odo_random_service*)service(self, ODO_SERVICE_RANDOM);
+  const odo_string key = {"every", 5}, text = {"a report", 8};
+  uint32_t i, found = 0;
+  self->sink = sink;
+  for (i = 0; i < 5; ++i) found |= (service(self, ids[i]) != NULL) << i;
+  self->answer.services = found;
+  if (random) self->answer.seed = (double)(random->seed(self->host, self->number, 3) % 100000);
+  if (report) report->report(self->host, self->number, ODO_SEVERITY_INFO, &key, &text);
+  return ODO_OK;
+}
+
+static const uint32_t events[] = {ODO_TYPE_STEP, ODO_TYPE_MOTION_MODE, ODO_TYPE_VO_MOTION,    ODO_TYPE_SCALE,
+                                  ODO_TYPE_FIX,  ODO_TYPE_REFINED,     ODO_TYPE_RELATIVE_POSE};
+
+static int32_t answer(odo_instance* self, int64_t t_ns) {
+  union message event;
+  size_t i;
+  for (i = 0; i < sizeof events / sizeof *events; ++i) {
+    fill(&event, events[i], t_ns);
+    if (self->sink->emit(self->sink, &event.header) < 0) return ODO_E_ERROR;
+  }
+  self->answer.header.struct_size = sizeof self->answer, self->answer.header.type = ANSWER,
+  self->answer.header.t_ns = t_ns;
+  return self->sink->emit(self->sink, &self->answer.header);
+}
+
+static int32_t ODO_CALL process(odo_instance* self, const odo_batch* batch) {
   uint32_t i;
   for (i = 0; i < batch->count; ++i) {
     const odo_header* message = batch->messages[i];
-    int32_t status = ODO_OK;
-    if (message->type == ODO_TYPE_VENDOR(9, 1)) self->vendor_size = message->struct_size;
-#ifdef ODO_TEST_GROWN
-    if (message->type == ODO_TYPE_MAGNETOMETER) {
-      const odo_magnetometer* field = (const odo_magnetometer*)(const void*)message;
-      self->field = ODO_HAS(field, grown) ? field->grown[0] : -1;
-    }
-#endif
-    if (message->type == ODO_TYPE_IMU) status = answer(self, message);
-    if (status < 0) return status;
+    const uint32_t row = row_of(message->type);
+    union message attitude;
+    if (message->type == LARGE) self->answer.large_size = message->struct_size;
+    if (message->type == QUESTION && answer(self, message->t_ns) < 0) return ODO_E_ERROR;
+    if (row < MAX_ROWS && message->type != QUESTION) self->answer.grown[row] = grown_of(message);
+    if (message->type != ODO_TYPE_IMU) continue;
+    fill(&attitude, ODO_TYPE_ATTITUDE, message->t_ns);
+    if (self->sink->emit(self->sink, &attitude.header) < 0) return ODO_E_ERROR;
   }
   return ODO_OK;
 }
 
-static void destroy(odo_instance* self) { free(self); }
+static void ODO_CALL destroy(odo_instance* self) { free(self); }
 
-int32_t ODO_PLUGIN_ENTRY(const odo_host* host, odo_plugin* out) {
+static int64_t ODO_CALL save(odo_instance* self, void* data, uint64_t capacity) {
+  struct state state;
+  memset(&state, 0, sizeof state);
+  memcpy(state.magic, "EVERY", 6), state.value = 7;
+#ifdef ODO_TEST_GROWN
+  state.later = 8;
+#endif
+  (void)self;
+  if (capacity >= sizeof state) memcpy(data, &state, sizeof state);
+  return sizeof state;
+}
+
+static int32_t ODO_CALL load(odo_instance* self, const void* data, uint64_t size) {
+  const uint64_t of_first_version = 16;
+  if (size < of_first_version || memcmp(data, "EVERY", 6) != 0) return ODO_E_DATA;
+  memcpy(&self->answer.state, (const char*)data + 8, 8);
+  return ODO_OK;
+}
+
+ODO_EXPORT int32_t ODO_CALL ODO_PLUGIN_ENTRY(const odo_host* host, odo_plugin* out) {
   static const odo_string kind = {ODO_INTERFACE_ATTITUDE, sizeof ODO_INTERFACE_ATTITUDE - 1};
-  static const uint32_t inputs[] = {ODO_TYPE_VENDOR(9, 1)};
+  static uint32_t inputs[MAX_ROWS] = {QUESTION, LARGE}, outputs[MAX_ROWS] = {ANSWER};
   static odo_parameter row;
   odo_plugin table;
-  uint32_t size;
+  uint32_t size, count = 2;
   if (!host || !out || out->struct_size < ODO_PLUGIN_SIZE_MIN) return ODO_E_STRUCT_SIZE;
-  memset(&row, 0, sizeof row);
-  row.struct_size = sizeof row, row.type = ODO_PARAMETER_INT, row.max = 100, row.count = 0;
-  row.name.data = "answer", row.name.size = 6;
-  row.help.data = "The answer.", row.help.size = 11;
+  memset(&row, 0, sizeof row), memset(&table, 0, sizeof table);
+  row.struct_size = sizeof row, row.type = ODO_PARAMETER_INT, row.max = 100;
+  row.name.data = "answer", row.name.size = 6, row.help.data = "The answer.", row.help.size = 11;
   row.default_text.data = "42", row.default_text.size = 2;
-  memset(&table, 0, sizeof table);
+#define ROW(number, type, name, min_size) \
+  if (!ODO_IS_EVENT(number) && number != ODO_TYPE_IMU) inputs[count++] = number;
+  ODO_FOR_EACH_MESSAGE(ROW)
+#undef ROW
+  memcpy(outputs + 1, events, sizeof events);
   table.struct_size = sizeof table;
   table.abi_major = ODO_ABI_MAJOR, table.abi_minor = ODO_ABI_MINOR;
   table.interfaces = &kind, table.interface_count = 1;
-  table.id.data = "test/growth", table.id.size = 11;
-  table.version.data = "1.0.0", table.version.size = 5;
+  table.id.data = "test/every", table.id.size = 10, table.version.data = "1.0.0", table.version.size = 5;
+  table.summary.data = "For a test.", table.summary.size = 11;
   table.parameters = &row, table.parameter_count = 1, table.parameter_stride = sizeof row;
-  table.inputs = inputs, table.input_count = 1;
+  table.inputs = inputs, table.input_count = count;
+  table.outputs = outputs, table.output_count = 1 + sizeof events / sizeof *events;
   table.create = create, table.configure = configure, table.activate = activate;
-  table.process = process, table.destroy = destroy;
+  table.process = process, table.destroy = destroy, table.save = save, table.load = load;
   size = out->struct_size < table.struct_size ? out->struct_size : table.struct_size;
   memcpy(out, &table, size);
   out->struct_size = size;
