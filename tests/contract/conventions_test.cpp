@@ -102,35 +102,6 @@ TEST_CASE("a pose claims north only if true north was observed") {
   CHECK((of_true.header.flags & ODO_POSE_COVARIANCE) != 0);
 }
 
-TEST_CASE(
-    "frames of a second camera at the same times are no duplicates, and do not reach a front-end with one camera" *
-    doctest::skip(!kCameraPlugins)) {
-  App app(kCamera);
-  REQUIRE_MESSAGE(app.status == ODO_OK, app.message);
-  for (const uint32_t camera : {3u, 4u}) {
-    auto c = calibration(64, 48);
-    c.header.source = camera;
-    odo_session_push(app.session, &c.header);
-  }
-  static const std::vector<uint8_t> pixels(64 * 48, 90);
-  for (int i = 1; i <= 20; ++i) {
-    app.walk(5 * i - 5, 5 * i);
-    for (const uint32_t camera : {3u, 4u}) {
-      auto f = make_message<odo_frame>(ODO_TYPE_FRAME, 1'000'000'000 + i * 50'000'000LL);
-      f.header.source = camera;
-      f.format = ODO_FORMAT_GREY8, f.width = 64, f.height = 48;
-      f.planes[0] = {pixels.data(), 64, 1, 0};
-      CHECK(odo_session_push(app.session, &f.header) == ODO_OK);
-    }
-  }
-  app.walk(100, 130);
-  odo_session_flush(app.session);
-  CHECK(app.statistics().duplicate == 0);
-  const auto motions = app.all<odo_vo_motion>(ODO_TYPE_VO_MOTION);
-  CHECK(motions.size() == 19);
-  for (const odo_vo_motion& motion : motions) CHECK(motion.camera == 3);
-}
-
 TEST_CASE("no plugin can emit inputs, the host's own events, reserved numbers or memory, whatever its table declares") {
   const TestPlugins plugins{"echo"};
   App app("odograph: 1\nvo_frontend: {plugin: test/echo}\n", ODO_RUN_REPLAY, plugins.path());

@@ -83,7 +83,6 @@ TEST_CASE("omitted keys of a config have the struct's defaults") {
 TEST_CASE("each choice in a config selects its value" * doctest::skip(!kCameraPlugins)) {
   const std::pair<const char*, std::function<bool(const PipelineConfig&)>> choices[] = {
       {"type: paper", [](const auto& c) { return c.coupling.type == CouplingType::paper; }},
-      {"type: paper", [](const auto& c) { return c.coupling.type == CouplingType::paper; }},
       {"type: localizer", [](const auto& c) { return c.coupling.type == CouplingType::localizer; }},
       {"orientation: vo", [](const auto& c) { return c.coupling.orientation == Orientation::vo; }},
       {"orientation: gyroscope", [](const auto& c) { return c.coupling.orientation == Orientation::gyroscope; }},
@@ -229,6 +228,8 @@ TEST_CASE("every unit has its factor, and is accepted for its own quantity only"
       if (value.ok()) CHECK(*value / (-2.5 * unit.factor) == doctest::Approx(1).epsilon(1e-14));
     }
   for (const Unit& unit : units) CHECK(compatible_units(unit.si).front() == unit.si);
+  CHECK(*parse_quantity("-2.5e-3", "") == -0.0025);
+  for (const char* none : {"", "nan", "1e999"}) CHECK_FALSE(parse_quantity(none, "m").ok());
   CHECK_FALSE(parse_quantity("1 m", "").ok());
   CHECK_FALSE(parse_quantity("1 m 2", "m").ok());
   CHECK(compatible_units("").empty());

@@ -38,6 +38,8 @@ TEST_CASE("a link is followed from its own folder: relative, absolute, over seve
         CHECK(fs::is_symlink(folder / "over_two"));
         CHECK_FALSE(fs::exists(folder / "c/out.txt.part"));
       }
+  CHECK_FALSE(write_whole_file(folder / "none/a.txt", "x").ok());
+  CHECK(write_whole_file("/dev/null", "x").ok());
 }
 
 TEST_CASE("a chain of 39 links is followed") {

@@ -4,9 +4,6 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
-#include <atomic>
-#include <chrono>
-#include <thread>
 #include <vector>
 
 #include <Eigen/Core>
@@ -16,7 +13,6 @@
 #include "tests/support/test_plugins.hpp"
 
 using namespace odograph;
-using namespace std::chrono_literals;
 
 TEST_SUITE_BEGIN("session_faults");
 
@@ -109,29 +105,6 @@ TEST_CASE("after a reset or a clock that was set back a plugin receives the came
   CHECK(corrections.back().reason == ODO_CORRECTION_RESTART);
 }
 
-TEST_CASE("a clock that is set back before the first frame does not lose the camera's mount") {
-  const TestPlugins plugins{"needy_vo"};
-  const auto first_pose = [&](bool set_back) {
-    App app(kNeedy, ODO_RUN_REPLAY, plugins.path());
-    auto c = calibration(64, 48);
-    c.header.flags = ODO_CALIBRATION_EXTRINSICS;
-    c.q_b_c[0] = c.q_b_c[3] = std::sqrt(0.5);  // different from the default
-    odo_session_push(app.session, &c.header);
-    if (set_back) app.walk(9000, 9200);
-    app.walk(0, 200);
-    app.frame(2'900 * kMs);
-    app.walk(200, 300);
-    odo_session_flush(app.session);
-    const auto poses = app.all<odo_pose>(ODO_TYPE_POSE);
-    REQUIRE(poses.size() == 1);
-    return poses.front();
-  };
-  const odo_pose plain = first_pose(false), restarted = first_pose(true);
-  double dot = 0;
-  for (int i = 0; i < 4; ++i) dot += plain.q_n[i] * restarted.q_n[i];
-  CHECK(std::abs(dot) > 0.999);
-}
-
 TEST_CASE("a camera that starts after the other sensors works and loses no frame") {
   for (const int late_ms : {100, 200, 1000, 5000}) {
     CAPTURE(late_ms);
@@ -201,127 +174,6 @@ TEST_CASE("an outlier is rejected, counted and reported, and changes nothing tha
   error.struct_size = sizeof error;
   odo_session_last_error(app.session, &error);
   CHECK(std::string(error.message).find("magnetometer: value outside the range") != std::string::npos);
-}
-
-TEST_CASE("an app may push within release and within a callback") {
-  struct Reentrant {
-    odo_session* session;
-    std::atomic<int> pushed{0};
-    std::vector<uint8_t> pixels = std::vector<uint8_t>(64 * 48, 90);
-    void push_barometer() {
-      auto b = make_message<odo_barometer>(ODO_TYPE_BAROMETER, 1'000 * kMs + ++pushed * kMs);
-      b.pressure_pa = 101325;
-      odo_session_push(session, &b.header);
-    }
-  };
-  for (const uint32_t run : {ODO_RUN_REPLAY, ODO_RUN_LIVE}) {
-    CAPTURE(run);
-    const TestPlugins plugins{"needy_vo"};
-    Reentrant reentrant;
-    {
-      App app(kNeedy + "time_ordering:\n  frames: 64\n", run, plugins.path());
-      REQUIRE_MESSAGE(app.status == ODO_OK, app.message);
-      reentrant.session = app.session;
-      const uint32_t poses = ODO_TYPE_POSE;
-      odo_session_set_callback(
-          app.session, &poses, 1,
-          [](void* user, const odo_header*) {
-            auto& self = *static_cast<Reentrant*>(user);
-            self.push_barometer();
-            CHECK(odo_session_flush(self.session) == ODO_E_STATE);
-          },
-          &reentrant);
-      const auto c = calibration(64, 48);
-      odo_session_push(app.session, &c.header);
-      for (int i = 0; i < 100; ++i) {
-        app.walk(i, i + 1);
-        if (i % 2 != 0) continue;
-        auto f = make_message<odo_frame>(ODO_TYPE_FRAME, (1'000 + i * 10) * kMs + 1);
-        f.format = ODO_FORMAT_GREY8;
-        f.width = 64, f.height = 48;
-        f.planes[0] = {reentrant.pixels.data(), 64, 1, 0};
-        f.loan.owner = &reentrant;
-        f.loan.retain = [](void*) -> int32_t { return ODO_OK; };
-        f.loan.release = [](void* owner) { static_cast<Reentrant*>(owner)->push_barometer(); };
-        odo_session_push(app.session, &f.header);
-      }
-      CHECK(odo_session_flush(app.session) == ODO_OK);
-    }
-    CHECK(reentrant.pushed >= 99);  // 50 released frames, 49 motions and the first pose
-  }
-}
-
-TEST_CASE("a live session calls back on one thread of its own, also while flush is waiting") {
-  App app(kWalk, ODO_RUN_LIVE);
-  struct Seen {
-    std::vector<std::thread::id> threads;
-    int after_end = 0;
-    std::atomic<bool> ended{false};
-  } seen;
-  const uint32_t both[] = {ODO_TYPE_ATTITUDE, ODO_TYPE_POSE};
-  odo_session_set_callback(
-      app.session, both, 2,
-      [](void* user, const odo_header*) {
-        auto& self = *static_cast<Seen*>(user);
-        if (self.ended) ++self.after_end;
-        self.threads.push_back(std::this_thread::get_id());
-      },
-      &seen);
-  for (int i = 0; i < 20; ++i) {
-    app.walk(i * 50, i * 50 + 50);
-    CHECK(odo_session_flush(app.session) == ODO_OK);
-  }
-  CHECK(app.statistics().processed == 1000);
-  app.walk(1000, 1200);
-  odo_session_set_callback(app.session, nullptr, 0, nullptr, nullptr);
-  seen.ended = true;
-  odo_session_flush(app.session);
-  CHECK(seen.threads.size() > 900);
-  CHECK(std::count(seen.threads.begin(), seen.threads.end(), seen.threads.front()) ==
-        static_cast<long>(seen.threads.size()));
-  CHECK(seen.threads.front() != std::this_thread::get_id());
-  CHECK(seen.after_end == 0);
-}
-
-TEST_CASE("pose and statistics are available while the pipeline is busy") {
-  App app(kWalk, ODO_RUN_LIVE);
-  app.walk(0, 500);
-  odo_session_flush(app.session);
-  std::atomic<bool> blocked{false}, go_on{false};
-  struct Gate {
-    std::atomic<bool>&blocked, &go_on;
-  } gate{blocked, go_on};
-  const uint32_t attitudes = ODO_TYPE_ATTITUDE;
-  odo_session_set_callback(
-      app.session, &attitudes, 1,
-      [](void* user, const odo_header*) {  // a slow app: the pipeline is blocked
-        auto& self = *static_cast<Gate*>(user);
-        self.blocked = true;
-        while (!self.go_on) std::this_thread::sleep_for(1ms);
-      },
-      &gate);
-  app.walk(500, 600);
-  while (!blocked) std::this_thread::sleep_for(1ms);
-  std::vector<double> statistics_us, pose_us;
-  for (int i = 0; i < 2000; ++i) {
-    const auto start = std::chrono::steady_clock::now();
-    const auto s = app.statistics();
-    const auto middle = std::chrono::steady_clock::now();
-    const auto p = app.pose(ODO_TIME_LATEST);
-    const auto end = std::chrono::steady_clock::now();
-    CHECK(s.pushed == 600);
-    CHECK(p.header.t_ns == 6'990 * kMs);  // the newest sample, which the pipeline has not processed
-    statistics_us.push_back(std::chrono::duration<double, std::micro>(middle - start).count());
-    pose_us.push_back(std::chrono::duration<double, std::micro>(end - middle).count());
-  }
-  go_on = true;
-  odo_session_set_callback(app.session, nullptr, 0, nullptr, nullptr);
-  std::sort(statistics_us.begin(), statistics_us.end());
-  std::sort(pose_us.begin(), pose_us.end());
-  MESSAGE("statistics: median " << statistics_us[1000] << " us, 99 % " << statistics_us[1980] << " us; pose: median "
-                                << pose_us[1000] << " us, 99 % " << pose_us[1980] << " us");
-  CHECK(statistics_us[1000] < 100);  // on a busy machine; the targets are 10 and 5 us
-  CHECK(pose_us[1000] < 100);
 }
 
 TEST_CASE("while the IMU is silent and the camera runs the state does not change") {

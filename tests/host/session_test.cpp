@@ -19,49 +19,6 @@ using namespace odograph;
 
 TEST_SUITE_BEGIN("session");
 
-TEST_CASE("an invalid call returns a status and a message and never crashes") {
-  odo_session* session = nullptr;
-  odo_error error{};
-  error.struct_size = sizeof error;
-  odo_session_options options{};
-  CHECK(odo_session_create(nullptr, &session, &error) == ODO_E_ARGUMENT);
-  CHECK(odo_session_create(&options, &session, &error) == ODO_E_STRUCT_SIZE);
-  options.struct_size = sizeof options;
-  CHECK(odo_session_create(&options, &session, &error) == ODO_E_ARGUMENT);
-  CHECK(std::string(error.message).find("exactly one") != std::string::npos);
-  const std::string missing = "/nowhere/pipeline.yaml";
-  options.config_path = {missing.data(), missing.size()};
-  CHECK(odo_session_create(&options, &session, &error) == ODO_E_NOT_FOUND);
-  CHECK(std::string(error.message).find("/nowhere/pipeline.yaml:1:1") != std::string::npos);
-  CHECK(session == nullptr);
-  odo_session_destroy(nullptr);
-  CHECK(odo_session_push(nullptr, nullptr) == ODO_E_ARGUMENT);
-  CHECK(odo_session_flush(nullptr) == ODO_E_ARGUMENT);
-  odo_pose pose{};
-  App app(kWalk);
-  REQUIRE_MESSAGE(app.status == ODO_OK, app.message);
-  CHECK(odo_session_get_pose(app.session, 0, &pose) == ODO_E_STRUCT_SIZE);
-  pose.header.struct_size = sizeof pose;
-  CHECK(odo_session_get_pose(app.session, 0, &pose) == ODO_NOT_READY);
-  odo_header header{};
-  CHECK(odo_session_push(app.session, &header) == ODO_E_STRUCT_SIZE);
-  header.struct_size = sizeof header;
-  header.type = 999;
-  CHECK(odo_session_push(app.session, &header) == ODO_OK);  // a sensor that no plugin uses
-  CHECK(odo_session_flush(app.session) == ODO_OK);
-  CHECK(app.statistics().unknown == 1);
-  header.type = ODO_TYPE_POSE;
-  CHECK(odo_session_push(app.session, &header) == ODO_E_ARGUMENT);
-  header.type = ODO_TYPE_IMU;
-  CHECK(odo_session_push(app.session, &header) == ODO_E_STRUCT_SIZE);
-  double geodetic[3];
-  const double p[3] = {0, 0, 0};
-  CHECK(odo_session_to_geodetic(app.session, p, geodetic) == ODO_NOT_READY);
-  CHECK(std::string(odo_version()).size() >= 5);
-  CHECK(odo_abi_version() == (ODO_ABI_MAJOR << 16 | ODO_ABI_MINOR));
-  for (int32_t s = -20; s < 5; ++s) CHECK(odo_status_text(s) != nullptr);
-}
-
 TEST_CASE("steps and poses are computed from inertial samples, and the pose can be queried at any time") {
   App app(kWalk);
   REQUIRE_MESSAGE(app.status == ODO_OK, app.message);
@@ -248,62 +205,6 @@ TEST_CASE("a sensor clock that is set back restarts the session") {
   odo_session_flush(app.session);
   CHECK(app.statistics().steps > 25);
   CHECK(app.statistics().late < 100);
-}
-
-TEST_CASE("a frame is held without a copy while it waits, and released exactly once" * doctest::skip(!kCameraPlugins)) {
-  static std::atomic<int> holds{0};
-  static std::atomic<int> releases{0};
-  holds = releases = 0;
-  std::vector<uint8_t> pixels(64 * 48, 100);
-  for (size_t i = 0; i < pixels.size(); ++i) pixels[i] = static_cast<uint8_t>((i * 7919) >> 3);
-  {
-    App app(kCamera);
-    REQUIRE_MESSAGE(app.status == ODO_OK, app.message);
-    const auto c = calibration(64, 48);
-    CHECK(odo_session_push(app.session, &c.header) == ODO_OK);
-    app.walk(0, 100);
-    for (int i = 0; i < 20; ++i) {
-      auto f = make_message<odo_frame>(ODO_TYPE_FRAME, 1'000'000'000 + i * 50'000'000LL);
-      f.format = ODO_FORMAT_GREY8;
-      f.width = 64, f.height = 48;
-      f.planes[0] = {pixels.data(), 64, 1, 0};
-      f.loan.retain = [](void*) -> int32_t { return ++holds, ODO_OK; };
-      f.loan.release = [](void*) { ++releases; };
-      const int32_t status = odo_session_push(app.session, &f.header);
-      CHECK((status == ODO_OK || status == ODO_E_DISCARD));
-      if (i % 2 == 0) {  // a frame that cannot be kept is copied instead
-        f.header.t_ns += 25'000'000;
-        f.loan.retain = nullptr, f.loan.release = nullptr;
-        odo_session_push(app.session, &f.header);
-      }
-    }
-    auto bad = make_message<odo_frame>(ODO_TYPE_FRAME, 5'000'000'000);
-    CHECK(odo_session_push(app.session, &bad.header) == ODO_E_DISCARD);  // no pixels, no size
-  }
-  CHECK(holds > 0);
-  CHECK(holds == releases);
-}
-
-TEST_CASE("a camera's time offset shifts its frames to the IMU's clock" * doctest::skip(!kCameraPlugins)) {
-  App app(kCamera);
-  auto c = calibration(64, 48);
-  c.header.flags = ODO_CALIBRATION_TIME_OFFSET;
-  c.time_offset_ns = 30'000'000;
-  odo_session_push(app.session, &c.header);
-  app.walk(0, 20);
-  const std::vector<uint8_t> pixels(64 * 48, 90);
-  auto f = make_message<odo_frame>(ODO_TYPE_FRAME, 1'200'000'000);
-  f.format = ODO_FORMAT_GREY8;
-  f.width = 64, f.height = 48;
-  f.planes[0] = {pixels.data(), 64, 1, 0};
-  CHECK(odo_session_push(app.session, &f.header) == ODO_OK);
-  app.walk(20, 50);
-  odo_session_flush(app.session);
-  odo_pose pose{};
-  pose.header.struct_size = sizeof pose;
-  CHECK(odo_session_get_pose(app.session, 1'230'000'000, &pose) == ODO_OK);
-  CHECK(pose.header.t_ns == 1'230'000'000);
-  CHECK((pose.header.flags & ODO_POSE_CAMERA) != 0);
 }
 
 TEST_CASE("a config's camera takes precedence over pushed calibrations, and needs none" *

@@ -109,30 +109,6 @@ TEST_CASE("a failed creation of an instance is reported, also if its constructor
   CHECK(contains(reported, "test/create_throws: the constructor has a bad day"));
 }
 
-TEST_CASE("invalid events are rejected and harmless") {
-  HostServices host(0, {"."}, nullptr);
-  auto made = PluginInstance::make(choice_of("bad_events"), LibraryCheck::none, 1, host);
-  REQUIRE(made.ok());
-  const auto events = (*made)->process(motion(5).header);
-  CHECK(events.size() == EventBuffer::kCapacity);  // the valid ones, up to the quota
-  for (const auto& event : events) CHECK(event.header().type == ODO_TYPE_SCALE);
-  CHECK((*made)->faults() == 5);  // those beyond the quota count once
-}
-
-TEST_CASE("a plugin that fails repeatedly is reset, then disabled, and a fatal one at once") {
-  HostServices host(0, {"."}, nullptr);
-  auto failing = PluginInstance::make(choice_of("fails_always"), LibraryCheck::none, 1, host);
-  REQUIRE(failing.ok());
-  for (int i = 0; i < 4; ++i) (*failing)->process(motion(5 + i).header);
-  CHECK((*failing)->alive());
-  (*failing)->process(motion(20).header);
-  CHECK_FALSE((*failing)->alive());
-  auto fatal = PluginInstance::make(choice_of("fatal"), LibraryCheck::none, 1, host);
-  REQUIRE(fatal.ok());
-  (*fatal)->process(motion(5).header);
-  CHECK_FALSE((*fatal)->alive());
-}
-
 TEST_CASE("manifests with a duplicate id, a changed library, a false statement or a missing file are rejected") {
   const TemporaryFolder folder;
   const HostServices host(0, {"."}, nullptr);

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <limits>
 #include <string>
 #include <vector>
 
@@ -336,52 +335,22 @@ TEST_CASE("a sensor clock that is set back moves the anchors with the phone") {
   CHECK((where(app, id) - phone(app)).norm() < 15);  // ten seconds of walking in between
 }
 
-TEST_CASE("an invalid anchor gives a status, and too many anchors are rejected") {
+TEST_CASE("an anchor in neither world is rejected, and its name is cut between characters") {
   App app(kWalk + kInertial + kStart);
-  uint64_t id = 7;
-  odo_anchor anchor{};
-  odo_anchor_place at = place(ODO_ANCHOR_POSE);
-  CHECK(odo_anchor_create(app.session, &at, &id) == ODO_NOT_READY);
-  CHECK(id == 0);
   app.walk(0, 500);
-  CHECK(odo_anchor_create(nullptr, &at, &id) == ODO_E_ARGUMENT);
-  CHECK(odo_anchor_create(app.session, nullptr, &id) == ODO_E_ARGUMENT);
-  CHECK(odo_anchor_create(app.session, &at, nullptr) == ODO_E_ARGUMENT);
-  const auto refused = [&](auto&& change, int32_t status = ODO_E_ARGUMENT) {
-    odo_anchor_place bad = place(ODO_ANCHOR_POSE);
-    change(bad);
-    CHECK(odo_anchor_create(app.session, &bad, &id) == status);
-  };
-  refused([](auto& p) { p.struct_size = 8; }, ODO_E_STRUCT_SIZE);
-  refused([](auto& p) { p.kind = 0; });
-  refused([](auto& p) { p.kind = 99; });
-  refused([](auto& p) { p.world = 2; });
-  refused([](auto& p) { p.p[1] = std::numeric_limits<double>::quiet_NaN(); });
-  refused([](auto& p) { p.q[0] = 2; });
-  refused([](auto& p) { p.t_ns = 1; }, ODO_E_NOT_FOUND);
-  refused([](auto& p) { p.kind = ODO_ANCHOR_GEODETIC; });  // above nothing
-  refused([](auto& p) { p.kind = ODO_ANCHOR_GEODETIC, p.height_above = ODO_HEIGHT_ELLIPSOID, p.latitude_rad = 2; });
-  anchor.struct_size = sizeof anchor;
-  CHECK(odo_anchor_get(app.session, 1, 0, ODO_TIME_LATEST, &anchor) == ODO_E_NOT_FOUND);
-  CHECK(odo_anchor_remove(app.session, 1) == ODO_E_NOT_FOUND);
+  odo_anchor_place at = place(ODO_ANCHOR_POSE);
+  at.world = 2;
+  uint64_t id = 7;
+  CHECK(odo_anchor_create(app.session, &at, &id) == ODO_E_ARGUMENT);
+  at.world = ODO_WORLD_CORRECTED;
   std::string name;
   for (int i = 0; i < 40; ++i) name += "\xc3\xbc";  // 80 bytes; a cut at 63 would split a character
   at.name = {name.data(), name.size()};
   const uint64_t first = make(app, at);
   CHECK(std::string(get(app, first).name) == name.substr(0, 62));
-  anchor.struct_size = 8;
-  CHECK(odo_anchor_get(app.session, first, 0, ODO_TIME_LATEST, &anchor) == ODO_E_STRUCT_SIZE);
+  odo_anchor anchor{};
   anchor.struct_size = sizeof anchor;
   CHECK(odo_anchor_get(app.session, first, 2, ODO_TIME_LATEST, &anchor) == ODO_E_ARGUMENT);
-  for (int i = 1; i < 1024; ++i) make(app, at);
-  CHECK(odo_anchor_create(app.session, &at, &id) == ODO_E_EXHAUSTED);
-  app.walk(500, 600);
-  CHECK(odo_anchor_list(app.session, nullptr, 0) == 1024);
-  CHECK(odo_anchor_remove(app.session, first) == ODO_OK);
-  CHECK(odo_anchor_remove(app.session, first) == ODO_E_NOT_FOUND);
-  const uint64_t next = make(app, at);
-  CHECK(next > 1024);
-  CHECK(odo_anchor_list(app.session, nullptr, 0) == 1024);
 }
 
 TEST_SUITE_END();

@@ -39,20 +39,6 @@ TEST_CASE("two scales of one motion are averaged in the logarithm, weighted by t
   // Sixteen times the weight for a quarter of the error.
   CHECK(both->scale == doctest::Approx(std::exp((16 * std::log(2.0) + std::log(2.4)) / 17)).epsilon(1e-12));
   CHECK(both->sigma / both->scale == doctest::Approx(1 / std::sqrt(400.0 + 25.0)).epsilon(1e-12));
-}
-
-TEST_CASE("a single scale is used as it is, those of another group or time are not") {
-  ScaleJoin join(2);
-  CHECK(join.note(0, scale(2.0, 0.05)));
-  join.begin(motion(100));
-  REQUIRE(join.joined());
-  CHECK(join.joined()->scale == 2.0);
-  join.begin(motion(1000));
-  CHECK(join.joined());
-  join.begin(motion(1001));
-  CHECK_FALSE(join.joined());
-  join.begin(motion(200, 8));
-  CHECK_FALSE(join.joined());
   join.reset();
   join.begin(motion(100));
   CHECK_FALSE(join.joined());

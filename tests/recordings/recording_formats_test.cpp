@@ -222,6 +222,7 @@ TEST_CASE("the camera's numbers, times and poses of KITTI and TUM RGB-D are read
   write_text(tum / "groundtruth.txt", "1.25 1 2 3 0.5 0.1 -0.5 0.7\n");
   write_text(tum / "accelerometer.txt", "1.4 0.1 0.2 9.8\n");
   const Recording t = read(tum);
+  CHECK((k.format == "KITTI odometry" && t.format == "TUM RGB-D"));
   CHECK(t.truth.at(0).t_ns == 1'250'000'000);
   CHECK(t.truth[0].p == Vector3d(1, 2, 3));
   CHECK(t.truth[0].q.angularDistance(Quaterniond(0.7, 0.5, 0.1, -0.5).normalized()) < 1e-9);
@@ -242,6 +243,7 @@ TEST_CASE("each sensor's axes, signs and units of ADVIO and the Indoor Location 
   write_text(advio / "iphone/platform-location.csv", "0.5,60,-30,5,20,3,1\n");
   write_text(advio / "ground-truth/pose.csv", "0.25,1,2,3,0.7,0.5,0.1,-0.5\n");
   const Recording a = read(advio);
+  CHECK(a.format == "ADVIO");
   check_list(first<odo_imu>(a, ODO_TYPE_IMU, ODO_IMU_ACCEL).accel_b, {-0.980665, 8.825985, -1.96133});
   check_list(first<odo_imu>(a, ODO_TYPE_IMU, ODO_IMU_GYRO).gyro_b, {0.1, 0.2, 0.3});
   check_list(first<odo_magnetometer>(a, ODO_TYPE_MAGNETOMETER).field_b, {21e-6, -32e-6, 43e-6});

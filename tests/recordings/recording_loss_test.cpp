@@ -11,7 +11,6 @@
 
 #include <opencv2/imgcodecs.hpp>
 
-#include "sdk/host/base/output_file.hpp"
 #include "sdk/host/base/printable.hpp"
 #include "sdk/tools/recording/odo_file.hpp"
 #include "sdk/tools/simulation/random.hpp"
@@ -76,15 +75,6 @@ size_t in_both(const std::multiset<std::string>& a, const std::multiset<std::str
 }
 
 }  // namespace
-
-TEST_CASE("a complete recording reports no loss") {
-  const TemporaryFolder folder;
-  const auto recording = read_odo(recording_of(folder));
-  REQUIRE(recording.ok());
-  CHECK_FALSE(recording->loss.any());
-  CHECK(recording->warnings.empty());
-  CHECK(recording->loss.file.records_lost == 0);
-}
 
 TEST_CASE("each of 500 flipped bits costs at most its own record, and is reported") {
   const TemporaryFolder folder;
@@ -179,48 +169,6 @@ TEST_CASE("a file of nothing but starts of records is not read in quadratic time
   REQUIRE(recording.ok());
   CHECK(recording->messages.size() == 5);
   CHECK(recording->loss.any());
-}
-
-TEST_CASE("an output file replaces the existing one when complete, follows links and removes abandoned output") {
-  const TemporaryFolder folder;
-  const auto file = write_text(folder / "a.txt", "old");
-  fs::create_symlink("a.txt", folder / "link.txt");
-  {
-    auto out = OutputFile::create(folder / "link.txt");
-    REQUIRE(out.ok());
-    out->stream() << "new";
-    CHECK(read_text(file) == "old");
-  }
-  CHECK(read_text(file) == "old");
-  CHECK(std::distance(fs::directory_iterator(folder.path()), {}) == 2);
-  REQUIRE(write_whole_file(folder / "link.txt", "new").ok());
-  CHECK(read_text(file) == "new");
-  CHECK(fs::is_symlink(folder / "link.txt"));
-  CHECK(std::distance(fs::directory_iterator(folder.path()), {}) == 2);
-  CHECK_FALSE(write_whole_file(folder / "none/a.txt", "x").ok());
-  REQUIRE(write_whole_file("/dev/null", "x").ok());
-}
-
-TEST_CASE("a recorder that never closes leaves its messages in place, and an existing file too") {
-  const TemporaryFolder folder;
-  const auto imu = make_message<odo_imu>(ODO_TYPE_IMU, 77);
-  {
-    auto created = RecordWriter::create(folder / "crash.odo");
-    RecordWriter& writer = *created;
-    REQUIRE(writer.write(imu.header, {}));
-  }
-  const auto cut = read_odo(folder / "crash.odo");
-  REQUIRE(cut.ok());
-  CHECK(cut->loss.file.cut);
-  {
-    auto created = RecordWriter::create(folder / "crash.odo");
-    RecordWriter& writer = *created;
-    REQUIRE(writer.write(imu.header, {}));
-    REQUIRE(writer.write(imu.header, {}));
-    CHECK(read_odo(folder / "crash.odo")->messages.size() == 1);
-    REQUIRE(writer.finish().ok());
-  }
-  CHECK(read_odo(folder / "crash.odo")->messages.size() == 2);
 }
 
 namespace {

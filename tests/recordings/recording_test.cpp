@@ -47,7 +47,6 @@ fs::path small_recording(const TemporaryFolder& folder, int frames) {
   return path;
 }
 
-void mkdirs(const fs::path& path) { fs::create_directories(path); }
 void picture(const fs::path& path) { cv::imwrite(path.string(), cv::Mat(48, 64, CV_8U, cv::Scalar(77))); }
 
 }  // namespace
@@ -68,31 +67,6 @@ TEST_CASE("an Odograph recording is read back bit for bit") {
     frame->loan.release(frame->loan.owner);
   }
   CHECK(frames == 5);
-}
-
-TEST_CASE("after a crash all complete records are readable") {
-  const TemporaryFolder folder;
-  const auto path = small_recording(folder, 5);
-  const std::string whole = read_text(path);
-  const size_t all = read_recording(path)->messages.size();
-  size_t previous = 0;
-  for (size_t cut = 16; cut < whole.size(); cut += 7) {
-    write_text(folder / "cut.odo", whole.substr(0, cut));
-    const auto recording = read_odo(folder / "cut.odo");
-    if (!recording) continue;  // not even the first record
-    CHECK(recording->messages.size() >= previous);
-    CHECK(recording->messages.size() <= all);
-    previous = recording->messages.size();
-  }
-  CHECK(previous >= all - 1);
-  // A flipped bit is detected and costs its record.
-  std::string damaged = whole;
-  damaged[whole.size() / 2] = static_cast<char>(damaged[whole.size() / 2] ^ 4);
-  write_text(folder / "damaged.odo", damaged);
-  const auto recording = read_odo(folder / "damaged.odo");
-  REQUIRE(recording.ok());
-  CHECK(recording->messages.size() >= all - 1);
-  CHECK(recording->warnings.size() == 1);
 }
 
 TEST_CASE("random bytes behind a valid head never crash the reader") {
@@ -140,12 +114,6 @@ TEST_CASE("trajectories are written to TUM and KITTI files and read back") {
   REQUIRE(write_trajectory(folder / "a.kitti", track, nullptr).ok());
   same(*read_kitti_poses(folder / "a.kitti", {}), false);
   CHECK_FALSE(write_trajectory(folder / "a.gpx", track, nullptr).ok());
-  const ToGeodetic somewhere = [](const Eigen::Vector3d& p) {
-    return std::array<double, 3>{0.8 + p.x() * 1e-7, 0.1, 5};
-  };
-  for (const char* name : {"a.gpx", "a.kml", "a.geojson", "a.csv"})
-    CHECK(write_trajectory(folder / name, track, somewhere).ok());
-  CHECK(read_text(folder / "a.geojson").find("LineString") != std::string::npos);
   CHECK_FALSE(write_trajectory(folder / "a.xyz", track, nullptr).ok());
 }
 
@@ -162,65 +130,10 @@ TEST_CASE("errors in tables are reported with file and line") {
   CHECK(read_recording(folder.path()).failure().text.find("looked for") != std::string::npos);
 }
 
-TEST_CASE("EuRoC, TUM RGB-D, ADVIO and image folders are recognised and read") {
+TEST_CASE("pictures of a folder are in the order of their numbers, and an error in camera.yaml has its line") {
   const TemporaryFolder folder;
-  const auto euroc = folder / "euroc";
-  mkdirs(euroc / "mav0/cam0/data");
-  mkdirs(euroc / "mav0/imu0");
-  mkdirs(euroc / "mav0/state_groundtruth_estimate0");
-  write_text(euroc / "mav0/imu0/data.csv",
-             "#timestamp [ns],w_x,w_y,w_z,a_x,a_y,a_z\n100,1,2,3,4,5,6\n200,1,2,3,4,5,6\n");
-  write_text(euroc / "mav0/imu0/sensor.yaml",
-             "sensor_type: imu\ngyroscope_noise_density: 1.7e-04\ngyroscope_random_walk: "
-             "2e-05\naccelerometer_noise_density: 2e-3\naccelerometer_random_walk: 3e-3\n");
-  write_text(euroc / "mav0/cam0/sensor.yaml",
-             "sensor_type: camera\nT_BS:\n  cols: 4\n  rows: 4\n  data: [0,-1,0,0.5,\n         1,0,0,0,\n         "
-             "0,0,1,0,\n         0,0,0,1]\n"
-             "rate_hz: 20\nresolution: [64, 48]\ncamera_model: pinhole\nintrinsics: [50, 51, 32, "
-             "24]\ndistortion_model: radial-tangential\ndistortion_coefficients: [-0.28, 0.07, 1e-4, 1e-5]\n");
-  write_text(euroc / "mav0/cam0/data.csv", "#timestamp [ns],filename\n150,150.png\n");
-  picture(euroc / "mav0/cam0/data/150.png");
-  write_text(euroc / "mav0/state_groundtruth_estimate0/data.csv",
-             "#t,p,q,v,bw,ba\n150,1,2,3,1,0,0,0,0,0,0,0,0,0,0,0,0\n");
-  const auto e = read_recording(euroc);
-  REQUIRE_MESSAGE(e.ok(), (e.ok() ? "" : e.failure().text));
-  CHECK(e->format == "EuRoC/ASL");
-  CHECK(e->messages.size() == 5);
-  CHECK(e->truth.at(0).p.x() == doctest::Approx(1.5));  // of the camera: the lever arm is added
-  for (const auto& m : e->messages)
-    if (m.message.header().type == ODO_TYPE_CALIBRATION) {
-      const auto& c = as<odo_calibration>(m.message.header());
-      CHECK(c.distortion_count == 4);
-      CHECK(c.q_b_c[3] == doctest::Approx(std::sqrt(0.5)));
-    }
-
-  const auto tum = folder / "tum";
-  mkdirs(tum / "rgb");
-  picture(tum / "rgb/1.png");
-  write_text(tum / "rgb.txt", "# color images\n1.5 rgb/1.png\n");
-  write_text(tum / "groundtruth.txt", "1.5 1 2 3 0 0 0 1\n");
-  write_text(tum / "accelerometer.txt", "1.4 0 0 9.8\n");
-  const auto t = read_recording(tum);
-  REQUIRE(t.ok());
-  CHECK(t->format == "TUM RGB-D");
-  CHECK(t->messages.size() == 3);
-
-  const auto advio = folder / "advio";
-  mkdirs(advio / "iphone");
-  mkdirs(advio / "ground-truth");
-  write_text(advio / "iphone/accelerometer.csv", "0.01,0.0,-1.0,0.0\n0.02,0.0,-1.0,0.0\n");
-  write_text(advio / "iphone/gyro.csv", "0.015,0.1,0.2,0.3\n");
-  write_text(advio / "iphone/platform-location.csv", "0.5,60.1,24.9,5,20,3,1\n");
-  write_text(advio / "ground-truth/pose.csv", "0.01,1,2,3,1,0,0,0\n");
-  const auto a = read_recording(advio);
-  REQUIRE(a.ok());
-  CHECK(a->format == "ADVIO");
-  for (const auto& m : a->messages)
-    if (m.message.header().type == ODO_TYPE_IMU && (m.message.header().flags & ODO_IMU_ACCEL))
-      CHECK(as<odo_imu>(m.message.header()).accel_b[1] == doctest::Approx(9.80665));  // at rest it points up
-
   const auto images = folder / "images";
-  mkdirs(images);
+  fs::create_directories(images);
   for (const char* name : {"2.png", "10.png", "1.png"}) picture(images / name);
   write_text(images / "camera.yaml", "width: 64\nheight: 48\nfx: 50 px\nfy: 50\ncx: 32\ncy: 24\nfps: 10 Hz\n");
   const auto i = read_recording(images);
