@@ -12,9 +12,17 @@ namespace {
 constexpr uint32_t kInputs[] = {ODO_TYPE_IMU,          ODO_TYPE_MAGNETOMETER, ODO_TYPE_BAROMETER, ODO_TYPE_GNSS,
                                 ODO_TYPE_FRAME,        ODO_TYPE_CALIBRATION,  ODO_TYPE_IMU_NOISE, ODO_TYPE_WAYPOINT,
                                 ODO_TYPE_VENDOR(0, 3), ODO_TYPE_VENDOR(0, 1)};
-constexpr uint32_t kEvents[] = {ODO_TYPE_ATTITUDE,   ODO_TYPE_STEP,        ODO_TYPE_MOTION_MODE, ODO_TYPE_VO_MOTION,
-                                ODO_TYPE_SCALE,      ODO_TYPE_FIX,         ODO_TYPE_POSE,        ODO_TYPE_STATE,
-                                ODO_TYPE_CORRECTION, ODO_TYPE_CALIBRATION, ODO_TYPE_VENDOR(0, ODO_VENDOR_EVENT | 2)};
+constexpr uint32_t kEvents[] = {ODO_TYPE_ATTITUDE,
+                                ODO_TYPE_STEP,
+                                ODO_TYPE_MOTION_MODE,
+                                ODO_TYPE_VO_MOTION,
+                                ODO_TYPE_SCALE,
+                                ODO_TYPE_FIX,
+                                ODO_TYPE_POSE,
+                                ODO_TYPE_STATE,
+                                ODO_TYPE_CORRECTION,
+                                ODO_TYPE_CALIBRATION,
+                                ODO_TYPE_VENDOR(0, ODO_VENDOR_EVENT | 2)};
 constexpr size_t kMaxMessages = 48;
 constexpr int kInputsOfSession = 200;
 constexpr uint32_t kMaxPixels = 48;  // of a side

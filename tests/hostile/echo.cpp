@@ -10,10 +10,18 @@ static const odo_sink*& sink_of(odo_instance* it) { return *reinterpret_cast<con
 extern "C" int32_t ODO_PLUGIN_ENTRY(const odo_host*, odo_plugin* out) {
   static const odo_string interfaces[] = {{ODO_INTERFACE_VO_FRONTEND, sizeof(ODO_INTERFACE_VO_FRONTEND) - 1}};
   static const uint32_t inputs[] = {ODO_TYPE_VENDOR(0, 1)};
-  static const uint32_t outputs[] = {ODO_TYPE_ATTITUDE, ODO_TYPE_STEP,         ODO_TYPE_MOTION_MODE,
-                                     ODO_TYPE_SCALE,    ODO_TYPE_FIX,          ODO_TYPE_POSE,
-                                     ODO_TYPE_IMU,      ODO_TYPE_CORRECTION,   ODO_TYPE_REPORT,
-                                     0x5000u,           ODO_TYPE_VENDOR(0, ODO_VENDOR_EVENT | 2), ODO_TYPE_VENDOR(0, ODO_BORROWED)};
+  static const uint32_t outputs[] = {ODO_TYPE_ATTITUDE,
+                                     ODO_TYPE_STEP,
+                                     ODO_TYPE_MOTION_MODE,
+                                     ODO_TYPE_SCALE,
+                                     ODO_TYPE_FIX,
+                                     ODO_TYPE_POSE,
+                                     ODO_TYPE_IMU,
+                                     ODO_TYPE_CORRECTION,
+                                     ODO_TYPE_REPORT,
+                                     0x5000u,
+                                     ODO_TYPE_VENDOR(0, ODO_VENDOR_EVENT | 2),
+                                     ODO_TYPE_VENDOR(0, ODO_BORROWED)};
   odo_plugin t = hostile::table();
   t.interfaces = interfaces;
   t.inputs = inputs, t.input_count = 1;

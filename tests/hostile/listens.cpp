@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A front-end that reports its inputs: ODO_TYPE_VENDOR(0, ODO_VENDOR_EVENT | 2) with the message behind the head. It also declares its own
-// events as inputs, which it must not receive.
+// A front-end that reports its inputs: ODO_TYPE_VENDOR(0, ODO_VENDOR_EVENT | 2) with the message behind the head. It
+// also declares its own events as inputs, which it must not receive.
 #define HOSTILE_ID "test/listens"
 #include <odograph/vo_frontend.h>
 
@@ -19,7 +19,8 @@ extern "C" int32_t ODO_PLUGIN_ENTRY(const odo_host*, odo_plugin* out) {
     alignas(8) static unsigned char event[ODO_LARGEST_MESSAGE];
     auto& head = *reinterpret_cast<odo_header*>(event);
     head = told;
-    head.type = ODO_TYPE_VENDOR(0, ODO_VENDOR_EVENT | 2), head.struct_size = static_cast<uint32_t>(sizeof head) + told.struct_size;
+    head.type = ODO_TYPE_VENDOR(0, ODO_VENDOR_EVENT | 2),
+    head.struct_size = static_cast<uint32_t>(sizeof head) + told.struct_size;
     std::memcpy(event + sizeof head, &told, told.struct_size);
     hostile::sink()->emit(hostile::sink(), &head);
     return ODO_OK;

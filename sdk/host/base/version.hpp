@@ -3,5 +3,5 @@
 
 namespace odograph {
 /// Library version "major.minor.patch", from the build file.
-inline constexpr const char* kVersion = ODOGRAPH_VERSION;
+extern const char* const kVersion;
 }  // namespace odograph

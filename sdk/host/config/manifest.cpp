@@ -154,8 +154,8 @@ Result<std::vector<Spec>> parameter_specs(const odo_plugin& plugin) {
                 std::min<size_t>(plugin.parameter_stride, sizeof row));
     Spec spec;
     spec.name = text(row.name);
-    const auto type = std::find_if(std::begin(kTypes), std::end(kTypes),
-                                   [&](const auto& known) { return row.type == known.code; });
+    const auto type =
+        std::find_if(std::begin(kTypes), std::end(kTypes), [&](const auto& known) { return row.type == known.code; });
     if (type == std::end(kTypes)) continue;  // of a newer plugin, which keeps its default
     spec.type = type->type;
     spec.unit = text(row.unit);

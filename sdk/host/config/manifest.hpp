@@ -21,11 +21,11 @@ enum class LibraryCheck : uint32_t {
 /// NAME.odoplugin.json: a plugin library's table, readable without running its code. For a plugin linked into the
 /// program, the manifest is built from the table, without a file.
 struct Manifest {
-  odo_plugin_entry entry = nullptr;  // of a linked-in plugin
-  std::filesystem::path path;        // of the manifest
-  std::string text;                  // as read once, so that the text used is the text verified
-  std::filesystem::path library;     // absolute
-  std::string entry_symbol = ODO_PLUGIN_ENTRY_SYMBOL;  // a library with several plugins has several entries, each with its manifest
+  odo_plugin_entry entry = nullptr;                    // of a linked-in plugin
+  std::filesystem::path path;                          // of the manifest
+  std::string text;                                    // as read once, so that the text used is the text verified
+  std::filesystem::path library;                       // absolute
+  std::string entry_symbol = ODO_PLUGIN_ENTRY_SYMBOL;  // several plugins in a library: several entries and manifests
   std::string id;
   std::string version;
   std::string summary;

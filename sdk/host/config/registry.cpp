@@ -105,8 +105,8 @@ PluginRegistry::PluginRegistry(const std::vector<fs::path>& directories, size_t 
       if (!manifest)
         problems_.push_back(manifest.failure().text);
       else if (manifest->abi_major != ODO_ABI_MAJOR)
-        problems_.push_back(file.string() + ": it is for ABI " + std::to_string(manifest->abi_major) + ", this host is " +
-                            std::to_string(ODO_ABI_MAJOR));
+        problems_.push_back(file.string() + ": it is for ABI " + std::to_string(manifest->abi_major) +
+                            ", this host is " + std::to_string(ODO_ABI_MAJOR));
       else
         manifests_.push_back(std::move(*manifest));
     }

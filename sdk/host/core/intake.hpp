@@ -66,7 +66,8 @@ class Intake {
   Outbox& outbox_;
   FrameStore frames_;
   Counts counts_;
-  std::array<std::atomic<int64_t>, 4> sources_;  // of gyroscope, accelerometer, magnetometer, barometer; negative: none yet
+  std::array<std::atomic<int64_t>, 4>
+      sources_;  // of gyroscope, accelerometer, magnetometer, barometer; negative: none yet
 
   mutable std::mutex mutex_;  // guards what follows
   SampleGate gate_;           // its ranges are constant

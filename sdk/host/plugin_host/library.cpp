@@ -44,7 +44,8 @@ std::string table_fault(const odo_plugin& t) {
         std::pair{t.destroy != nullptr, "destroy"}})
     if (!present) return std::string("its table lacks ") + name;
   if (const std::string id = text(t.id); !is_plugin_id(id))
-    return "its id is '" + id + "'; expected group/name of a-z, 0-9, _ and -, at most 63 bytes, not of group odo or host";
+    return "its id is '" + id +
+           "'; expected group/name of a-z, 0-9, _ and -, at most 63 bytes, not of group odo or host";
   if (t.interface_count == 0 || !t.interfaces) return "its table has no interface";
   if ((t.input_count > 0 && !t.inputs) || (t.output_count > 0 && !t.outputs))
     return "its table counts inputs or outputs and has no list of them";
