@@ -6,8 +6,9 @@
 
 A fact is a key's path with its type, unit, range, choices and default, as the program's JSON Schemas and the plugins'
 manifests state them; help texts are not promised. The facts of abi/golden/config_released_v1.txt are those of the last release
-(packaging/release): facts may be added to them, and a key that the reader demands may not.
+(packaging/release): facts may be added to them, and a key that the reader demands may not; may_change has what else may change.
 """
+import doctest
 import json
 import pathlib
 import re
@@ -70,10 +71,51 @@ def facts():
     return found
 
 
+def widens(old, new):
+    """Whether a key accepts all that it accepted before, by its choices or its range."""
+    choices, limits = ([re.fullmatch(pattern, kind) for kind in (old, new)] for pattern in (r"one of (\S+)", r"(.*?) (\S+) to (\S+)"))
+    if all(choices):
+        return {*choices[0][1].split("|")} <= {*choices[1][1].split("|")}
+    return all(limits) and limits[0][1] == limits[1][1] and float(limits[1][2]) <= float(limits[0][2]) and float(limits[1][3]) >= float(limits[0][3])
+
+
+def may_change(name, before, after):
+    """Whether a released fact may change: defaults of plugins' parameters, choices and ranges that widen, what is no longer demanded.
+
+    >>> made = '{"choices": "%s", "count": 1, "default": "%s", "max": %s, "min": 0, "type": "real", "unit": "%s"}'
+    >>> may_change("parameter a/b.c", made % ("", 1, 5, "m"), made % ("", 2, 6, "m"))
+    True
+    >>> may_change("parameter a/b.c", made % ("", 1, 5, "m"), made % ("", 1, 4, "m"))
+    False
+    >>> may_change("parameter a/b.c", made % ("", 1, 5, "m"), made % ("", 1, 5, "s"))
+    False
+    >>> may_change("parameter a/b.c", made % ("x|y", 1, 5, "m"), made % ("x|z|y", 1, 5, "m"))
+    True
+    >>> may_change("key p:k", "one of x|y; default x; required", "one of x|y|z; default x")
+    True
+    >>> may_change("key p:k", "one of x|y; default x", "one of x|y; default y")
+    False
+    >>> may_change("key p:k", "number 0 to 5; in s", "number 0 to inf; in s"), may_change("key p:k", "number 0 to 5", "number 1 to 5")
+    (True, False)
+    >>> may_change("key p:k", "number", "number; required")
+    False
+    >>> may_change("plugin a/b", "odo.attitude/1", "odo.attitude/1 odo.attitude/2")
+    True
+    """
+    if name.startswith("parameter "):
+        old, new = json.loads(before), json.loads(after)
+        same = all(old[part] == new[part] for part in ("type", "count", "unit"))
+        return same and new["min"] <= old["min"] and new["max"] >= old["max"] and {*old["choices"].split("|")} <= {*new["choices"].split("|")}
+    if name.startswith("plugin "):
+        return {*before.split()} <= {*after.split()}
+    (old, *stated), (new, *restated) = before.split("; "), after.split("; ")
+    return (old == new or widens(old, new)) and restated in (stated, [text for text in stated if text != "required"])
+
+
 def breaks(released, now):
     old, new = read(released), read(now)
     for name, before in old.items():
-        if new.get(name) != before:
+        if new.get(name) != before and not (name in new and may_change(name, before, new[name])):
             yield f"{name}: released as '{before}', now '{new.get(name, 'absent')}': that breaks old configs"
     for name, value in new.items():
         if name not in old and value.endswith("; required") and name.rpartition(".")[0] in old:
@@ -85,6 +127,8 @@ def main():
     text = text_of(facts())
     if "--write" in sys.argv:
         return golden.write_text(text)
+    if doctest.testmod().failed:
+        sys.exit(1)
     wrong = list(differences(golden.read_text(), text, "golden"))
     wrong += breaks(released.read_text(), text) if released.exists() else [f"{released} is missing: packaging/release writes it"]
     if wrong:
