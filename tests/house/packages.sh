@@ -19,6 +19,10 @@ for place in packaging/debian/changelog:"odograph ($version)" packaging/vcpkg/po
   grep -qF "${place#*:}" "$source/${place%%:*}" || { echo "${place%%:*}: its version is not $version"; exit 1; }
 done
 
+# A repository is signed by a key that somebody named.
+env -u GNUPGHOME "$source/packaging/repository" "$work/repository" none.deb 2> "$work/said" && { echo "a repository without a key"; exit 1; }
+grep -q 'GNUPGHOME' "$work/said"
+
 openssl genpkey -algorithm ed25519 -out "$work/key.pem"
 ODOGRAPH_KEY="$work/key.pem" "$source/packaging/packages" --build "$build" --out "$work/packages"
 mkdir "$work/some folder"
