@@ -143,7 +143,7 @@ TEST_CASE("a plugin that everybody may change, or a folder that everybody may wr
     REQUIRE(write_manifest_beside(folder / "one.dll").ok());
     const auto found = [&] {
       PluginRegistry registry({folder.path()});
-      const auto manifest = registry.find("test/hostile", ODO_INTERFACE_SCALE_SOURCE, ".", {});
+      const auto manifest = registry.find("test/hostile", ODO_INTERFACE_SCALE_SOURCE, {}, {});
       return manifest ? std::string() : manifest.failure().text;
     };
     CHECK(found() == "");

@@ -119,19 +119,19 @@ TEST_CASE("manifests with a duplicate id, a changed library, a false statement o
   const auto manifest = install("one");
   {
     PluginRegistry registry({folder.path()});
-    const auto found = registry.find("test/hostile", ODO_INTERFACE_SCALE_SOURCE, ".", {});
+    const auto found = registry.find("test/hostile", ODO_INTERFACE_SCALE_SOURCE, {}, {});
     REQUIRE(found.ok());
     CHECK(PluginLibrary::load(**found, LibraryCheck::hash, &host).ok());
-    CHECK_FALSE(registry.find("test/hostile", "odo.attitude/1", ".", {}).ok());
-    CHECK(contains(registry.find("test/hostil", ODO_INTERFACE_SCALE_SOURCE, ".", {}).failure().text,
+    CHECK_FALSE(registry.find("test/hostile", "odo.attitude/1", {}, {}).ok());
+    CHECK(contains(registry.find("test/hostil", ODO_INTERFACE_SCALE_SOURCE, {}, {}).failure().text,
                    "nearest: 'test/hostile'"));
     CHECK(
-        contains(registry.find("test/hostile", ODO_INTERFACE_SCALE_SOURCE, ".", {"a/b"}).failure().text, "allow list"));
+        contains(registry.find("test/hostile", ODO_INTERFACE_SCALE_SOURCE, {}, {"a/b"}).failure().text, "allow list"));
   }
   install("two");
   {
     PluginRegistry registry({folder.path()});
-    const auto found = registry.find("test/hostile", ODO_INTERFACE_SCALE_SOURCE, ".", {});
+    const auto found = registry.find("test/hostile", ODO_INTERFACE_SCALE_SOURCE, {}, {});
     REQUIRE_FALSE(found.ok());
     CHECK(contains(found.failure().text, "two plugins have the id 'test/hostile'"));
     CHECK(contains(found.failure().text, "one.odoplugin.json"));

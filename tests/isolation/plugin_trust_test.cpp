@@ -70,7 +70,7 @@ TEST_CASE("plugins are allowed by id, by path and by the hash of their library")
   REQUIRE(write_manifest_beside(folder / "one.so").ok());
   const auto find = [&](const std::string& item) {
     PluginRegistry registry({folder.path()});
-    return registry.find("test/hostile", ODO_INTERFACE_SCALE_SOURCE, folder.path(), {"some/other", item}).ok();
+    return registry.find("test/hostile", ODO_INTERFACE_SCALE_SOURCE, {folder.path()}, {"some/other", item}).ok();
   };
   const std::string hash = *sha256_of(folder / "one.so");
   CHECK(find("test/hostile"));
@@ -92,11 +92,11 @@ TEST_CASE("a world-writable plugin is rejected unless allowed") {
     fs::permissions(open, fs::perms::others_write, fs::perm_options::add);
     CAPTURE(open.string());
     PluginRegistry registry({folder.path()});
-    const auto found = registry.find("test/hostile", ODO_INTERFACE_SCALE_SOURCE, ".", {});
+    const auto found = registry.find("test/hostile", ODO_INTERFACE_SCALE_SOURCE, {}, {});
     REQUIRE_FALSE(found.ok());
     CHECK(contains(found.failure().text, "may be written to by every user"));
     registry.allow_writable(true);
-    CHECK(registry.find("test/hostile", ODO_INTERFACE_SCALE_SOURCE, ".", {}).ok());
+    CHECK(registry.find("test/hostile", ODO_INTERFACE_SCALE_SOURCE, {}, {}).ok());
   }
 }
 
@@ -108,7 +108,7 @@ TEST_CASE("a plugin behind a link or below a world-writable folder is rejected a
   REQUIRE(write_manifest_beside(folder / "open/deep/one.so").ok());
   const auto find = [&](const fs::path& where) {
     PluginRegistry registry({where});
-    const auto found = registry.find("test/hostile", ODO_INTERFACE_SCALE_SOURCE, ".", {});
+    const auto found = registry.find("test/hostile", ODO_INTERFACE_SCALE_SOURCE, {}, {});
     return found ? std::string() : found.failure().text;
   };
   CHECK(find(folder / "open/deep") == "");
@@ -151,7 +151,7 @@ TEST_CASE("a signer vouches for its given ids, which need its signature, and all
   const auto found = [&](const std::string& id, const std::vector<Signer>& signers) {
     PluginRegistry registry({folder.path()});
     registry.require_signature(signers);
-    const auto manifest = registry.find(id, kSignedKind, folder.path(), {});
+    const auto manifest = registry.find(id, kSignedKind, {folder.path()}, {});
     return manifest ? std::string() : manifest.failure().text;
   };
   const std::string stranger(64, '1');

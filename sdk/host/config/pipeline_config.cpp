@@ -49,7 +49,7 @@ void share_walker(PluginChoice& choice, const Value& walker) {
       value.real = walker["height"].real;
 }
 
-Isolation isolation_of(const Value& plugin, const Value& plugins, const std::filesystem::path& base) {
+Isolation isolation_of(const Value& plugin, const Value& plugins, const std::filesystem::path& program) {
   Isolation isolation;
   const Value& own = plugin["isolation"];
   const std::string& kind = (own.given ? own : plugins["isolation"]).text;
@@ -57,7 +57,7 @@ Isolation isolation_of(const Value& plugin, const Value& plugins, const std::fil
   isolation.time_s = plugin["time_limit"].real;
   isolation.start_s = plugin["start_limit"].real;
   isolation.memory_bytes = static_cast<uint64_t>(plugin["memory_limit"].integer) << 20;
-  if (plugins["host"].given) isolation.program = base / utf8_path(plugins["host"].text);
+  isolation.program = program;
   return isolation;
 }
 
@@ -65,7 +65,8 @@ Isolation isolation_of(const Value& plugin, const Value& plugins, const std::fil
 struct PluginPolicy {
   std::vector<std::string> allow;
   std::vector<Signer> signers;
-  std::filesystem::path base;
+  std::vector<std::filesystem::path> folders;  // of relative names
+  std::filesystem::path program;               // odograph-plugin-host
 
   /// A library that is allowed by its hash must have that hash; a signed manifest binds its library by hash.
   LibraryCheck library_check(bool verify_hash) const {
@@ -78,7 +79,7 @@ Result<Value> checked_values(const YamlNode& root, const std::string& name, Plug
                              const PluginPolicy& policy) {
   const PluginResolver resolver = [&](const std::string& id,
                                       const std::string& kind) -> Result<const std::vector<Spec>*> {
-    auto manifest = registry.find(id, kind, policy.base, policy.allow);
+    auto manifest = registry.find(id, kind, policy.folders, policy.allow);
     if (!manifest) return manifest.failure();
     return &(*manifest)->parameters;
   };
@@ -126,15 +127,15 @@ CouplingConfig coupling_of(const Value& coupling) {
 PluginChoice choose(const Value& value, const Spec& spec, const Value& v, PluginRegistry& registry,
                     const PluginPolicy& policy) {
   PluginChoice choice;
-  choice.manifest = **registry.find(value["plugin"].text, spec.interface_id, policy.base, policy.allow);
+  choice.manifest = **registry.find(value["plugin"].text, spec.interface_id, policy.folders, policy.allow);
   choice.interface_id = spec.interface_id;
   for (const Spec& parameter : choice.manifest.parameters)
     choice.parameters.emplace_back(parameter, value["parameters"][parameter.name]);
   share_walker(choice, v["walker"]);
-  choice.isolation = isolation_of(value, v["plugins"], policy.base);
+  choice.isolation = isolation_of(value, v["plugins"], policy.program);
   if (!value["fallback"].given) return choice;
   auto fallback = std::make_shared<PluginChoice>();
-  fallback->manifest = **registry.find(value["fallback"].text, spec.interface_id, policy.base, policy.allow);
+  fallback->manifest = **registry.find(value["fallback"].text, spec.interface_id, policy.folders, policy.allow);
   fallback->interface_id = spec.interface_id;
   for (const Spec& parameter : fallback->manifest.parameters)
     fallback->parameters.emplace_back(parameter, default_value(parameter));
@@ -192,11 +193,18 @@ std::optional<Failure> check_companions(const PipelineConfig& config, const Valu
 }
 
 Result<PipelineConfig> interpret(const YamlNode& root, const std::string& text, const std::string& name,
-                                 const std::filesystem::path& base, std::vector<std::filesystem::path> directories) {
+                                 const std::vector<std::filesystem::path>& folders,
+                                 std::vector<std::filesystem::path> directories) {
   if (root.kind == YamlNode::Kind::null)
     return Failure{ODO_E_CONFIG, at(name, {}, "the config is empty; expected a map that starts with 'odograph: 1'")};
-  const PluginPolicy policy{raw_texts(root, "allow"), raw_signers(root), base};
-  for (const auto& directory : raw_texts(root, "search")) directories.push_back(base / utf8_path(directory));
+  PluginPolicy policy{raw_texts(root, "allow"), raw_signers(root), folders, {}};
+  for (const auto& named : raw_texts(root, "search")) {
+    const auto directory = find_named(named, folders);
+    if (!directory && folders.empty())
+      return Failure{ODO_E_CONFIG,
+                     at(name, in_plugins(root, "search")->mark, "plugins.search: " + directory.failure().text)};
+    directories.push_back(directory ? *directory : folders.front() / utf8_path(named));
+  }
   PluginRegistry registry(plugin_directories(directories), directories.size());
   registry.require_signature(policy.signers);
   registry.allow_writable(raw_text(root, "allow_writable") == "true");
@@ -210,7 +218,9 @@ Result<PipelineConfig> interpret(const YamlNode& root, const std::string& text, 
   config.library_check = policy.library_check(v["plugins"]["verify_hash"].boolean);
   read_navigation(v["navigation"], config);
   if (v["camera"].given) {
-    const auto camera = read_camera_yaml(base / utf8_path(v["camera"].text), nullptr);
+    const auto path = find_named(v["camera"].text, folders);
+    if (!path) return Failure{ODO_E_CONFIG, at(name, v["camera"].mark, "camera: " + path.failure().text)};
+    const auto camera = read_camera_yaml(*path, nullptr);
     if (!camera) return Failure{ODO_E_CONFIG, at(name, v["camera"].mark, "camera: " + camera.failure().text)};
     config.camera = *camera;
   }
@@ -218,6 +228,11 @@ Result<PipelineConfig> interpret(const YamlNode& root, const std::string& text, 
   config.ordering = {ordering["max_wait"].real, ordering["max_gap"].real,
                      static_cast<size_t>(ordering["queue"].integer), static_cast<size_t>(ordering["frames"].integer)};
   config.coupling = coupling_of(v["coupling"]);
+  if (const Value& host = v["plugins"]["host"]; host.given) {
+    const auto program = find_named(host.text, folders);
+    if (!program) return Failure{ODO_E_CONFIG, at(name, host.mark, "plugins.host: " + program.failure().text)};
+    policy.program = *program;
+  }
   config.replay = {v["replay"]["start_at_first_waypoint"].boolean, v["replay"]["align_heading_over"].real};
   if (const auto wrong = choose_plugins(v, registry, policy, config)) return *wrong;
   if (const auto missing = check_companions(config, v)) return *missing;
@@ -227,19 +242,22 @@ Result<PipelineConfig> interpret(const YamlNode& root, const std::string& text, 
 }  // namespace
 
 Result<PipelineConfig> read_pipeline_config(const std::string& text, const std::string& name,
-                                            const std::vector<std::filesystem::path>& directories) {
+                                            const std::vector<std::filesystem::path>& directories,
+                                            const std::vector<std::filesystem::path>& folders) {
   auto root = parse_yaml(text, name);
   if (!root) return root.failure();
-  return interpret(*root, text, name, std::filesystem::current_path(), directories);
+  return interpret(*root, text, name, folders, directories);
 }
 
 Result<PipelineConfig> read_pipeline_config_file(const std::string& path,
-                                                 const std::vector<std::filesystem::path>& directories) {
+                                                 const std::vector<std::filesystem::path>& directories,
+                                                 std::vector<std::filesystem::path> folders) {
   auto text = read_limited(path);
   if (!text) return text.failure();
   auto root = parse_yaml(*text, path);
   if (!root) return root.failure();
-  return interpret(*root, *text, path, std::filesystem::absolute(utf8_path(path)).parent_path(), directories);
+  folders.insert(folders.begin(), std::filesystem::absolute(utf8_path(path)).parent_path());
+  return interpret(*root, *text, path, folders, directories);
 }
 
 }  // namespace odograph

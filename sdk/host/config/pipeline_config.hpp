@@ -88,11 +88,14 @@ struct PipelineConfig {
 const Spec& pipeline_spec();
 
 /// Validates a config and finds its plugins' manifests. Runs no plugin code. `directories` precede the config's own
-/// search path. The failure's text lists all mistakes, one per line.
+/// search path. Relative names in the config are searched in the folder of its file, then in `folders`. The failure's
+/// text lists all mistakes, one per line.
 Result<PipelineConfig> read_pipeline_config(const std::string& text, const std::string& name,
-                                            const std::vector<std::filesystem::path>& directories);
+                                            const std::vector<std::filesystem::path>& directories,
+                                            const std::vector<std::filesystem::path>& folders = {});
 Result<PipelineConfig> read_pipeline_config_file(const std::string& path,
-                                                 const std::vector<std::filesystem::path>& directories);
+                                                 const std::vector<std::filesystem::path>& directories,
+                                                 std::vector<std::filesystem::path> folders = {});
 
 /// JSON Schema (draft 07) of a spec. It accepts any plugin parameters.
 std::string json_schema(const Spec& spec, const std::string& title);

@@ -24,15 +24,29 @@ bool is_manifest(const std::string& name) {
 }
 }  // namespace
 
+Result<fs::path> find_named(const std::string& name, const std::vector<fs::path>& folders) {
+  const fs::path path = utf8_path(name);
+  if (path.is_absolute()) return path;
+  std::error_code error;
+  for (const fs::path& folder : folders)
+    if (folders.size() == 1 || fs::exists(folder / path, error)) return folder / path;
+  if (folders.empty())
+    return Failure{ODO_E_CONFIG,
+                   "'" + name + "': no folder to search; expected an absolute path, or a folder in asset_path"};
+  std::string text = "'" + name + "' is in none of the folders searched";
+  for (const fs::path& folder : folders) text += (&folder == folders.data() ? ": " : ", ") + utf8_text(folder);
+  return Failure{ODO_E_CONFIG, text};
+}
+
 namespace {
 
 /// Whether the list contains its id, its manifest or library path, or its library's hash, which is verified on loading.
-bool is_allowed(const Manifest& manifest, const std::vector<std::string>& allow, const fs::path& base) {
+bool is_allowed(const Manifest& manifest, const std::vector<std::string>& allow, const std::vector<fs::path>& folders) {
   return std::any_of(allow.begin(), allow.end(), [&](const std::string& item) {
     if (item == manifest.id || (is_sha256(item) && item == manifest.sha256)) return true;
     std::error_code error;
-    const fs::path path = base / utf8_path(item);
-    return fs::equivalent(path, manifest.library, error) || fs::equivalent(path, manifest.path, error);
+    const auto path = find_named(item, folders);
+    return path && (fs::equivalent(*path, manifest.library, error) || fs::equivalent(*path, manifest.path, error));
   });
 }
 
@@ -115,10 +129,13 @@ PluginRegistry::PluginRegistry(const std::vector<fs::path>& directories, size_t 
 }
 
 Result<const Manifest*> PluginRegistry::find(const std::string& id, const std::string& interface_id,
-                                             const fs::path& base, const std::vector<std::string>& allow) {
+                                             const std::vector<fs::path>& folders,
+                                             const std::vector<std::string>& allow) {
   const Manifest* found = nullptr;
   if (is_manifest(id)) {
-    auto manifest = read_manifest(base / utf8_path(id));
+    const auto path = find_named(id, folders);
+    if (!path) return path.failure();
+    auto manifest = read_manifest(*path);
     if (!manifest) return manifest.failure();
     found = explicit_.emplace_back(std::make_unique<Manifest>(std::move(*manifest))).get();
   }
@@ -139,7 +156,7 @@ Result<const Manifest*> PluginRegistry::find(const std::string& id, const std::s
                    "plugin '" + found->id + "' serves " + join(found->interfaces) + "; expected one that serves " +
                        interface_id +
                        (usable.empty() ? "" : ": " + join(usable) + " (nearest: '" + nearest(id, usable) + "')")};
-  if (!allow.empty() && !is_allowed(*found, allow, base))
+  if (!allow.empty() && !is_allowed(*found, allow, folders))
     return Failure{ODO_E_CONFIG, "plugin '" + found->id +
                                      "' is not on the allow list (plugins.allow); expected one of " + join(allow) +
                                      " (nearest: '" + nearest(found->id, allow) + "')"};

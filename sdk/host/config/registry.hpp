@@ -22,13 +22,14 @@ class PluginRegistry {
   /// manifest.
   explicit PluginRegistry(const std::vector<std::filesystem::path>& directories, size_t asked_for = 0);
 
-  /// Finds a plugin by id, linked-in plugins first, or by manifest path if `id` ends in ".odoplugin.json" (relative to
-  /// `base`). Fails for an unknown id (with the nearest one), two manifests with one id, an interface that it does not
-  /// serve, a plugin that is not on `allow` (ids, paths of manifest or library, SHA-256 of the library; empty allows
-  /// all), and a world-writable file, link target, or parent directory without the sticky bit. For a linked-in plugin,
-  /// only id and interface are checked.
+  /// Finds a plugin by id, linked-in plugins first, or by manifest path if `id` ends in ".odoplugin.json" (searched in
+  /// `folders`). Fails for an unknown id (with the nearest one), two manifests with one id, an interface that it does
+  /// not serve, a plugin that is not on `allow` (ids, paths of manifest or library, SHA-256 of the library; empty
+  /// allows all), and a world-writable file, link target, or parent directory without the sticky bit. For a linked-in
+  /// plugin, only id and interface are checked.
   Result<const Manifest*> find(const std::string& id, const std::string& interface_id,
-                               const std::filesystem::path& base, const std::vector<std::string>& allow);
+                               const std::vector<std::filesystem::path>& folders,
+                               const std::vector<std::string>& allow);
 
   /// Whether plugins may be loaded from world-writable folders and files; the default is no.
   void allow_writable(bool allowed) { allow_writable_ = allowed; }
@@ -54,6 +55,11 @@ class PluginRegistry {
   bool allow_writable_ = false;
   std::vector<Signer> signers_;
 };
+
+/// The file or folder that a config names: an absolute name, or a relative one in the first folder that has it. Never
+/// in the process's current folder. ODO_E_CONFIG names the folders searched; with a single folder, the name in it is
+/// returned in any case, so that its reader states the reason.
+Result<std::filesystem::path> find_named(const std::string& name, const std::vector<std::filesystem::path>& folders);
 
 /// 64 hexadecimal digits.
 bool is_sha256(const std::string& text);

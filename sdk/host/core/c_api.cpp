@@ -39,14 +39,13 @@ int32_t create(const odo_session_options& options, odo_session** out, odo_error*
   if (path.empty() == config_text.empty())
     return fail(error, {ODO_E_ARGUMENT, "expected exactly one of config_path and config_text"});
   const auto directories = odograph::path_list(text(options.plugin_path));
-  auto config = path.empty() ? odograph::read_pipeline_config(config_text, "<text>", directories)
-                             : odograph::read_pipeline_config_file(path, directories);
-  if (!config) return fail(error, config.failure());
-  std::vector<std::filesystem::path> assets = {
-      path.empty() ? std::filesystem::current_path()
-                   : std::filesystem::absolute(odograph::utf8_path(path)).parent_path()};
+  std::vector<std::filesystem::path> assets;
   for (const auto& folder : odograph::path_list(text(options.asset_path)))
     assets.push_back(std::filesystem::absolute(folder));
+  auto config = path.empty() ? odograph::read_pipeline_config(config_text, "<text>", directories, assets)
+                             : odograph::read_pipeline_config_file(path, directories, assets);
+  if (!config) return fail(error, config.failure());
+  if (!path.empty()) assets.insert(assets.begin(), std::filesystem::absolute(odograph::utf8_path(path)).parent_path());
   if (options.flags & ODO_SESSION_CRASH_NOTES) odograph::install_crash_handler();
   auto session = odograph::Session::make(std::move(*config), std::move(assets), options.run != ODO_RUN_REPLAY,
                                          options.seed, {options.user, options.get_service});

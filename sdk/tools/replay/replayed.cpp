@@ -36,7 +36,7 @@ Result<PipelineConfig> config_of(const RunOptions& options) {
   if (!own) return own.failure();
   std::vector<std::filesystem::path> directories;
   if (!options.plugin_path.empty()) directories.emplace_back(options.plugin_path);
-  auto config = read_pipeline_config_file(own->config, directories);
+  auto config = read_pipeline_config_file(own->config, directories, path_list(own->asset_path));
   if (!config) return named_as(options.config, own->config, config.failure());
   return config;
 }
