@@ -335,7 +335,7 @@ TEST_CASE("a sensor clock that is set back moves the anchors with the phone") {
   CHECK((where(app, id) - phone(app)).norm() < 15);  // ten seconds of walking in between
 }
 
-TEST_CASE("an anchor in neither world is rejected, and its name is cut between characters") {
+TEST_CASE("an anchor in neither world or with a name of more than 63 bytes is rejected") {
   App app(kWalk + kInertial + kStart);
   app.walk(0, 500);
   odo_anchor_place at = place(ODO_ANCHOR_POSE);
@@ -344,8 +344,12 @@ TEST_CASE("an anchor in neither world is rejected, and its name is cut between c
   CHECK(odo_anchor_create(app.session, &at, &id) == ODO_E_ARGUMENT);
   at.world = ODO_WORLD_CORRECTED;
   std::string name;
-  for (int i = 0; i < 40; ++i) name += "\xc3\xbc";  // 80 bytes; a cut at 63 would split a character
-  at.name = {name.data(), name.size()};
+  for (int i = 0; i < 32; ++i) name += "\xc3\xbc";
+  at.name = {name.data(), 64};
+  CHECK(odo_anchor_create(app.session, &at, &id) == ODO_E_ARGUMENT);
+  at.name = {nullptr, 3};
+  CHECK(odo_anchor_create(app.session, &at, &id) == ODO_E_ARGUMENT);
+  at.name = {name.data(), 62};
   const uint64_t first = make(app, at);
   CHECK(std::string(get(app, first).name) == name.substr(0, 62));
   odo_anchor anchor{};

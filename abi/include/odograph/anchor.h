@@ -85,6 +85,7 @@ typedef struct odo_anchor {
 /* [any] Creates an anchor. Ids count from 1, belong to the session and are never reused in it. A geodetic anchor is
  * placed as soon as the position of the phone in n, the origin of n and, above terrain, the height of the ground are
  * known. odo_session_load restores saved anchors: look for the name in odo_anchor_list before creating an anchor again.
+ * A local anchor is saved if the position of the phone in n is known: on the Earth if n has an origin, otherwise in n.
  * Returns ODO_NOT_READY while the position of the phone is unknown (local anchors), ODO_E_NOT_FOUND for a time outside
  * the stored poses, ODO_E_EXHAUSTED beyond 1024 anchors, ODO_E_ARGUMENT (unknown kind, number not finite, q not a unit
  * quaternion, latitude beyond a pole, longitude beyond 2 pi, name of more than 63 bytes). */

@@ -7,7 +7,7 @@
 
 #include <Eigen/Eigenvalues>
 
-#include "sdk/host/base/printable.hpp"
+#include "sdk/host/messages/bounds.hpp"
 #include "sdk/math/rotation.hpp"
 
 namespace odograph {
@@ -17,8 +17,6 @@ using Eigen::Matrix3d;
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 using Matrix36 = Eigen::Matrix<double, 3, 6>;
-
-constexpr size_t kMaxName = sizeof(odo_anchor::name) - 1;
 
 Quaterniond rotation(const double* wxyz) {
   const Quaterniond q(wxyz[0], wxyz[1], wxyz[2], wxyz[3]);
@@ -40,8 +38,7 @@ Anchors::Anchor& Anchors::add(const odo_anchor_place& place, Reference reference
   Anchor& anchor = anchors_.emplace_back();
   anchor.id = ++last_id_;
   anchor.kind = place.kind;
-  const std::string_view name(place.name.data, place.name.data ? place.name.size : 0);
-  anchor.name = whole_characters(name, kMaxName);
+  anchor.name.assign(place.name.data ? place.name.data : "", place.name.size);
   anchor.reference = reference;
   anchor.smooth = SmoothPose(p_.smooth);
   anchor.q = rotation(place.q);
@@ -96,7 +93,7 @@ std::optional<Anchors::State> Anchors::get(uint64_t id, int64_t t_ns) const {
   State state;
   state.anchor.kind = anchor.kind;
   state.anchor.id = anchor.id;
-  anchor.name.copy(state.anchor.name, kMaxName);
+  anchor.name.copy(state.anchor.name, kLongestName);
   state.anchor.state = anchor.placed ? ODO_TRACKING : ODO_LOST;
   state.anchor.reason = anchor.placed ? ODO_REASON_NONE : anchor.lost_reason;
   state.T_n_a = anchor.T_n_a;
@@ -233,7 +230,8 @@ bool is_valid(const Saved& saved) {
   if (!finite(saved.geodetic, 3) || !finite(saved.q, 4) || !finite(saved.p, 3) || !std::isfinite(saved.sigma_m))
     return false;
   const double norm = Eigen::Vector4d(saved.q).norm();
-  return norm > 0.9 && norm < 1.1 && std::abs(saved.geodetic[0]) <= EIGEN_PI / 2 &&
+  return norm > 0.9 && norm < 1.1 && bounds::kLatitude_rad.holds(saved.geodetic[0]) &&
+         bounds::kLongitude_rad.holds(saved.geodetic[1]) &&
          (saved.reference == kSavedGeodetic || saved.reference == kSavedNavigation) &&
          saved.name[sizeof saved.name - 1] == 0;
 }
@@ -246,7 +244,7 @@ std::vector<uint8_t> Anchors::save() const {
   for (const Anchor& anchor : anchors_) {
     Saved saved{};
     saved.kind = anchor.kind, saved.height_above = anchor.height_above, saved.sigma_m = anchor.sigma_m;
-    anchor.name.copy(saved.name, kMaxName);
+    anchor.name.copy(saved.name, kLongestName);
     Quaterniond q = anchor.T_n_a.q;
     if (anchor.reference == Reference::geodetic) {
       saved.reference = kSavedGeodetic;

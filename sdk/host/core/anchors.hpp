@@ -54,6 +54,8 @@ class Anchors {
     double position_variance = 0, view_variance = 0, yaw_variance = 0;
   };
 
+  static constexpr size_t kLongestName = sizeof(odo_anchor::name) - 1;  ///< bytes
+
   explicit Anchors(Geodesy& geodesy) : geodesy_(geodesy) {}
 
   // [any]

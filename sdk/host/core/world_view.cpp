@@ -56,11 +56,14 @@ int32_t WorldView::pose_of(uint32_t of, bool smooth, int64_t t_ns, odo_pose& out
 int32_t WorldView::create_anchor(const odo_anchor_place& place, uint64_t& id) {
   if (place.kind < ODO_ANCHOR_POSE || place.kind > ODO_ANCHOR_GEODETIC || place.world > ODO_WORLD_SMOOTH)
     return ODO_E_ARGUMENT;
+  if (place.name.size > Anchors::kLongestName || (place.name.size > 0 && !place.name.data)) return ODO_E_ARGUMENT;
   if (!finite(place.q, 4) || !is_rotation(place.q)) return ODO_E_ARGUMENT;
   if (place.kind == ODO_ANCHOR_GEODETIC) {
     const double numbers[] = {place.latitude_rad, place.longitude_rad, place.height_m, place.geoid_height_m,
                               place.sigma_m};
-    if (!finite(numbers, 5) || std::abs(place.latitude_rad) > EIGEN_PI / 2 || place.sigma_m < 0) return ODO_E_ARGUMENT;
+    if (!finite(numbers, 5) || !bounds::kLatitude_rad.holds(place.latitude_rad) ||
+        !bounds::kLongitude_rad.holds(place.longitude_rad) || place.sigma_m < 0)
+      return ODO_E_ARGUMENT;
     if (place.height_above < ODO_HEIGHT_ELLIPSOID || place.height_above > ODO_HEIGHT_TERRAIN) return ODO_E_ARGUMENT;
     id = anchors_.add_geodetic(place);
     return id != 0 ? ODO_OK : ODO_E_EXHAUSTED;

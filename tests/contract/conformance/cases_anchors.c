@@ -93,8 +93,8 @@ static void bad_places(int unused) {
   uint64_t id;
   int which;
   (void)unused;
-  for (which = 0; which < 8; ++which) {
-    odo_anchor_place place = place_of(which < 4 ? ODO_ANCHOR_POSE : ODO_ANCHOR_GEODETIC);
+  for (which = 0; which < 11; ++which) {
+    odo_anchor_place place = place_of(which < 4 || which > 9 ? ODO_ANCHOR_POSE : ODO_ANCHOR_GEODETIC);
     int32_t status;
     if (which == 0) place.kind = 0;
     if (which == 1) place.kind = 4;
@@ -104,6 +104,9 @@ static void bad_places(int unused) {
     if (which == 5) place.longitude_rad = (double)INFINITY;
     if (which == 6) place.height_above = 9;
     if (which == 7) place.sigma_m = (double)NAN;
+    if (which == 8) place.longitude_rad = 6.29;
+    if (which == 9) place.longitude_rad = -8.5; /* degrees */
+    if (which == 10) place.name = string_of("a name of sixty-four bytes, one more than an anchor's name may h");
     status = odo.anchor_create(self->session, &place, &id);
     CHECK(status == ODO_E_ARGUMENT, "place %d: odo_anchor_create = %s; expected ODO_E_ARGUMENT", which,
           status_name(status));
@@ -131,7 +134,7 @@ static void where_it_is(int unused) {
   uint64_t id;
   (void)unused;
   place.p[0] = 5, place.p[2] = -1;
-  place.name = string_of("a name of more than sixty-three bytes, which is cut behind the sixty-third of them");
+  place.name = string_of("a name of sixty-three bytes, as many as an anchor's name may be");
   EXPECT(odo.anchor_create(self->session, &place, &id), ODO_OK);
   EXPECT(get(self, id, &anchor), ODO_OK);
   CHECK(anchor.id == id && anchor.kind == ODO_ANCHOR_POSE, "it has id %llu and kind %u", (unsigned long long)anchor.id,
@@ -143,8 +146,8 @@ static void where_it_is(int unused) {
         anchor.p_n[1], anchor.p_n[2]);
   CHECK(fabs(anchor.p_view[0] - 3.1) < 0.2, "in the view it is %g m ahead; expected about 3.1", anchor.p_view[0]);
   CHECK(anchor.q_n[0] == 1, "all zero is no rotation: q_n begins with %g", anchor.q_n[0]);
-  CHECK(strlen(anchor.name) == 63 && strncmp(anchor.name, "a name of more than", 19) == 0, "its name is \"%.64s\"",
-        anchor.name);
+  CHECK(strcmp(anchor.name, "a name of sixty-three bytes, as many as an anchor's name may be") == 0,
+        "its name is \"%.64s\"", anchor.name);
 }
 
 /* A geodetic anchor created before the last second of a walk. */
@@ -199,7 +202,7 @@ static void in_front(int unused) {
         "behind the camera it has flags 0x%x and p_view[2] = %g", anchor.flags, anchor.p_view[2]);
 }
 
-#define MAKES "Ids count from 1 and are never reused."
+#define MAKES "Ids count from 1, belong to the session and are never reused in it."
 const conformance_case cases_anchors[] = {
     {"anchors are numbered from 1, listed in their order and removed once", "anchor.h", MAKES, life_of_anchors, 0},
     {"a local anchor needs a position", "anchor.h",
@@ -207,10 +210,11 @@ const conformance_case cases_anchors[] = {
     {"a local anchor needs a time that is kept", "anchor.h", "ODO_E_NOT_FOUND for a time outside the stored poses",
      time_is_kept, 0},
     {"bad places are refused", "anchor.h",
-     "ODO_E_ARGUMENT (unknown kind, number not finite, q not a unit quaternion, latitude beyond a pole)", bad_places,
-     0},
+     "ODO_E_ARGUMENT (unknown kind, number not finite, q not a unit quaternion, latitude beyond a pole, longitude "
+     "beyond 2 pi, name of more than 63 bytes)",
+     bad_places, 0},
     {"there are 1024 anchors at most", "anchor.h", "ODO_E_EXHAUSTED beyond 1024 anchors", too_many, 0},
-    {"a local anchor is where it was put, with 63 bytes of its name", "anchor.h", "UTF-8; truncated to 63 bytes",
+    {"a local anchor is where it was put, with 63 bytes of its name", "anchor.h", "UTF-8, at most 63 bytes",
      where_it_is, 0},
     {"a geodetic anchor is placed where start and origin are known", "anchor.h",
      "A geodetic anchor is placed as soon as the position of the phone in n, the origin of n and, above terrain, the "
