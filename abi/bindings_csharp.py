@@ -47,7 +47,7 @@ def fields(description, struct):
 def constant(name, value):
     if isinstance(value, str):
         return f'    public const string {name} = "{value}";'
-    status = name.startswith("ODO_E_") or name in ("ODO_OK", "ODO_NOT_READY")
+    status = name.startswith("ODO_E_") or name in ("ODO_OK", "ODO_NOT_READY", "ODO_END", "ODO_PARTIAL")
     kind = "int" if status else "uint" if 0 <= value < 2**32 else "long"
     return f"    public const {kind} {name} = {value};"
 

@@ -76,7 +76,7 @@ def rust(description, minimum):
     def constant(name, value):
         if isinstance(value, str):
             return f'pub const {name}: &str = "{value}";'
-        status = name.startswith("ODO_E_") or name in ("ODO_OK", "ODO_NOT_READY")
+        status = name.startswith("ODO_E_") or name in ("ODO_OK", "ODO_NOT_READY", "ODO_END", "ODO_PARTIAL")
         kind = "i32" if status else "u32" if 0 <= value < 2**32 else "i64"
         return f"pub const {name}: {kind} = {value};"
 

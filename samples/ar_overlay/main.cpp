@@ -95,7 +95,10 @@ bool replay(odo_session* session, const Options& options, App& app) {
   const void* encoded = nullptr;
   uint64_t size = 0;
   bool goes_on = true;
-  while (goes_on && odo_recording_next(recording, &message, &encoded, &size) == ODO_OK) {
+  int32_t status = ODO_OK;
+  while (goes_on && (status = odo_recording_next(recording, &message, &encoded, &size)) != ODO_END) {
+    if (status == ODO_E_DATA) continue;  // a damaged record costs only itself; odo_recording_loss counts it
+    if (status != ODO_OK) break;
     if (ODO_IS_EVENT(message->type)) continue;
     if (message->type == ODO_TYPE_CALIBRATION) {
       odo_calibration lens;
@@ -113,8 +116,11 @@ bool replay(odo_session* session, const Options& options, App& app) {
     const cv::Mat picture = encoded ? cv::imdecode(bytes, cv::IMREAD_ANYCOLOR) : cv::Mat();
     if (!picture.empty()) goes_on = app.show(picture, frame);
   }
+  error.struct_size = sizeof error;
+  if (odo_recording_loss(recording, &error) == ODO_OK && error.status != ODO_OK)
+    std::fprintf(stderr, "ar_overlay: %s: %s\n", options.recording.c_str(), error.message);
   odo_recording_close(recording);
-  return true;
+  return status == ODO_OK || status == ODO_END;
 }
 
 /// A camera without an inertial sensor: no metric scale unless the config's front-end or steps give one.

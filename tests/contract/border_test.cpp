@@ -26,6 +26,8 @@ TEST_SUITE_BEGIN("border");
 TEST_CASE("every number has a unique text, and so has a number of a newer list") {
   const std::map<int32_t, std::string> statuses = {{ODO_OK, "ok"},
                                                    {ODO_NOT_READY, "not ready yet"},
+                                                   {ODO_END, "at the end"},
+                                                   {ODO_PARTIAL, "done in part"},
                                                    {ODO_E_ARGUMENT, "bad argument"},
                                                    {ODO_E_DISCARD, "input discarded"},
                                                    {ODO_E_EXHAUSTED, "quota or buffer exhausted"},
@@ -37,8 +39,6 @@ TEST_CASE("every number has a unique text, and so has a number of a newer list")
                                                    {ODO_E_NOT_FOUND, "not found"},
                                                    {ODO_E_DATA, "damaged data"},
                                                    {ODO_E_IO, "input or output failed"},
-                                                   {ODO_END, "at the end"},
-                                                   {ODO_PARTIAL, "done in part"},
                                                    {ODO_E_MEMORY, "out of memory"},
                                                    {ODO_E_ERROR, "error"},
                                                    {ODO_E_FATAL, "fatal error"}};
@@ -117,6 +117,84 @@ TEST_CASE("a null pointer is a bad argument of every function, and a struct that
   CHECK(odo_session_load(s, p, 8) == ODO_E_DATA);
   CHECK(odo_anchor_list(s, nullptr, 0) == 0);
   CHECK(odo_anchor_remove(s, 1) == ODO_E_NOT_FOUND);
+}
+
+namespace {
+
+/// The hash that ends a saved state: FNV-1a.
+void sign_state(std::string& blob) {
+  uint64_t hash = 14695981039346656037u;
+  for (size_t i = 0; i + 8 < blob.size(); ++i) hash = (hash ^ static_cast<unsigned char>(blob[i])) * 1099511628211u;
+  std::memcpy(blob.data() + blob.size() - 8, &hash, sizeof hash);
+}
+
+}  // namespace
+
+TEST_CASE("a saved state whose plugin's part is rejected is restored in part, and the plugin is named") {
+  const std::string yaml = "odograph: 1\nattitude: {plugin: attitude/vqf}\nstep_estimator: {plugin: step/odograph}\n";
+  App before(yaml);
+  REQUIRE_MESSAGE(before.status == ODO_OK, before.message);
+  odo_anchor_place place{};
+  place.struct_size = sizeof place, place.kind = ODO_ANCHOR_GEODETIC, place.height_above = ODO_HEIGHT_ELLIPSOID;
+  uint64_t id = 0;
+  CHECK(odo_anchor_create(before.session, &place, &id) == ODO_OK);
+  std::string blob(static_cast<size_t>(odo_session_save(before.session, nullptr, 0)), '\0');
+  odo_session_save(before.session, blob.data(), blob.size());
+  std::string again = blob;
+  sign_state(again);
+  CHECK(again == blob);
+  const size_t name = blob.find("step/odograph");
+  REQUIRE(name != std::string::npos);
+  uint32_t name_size = 0;
+  std::memcpy(&name_size, blob.data() + name - 12, sizeof name_size);
+  blob.replace(name + name_size, 8, 8, '\xff');
+  sign_state(blob);
+  App after(yaml);
+  CHECK(odo_session_load(after.session, blob.data(), blob.size()) == ODO_PARTIAL);
+  odo_error error{};
+  error.struct_size = sizeof error;
+  CHECK(odo_session_last_error(after.session, &error) == ODO_OK);
+  CHECK(std::string(error.message).find("saved state rejected by: step/odograph") != std::string::npos);
+  CHECK(odo_anchor_list(after.session, nullptr, 0) == 1);
+}
+
+TEST_CASE("relative names in a config's text are searched in asset_path alone, those of a file beside it first") {
+  const TemporaryFolder here, other;
+  write_text(here / "lens.yaml", "width: 640\nheight: 480\nfx: 431.5\nfy: 432.5\ncx: 320\ncy: 240\n");
+  const std::string camera = "camera: lens.yaml\n", search = "plugins: {search: [mine]}\n",
+                    program = "plugins: {host: bin/host}\n", path = "attitude: {plugin: x.odoplugin.json}\n";
+  const auto made = [](const std::string& yaml, const std::string& file, const std::string& assets) {
+    odo_session_options o{};
+    o.struct_size = sizeof o, o.run = ODO_RUN_REPLAY;
+    o.config_text = {yaml.data(), yaml.size()}, o.config_path = {file.data(), file.size()};
+    o.asset_path = {assets.data(), assets.size()};
+    odo_session* session = nullptr;
+    odo_error error{};
+    error.struct_size = sizeof error;
+    odo_session_create(&o, &session, &error);
+    odo_session_destroy(session);
+    return std::string(error.message);
+  };
+  const auto text = [&](const std::string& line, const std::string& assets) {
+    return made("odograph: 1\n" + line, "", assets);
+  };
+  const fs::path before = fs::current_path();
+  fs::current_path(here.path());
+  for (const std::string& line : {camera, search, program, path}) {
+    CAPTURE(line);
+    CHECK(text(line, "").find("no folder to search; expected an absolute path") != std::string::npos);
+  }
+  const std::string both = other.path().string() + kPlatform.path_separator + here.path().string();
+  CHECK(text(camera, here.path().string()) == "");
+  CHECK(text(camera, both) == "");
+  fs::rename(here / "lens.yaml", here / "moved.yaml");
+  const std::string missing = text(camera, both);
+  CHECK(missing.find("'lens.yaml' is in none of the folders searched: " + other.path().string() + ", " +
+                     here.path().string()) != std::string::npos);
+  const std::string file = write_text(other / "c.yaml", "odograph: 1\ncamera: moved.yaml\n").string();
+  CHECK(made("", file, "") != "");  // not in the current folder either
+  CHECK(made("", file, here.path().string()) == "");
+  fs::current_path(before);
 }
 
 TEST_CASE("each plugin gets its own seed from the session's by SplitMix64, and files in the order of the folders") {

@@ -131,9 +131,11 @@ TEST_CASE("bad samples are counted, and the session recovers from them") {
   CHECK(s.duplicate == 1);
   odo_error error{};
   error.struct_size = sizeof error;
-  CHECK(odo_session_last_error(app.session, &error) != ODO_OK);
+  CHECK(odo_session_last_error(app.session, &error) == ODO_OK);
+  CHECK(error.status != ODO_OK);
   CHECK(std::string(error.message).find("imu") != std::string::npos);
   CHECK(odo_session_last_error(app.session, &error) == ODO_OK);
+  CHECK(error.status == ODO_OK);
   const auto steps = s.steps;
   app.walk(1600, 2600);  // six seconds of silence, then continues
   odo_session_flush(app.session);

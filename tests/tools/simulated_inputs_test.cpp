@@ -73,7 +73,7 @@ TEST_CASE("a simulated board is found in its pictures, which are stored if a fol
   CHECK(views->size() >= 2);
   CHECK(std::distance(std::filesystem::directory_iterator(folder / "kept"), {}) == 3);
   write_text(folder / "file", "");
-  CHECK(simulated_views({}, lens, 3, 1, folder / "file", {}).failure().status == ODO_E_NOT_FOUND);
+  CHECK(simulated_views({}, lens, 3, 1, folder / "file", {}).failure().status == ODO_E_IO);
 }
 
 TEST_CASE("a random walker follows the scenario's route without stops, and no two are alike") {

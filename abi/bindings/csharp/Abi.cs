@@ -12,8 +12,8 @@ namespace Odograph {
     public const uint ODO_ABI_MINOR = 0;
     public const int ODO_OK = 0;
     public const int ODO_NOT_READY = 1;
-    public const uint ODO_END = 2;
-    public const uint ODO_PARTIAL = 3;
+    public const int ODO_END = 2;
+    public const int ODO_PARTIAL = 3;
     public const int ODO_E_ARGUMENT = -1;
     public const int ODO_E_DISCARD = -2;
     public const int ODO_E_EXHAUSTED = -3;

@@ -237,7 +237,8 @@ namespace Odograph {
     public string LastError() {
       var error = default(odo_error);
       error.struct_size = (uint)sizeof(odo_error);
-      return Abi.odo_session_last_error(session, &error) == Abi.ODO_OK ? null : Marshal.PtrToStringAnsi((IntPtr)error.message);
+      OdographException.Check(Abi.odo_session_last_error(session, &error));
+      return error.status == Abi.ODO_OK ? null : Marshal.PtrToStringAnsi((IntPtr)error.message);
     }
 
     public ulong CreateAnchor(AnchorPlace place, string name = "") {
@@ -286,16 +287,29 @@ namespace Odograph {
       recording = made;
     }
 
-    /// Returns the next message in time order, and for a frame the encoded picture.
+    /// Returns the next message in time order, and for a frame the encoded picture. Records that cannot be read are skipped; Loss() counts
+    /// them.
     public bool Next(out Event message, out IntPtr picture, out int size) {
       odo_header* header;
       void* bytes;
       ulong count;
-      bool there = Abi.odo_recording_next(recording, &header, &bytes, &count) == Abi.ODO_OK;
+      int status;
+      do status = Abi.odo_recording_next(recording, &header, &bytes, &count);
+      while (status == Abi.ODO_E_DATA);
+      OdographException.Check(status);
+      bool there = status == Abi.ODO_OK;
       message = new Event(there ? header : null);
       picture = there ? (IntPtr)bytes : IntPtr.Zero;
       size = there ? (int)count : 0;
       return there;
+    }
+
+    /// Describes missing data; empty if the recording is complete.
+    public string Loss() {
+      var loss = default(odo_error);
+      loss.struct_size = (uint)sizeof(odo_error);
+      OdographException.Check(Abi.odo_recording_loss(recording, &loss));
+      return Marshal.PtrToStringAnsi((IntPtr)loss.message);
     }
 
     public void Dispose() { Abi.odo_recording_close(recording); recording = null; }

@@ -68,7 +68,7 @@ export class Session {
 
 export class Recording implements Iterable<Message & {picture?: Uint8Array}> {
   private constructor();
-  /** Returns the next message in time order; null at the end. */
+  /** Returns the next message in time order; null at the end. Records that cannot be read are skipped; loss() counts them. */
   next(): (Message & {picture?: Uint8Array}) | null;
   [Symbol.iterator](): Iterator<Message & {picture?: Uint8Array}>;
   loss(): string;

@@ -171,7 +171,9 @@ export class Session {
   /** The latest error or warning since the last call, or null. */
   lastError() {
     const error = made('error');
-    return this.library.odo_session_last_error(this.#handle, bytes(error)) === abi.ODO_OK ? null : read(error, 0, 'error').message;
+    this.library.check(this.library.odo_session_last_error(this.#handle, bytes(error)));
+    const {status, message} = read(error, 0, 'error');
+    return status === abi.ODO_OK ? null : message;
   }
 
   close() {
@@ -193,10 +195,14 @@ export class Recording {
     this.#recording = library.created((handle, error) => library.odo_recording_open(bytes(name), handle, error));
   }
 
-  /** The next message in time order, for a frame with a copy of its `picture` (PNG or JPEG); null at the end. */
+  /** The next message in time order, for a frame with a copy of its `picture` (PNG or JPEG); null at the end. Records that cannot be
+   * read are skipped; loss() counts them. */
   next() {
     const out = this.#out;
-    if (this.library.odo_recording_next(this.#recording, out.subarray(0, 1), out.subarray(1, 2), out.subarray(2, 3)) !== abi.ODO_OK) return null;
+    let status;
+    do status = this.library.odo_recording_next(this.#recording, out.subarray(0, 1), out.subarray(1, 2), out.subarray(2, 3));
+    while (status === abi.ODO_E_DATA);
+    if (this.library.check(status) !== abi.ODO_OK) return null;
     const found = message(out[0]);
     if (out[1]) found.picture = new Uint8Array(koffi.view(out[1], Number(out[2]))).slice();
     return found;
@@ -208,7 +214,7 @@ export class Recording {
   /** Describes missing data; empty if the recording is complete. */
   loss() {
     const error = made('error');
-    this.library.odo_recording_loss(this.#recording, bytes(error));
+    this.library.check(this.library.odo_recording_loss(this.#recording, bytes(error)));
     return read(error, 0, 'error').message;
   }
 

@@ -188,7 +188,9 @@ export class Session {
   /** The latest error or warning since the last call, or null. */
   lastError() {
     const {library} = this, at = library.ask(this.#scratch, 'error');
-    return library.module._odo_session_last_error(this.#handle, at) === abi.ODO_OK ? null : library.read(at, 'error').message;
+    library.module._odo_session_last_error(this.#handle, at);
+    const {status, message} = library.read(at, 'error');
+    return status === abi.ODO_OK ? null : message;
   }
 
   close() {
@@ -222,10 +224,15 @@ export class Recording {
     this.#out = module._malloc(16);
   }
 
-  /** The next message in time order, for a frame with a copy of its `picture` (PNG or JPEG); null at the end. */
+  /** The next message in time order, for a frame with a copy of its `picture` (PNG or JPEG); null at the end. Records that cannot be
+   * read are skipped; loss() counts them. */
   next() {
     const {library, library: {module}} = this, out = this.#out;
-    if (module._odo_recording_next(this.#recording, out, out + 4, out + 8) !== abi.ODO_OK) return null;
+    let status;
+    do status = module._odo_recording_next(this.#recording, out, out + 4, out + 8);
+    while (status === abi.ODO_E_DATA);
+    if (status < 0) throw new OdographError(status, library.statusText(status));
+    if (status !== abi.ODO_OK) return null;
     const message = library.message(library.view.getUint32(out, true)), picture = library.view.getUint32(out + 4, true);
     if (picture) message.picture = module.HEAPU8.slice(picture, picture + Number(library.view.getBigUint64(out + 8, true)));
     return message;

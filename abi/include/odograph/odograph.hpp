@@ -140,7 +140,8 @@ class Session {
   /// The latest error or warning since the last call; empty if there is none.
   std::string last_error() const {
     auto error = sized<odo_error>();
-    return odo_session_last_error(c(), &error) == ODO_OK ? std::string() : std::string(error.message);
+    check(odo_session_last_error(c(), &error));
+    return error.status == ODO_OK ? std::string() : std::string(error.message);
   }
 
   uint64_t create_anchor(odo_anchor_place place, std::string_view name = {}) {
@@ -169,7 +170,12 @@ class Session {
     if (odo_session_save(c(), &data[0], data.size()) != size) throw Error(ODO_E_ERROR, "the state could not be saved");
     return data;
   }
-  void load(std::string_view data) { check(odo_session_load(c(), data.data(), data.size())); }
+  /// False if a plugin rejected its part, which last_error() names; the others are restored.
+  bool load(std::string_view data) {
+    const int32_t status = odo_session_load(c(), data.data(), data.size());
+    check(status);
+    return status == ODO_OK;
+  }
 
  private:
   struct Listener {
@@ -225,17 +231,21 @@ class Recording {
     check(odo_recording_open(&name, &made, &error), &error);
     recording_.reset(made);
   }
+  /// Records that cannot be read are skipped and counted in loss().
   std::optional<Recorded> next() {
     const odo_header* message = nullptr;
     const void* picture = nullptr;
     uint64_t size = 0;
-    if (odo_recording_next(recording_.get(), &message, &picture, &size) != ODO_OK) return std::nullopt;
+    int32_t status = ODO_E_DATA;
+    while (status == ODO_E_DATA) status = odo_recording_next(recording_.get(), &message, &picture, &size);
+    check(status);
+    if (status != ODO_OK) return std::nullopt;
     return Recorded{Event(message), {static_cast<const char*>(picture), static_cast<size_t>(size)}};
   }
   /// Describes missing data; empty if the recording is complete.
   std::string loss() const {
     auto loss = sized<odo_error>();
-    odo_recording_loss(recording_.get(), &loss);
+    check(odo_recording_loss(recording_.get(), &loss));
     return loss.message;
   }
 

@@ -62,7 +62,7 @@ Result<OutputFile> OutputFile::create(const fs::path& file, PartFile part_file) 
   OutputFile made(target, has_part_file ? part : fs::path(), std::move(lock));
   if (!made.out_) {
     made.abandon();
-    return Failure{ODO_E_NOT_FOUND, file.string() + ": cannot be written"};
+    return Failure{ODO_E_IO, file.string() + ": cannot be written"};
   }
   return made;
 }
@@ -71,7 +71,7 @@ Result<bool> OutputFile::commit() {
   out_.close();
   std::error_code error;
   if (out_ && !part_file_.empty()) fs::rename(part_file_, file_, error);
-  if (!out_ || error) return Failure{ODO_E_NOT_FOUND, file_.string() + ": writing failed; is the disk full?"};
+  if (!out_ || error) return Failure{ODO_E_IO, file_.string() + ": writing failed; is the disk full?"};
   part_file_.clear();
   return true;
 }

@@ -142,7 +142,7 @@ int32_t odo_session_get_pose_of(odo_session* session, uint32_t of, uint32_t smoo
 
 int32_t odo_session_set_callback(odo_session* session, const uint32_t* types, uint32_t count, odo_callback callback,
                                  void* user) {
-  const bool all = !types && count == ODO_ALL_EVENTS;
+  const bool all = count == ODO_ALL_EVENTS;
   if (!session || (count > 0 && !types && !all)) return ODO_E_ARGUMENT;
   return guarded([&] {
     odograph::TypeSet wanted;
@@ -161,7 +161,7 @@ int32_t odo_session_get_statistics(odo_session* session, odo_statistics* statist
 int32_t odo_session_last_error(odo_session* session, odo_error* error) {
   if (!session || !error) return ODO_E_ARGUMENT;
   if (error->struct_size < ODO_ERROR_SIZE_MIN) return ODO_E_STRUCT_SIZE;
-  return guarded([&] { return fail(error, session->session->take_last_error()); });
+  return guarded([&] { return fail(error, session->session->take_last_error()), ODO_OK; });
 }
 
 int32_t odo_session_to_geodetic(odo_session* session, const double* p_n, double* geodetic) {

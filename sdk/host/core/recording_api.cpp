@@ -45,7 +45,9 @@ int32_t open(const std::filesystem::path& path, odo_recording** out, odo_error* 
   while (recording->reader.next())
     if (recording->reader.message(recording->message, picture) && is_kept(recording->message.header().type))
       recording->places.push_back({recording->message.header().t_ns, recording->reader.payload_offset()});
-  if (recording->places.empty()) return fail(error, {ODO_E_DATA, path.string() + ": contains no complete message"});
+  const auto& loss = recording->reader.loss();
+  if (recording->places.empty() && loss.any())
+    return fail(error, {ODO_E_DATA, path.string() + ": contains no complete message; " + loss.text()});
   std::stable_sort(recording->places.begin(), recording->places.end(),
                    [](const auto& a, const auto& b) { return a.t_ns < b.t_ns; });
   *out = recording.release();
@@ -72,11 +74,11 @@ int32_t odo_recording_next(odo_recording* recording, const odo_header** message,
   *message = nullptr;
   if (picture) *picture = nullptr;
   if (picture_size) *picture_size = 0;
-  if (recording->next >= recording->places.size()) return ODO_NOT_READY;
+  if (recording->next >= recording->places.size()) return ODO_END;
   return guarded([&]() -> int32_t {
-    recording->reader.go_to(recording->places[recording->next++].payload_offset);
+    const uint64_t at = recording->places[recording->next++].payload_offset;
     std::span<const unsigned char> bytes;
-    if (!recording->reader.next() || !recording->reader.message(recording->message, bytes)) return ODO_E_DATA;
+    if (!recording->reader.read_at(at) || !recording->reader.message(recording->message, bytes)) return ODO_E_DATA;
     *message = &recording->message.header();
     if (picture && !bytes.empty()) *picture = bytes.data();
     if (picture_size) *picture_size = bytes.size();
@@ -89,7 +91,7 @@ int32_t odo_recording_loss(odo_recording* recording, odo_error* loss) {
   if (loss->struct_size < ODO_ERROR_SIZE_MIN) return ODO_E_STRUCT_SIZE;
   return guarded([&]() -> int32_t {
     const std::string text = recording->reader.loss().text();
-    return odograph::fail(loss, {text.empty() ? ODO_OK : ODO_E_DATA, text});
+    return fail(loss, {text.empty() ? ODO_OK : ODO_E_DATA, text}), ODO_OK;
   });
 }
 
@@ -110,6 +112,7 @@ int32_t odo_recorder_write(odo_recorder* recorder, const odo_header* message, co
                            uint64_t picture_size) {
   if (!recorder || !message || ODO_IS_RESERVED(message->type) || (picture_size > 0 && !picture)) return ODO_E_ARGUMENT;
   if (ODO_IS_BORROWED(message->type) && message->type != ODO_TYPE_FRAME) return ODO_E_UNSUPPORTED;
+  if (picture_size > ODO_LARGEST_PICTURE) return ODO_E_ARGUMENT;
   if (message->struct_size < sizeof *message) return ODO_E_STRUCT_SIZE;
   return guarded([&]() -> int32_t {
     odograph::AnyMessage copy;
@@ -119,17 +122,17 @@ int32_t odo_recorder_write(odo_recorder* recorder, const odo_header* message, co
     const bool written =
         recorder->writer.write(copy.header(), {bytes, static_cast<size_t>(picture_size)}) && recorder->writer.flush();
     recorder->good = recorder->good && written;
-    return written ? ODO_OK : ODO_E_DATA;
+    return written ? ODO_OK : ODO_E_IO;
   });
 }
 
 int32_t odo_recorder_close(odo_recorder* recorder) {
   if (!recorder) return ODO_OK;
   bool good = recorder->good;
-  if (good) good = guarded([&] { return recorder->writer.finish() ? ODO_OK : ODO_E_DATA; }) == ODO_OK;
+  if (good) good = guarded([&] { return recorder->writer.finish() ? ODO_OK : ODO_E_IO; }) == ODO_OK;
   if (!good) recorder->writer.abandon();  // data that reached the disk matters more than disk space
   delete recorder;
-  return good ? ODO_OK : ODO_E_DATA;
+  return good ? ODO_OK : ODO_E_IO;
 }
 
 }  // extern "C"

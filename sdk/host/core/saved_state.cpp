@@ -118,7 +118,7 @@ Result<bool> load_state(std::span<const uint8_t> blob, const PluginRoster& roste
       if (names[i] == part.name && !plugins[i]->load(part.data)) refused += " " + plugins[i]->id();
   for (const Part& part : *parts)
     if (part.name == kAnchors && !anchors.load(part.data)) refused += " anchors";
-  if (!refused.empty()) return Failure{ODO_E_DATA, "saved state rejected by:" + refused};
+  if (!refused.empty()) return Failure{ODO_PARTIAL, "saved state rejected by:" + refused};
   return true;
 }
 

@@ -15,7 +15,8 @@
 namespace odograph {
 
 std::vector<uint8_t> save_state(const PluginRoster& roster, const Anchors& anchors);
-/// Passes each plugin its saved state and skips that of other plugins. Changes nothing if the blob is damaged.
+/// Passes each plugin its saved state and skips that of other plugins. ODO_E_DATA if the blob is damaged (nothing
+/// changes), ODO_PARTIAL if a part is rejected (the others are restored).
 Result<bool> load_state(std::span<const uint8_t> blob, const PluginRoster& roster, Anchors& anchors);
 
 }  // namespace odograph

@@ -65,15 +65,19 @@ void clear_pointers(odo_frame& frame) {  // pointers are meaningless in a file
 
 std::string RecordLoss::text() const {
   std::string said;
+  const auto add = [&said](const std::string& more) { said += (said.empty() ? "" : "; ") + more; };
   if (bytes > 0)
-    said = "damaged at " + std::to_string(places) + (places == 1 ? " place" : " places") + " from byte " +
-           std::to_string(first_at) + " on, " + std::to_string(bytes) + " bytes are unreadable";
-  if (cut) said += std::string(said.empty() ? "" : "; ") + "cut off, or never closed: its end mark is missing";
-  if (!any()) return said;
-  if (records_lost)
-    return said + (said.empty() ? "" : "; ") + std::to_string(*records_lost) + " of " +
-           std::to_string(records_read + *records_lost) + " records are lost";
-  return said + "; " + std::to_string(records_read) + " records were read, the number lost is unknown";
+    add("damaged at " + std::to_string(places) + (places == 1 ? " place" : " places") + " from byte " +
+        std::to_string(first_at) + " on, " + std::to_string(bytes) + " bytes are unreadable");
+  if (cut) add("cut off, or never closed: its end mark is missing");
+  if (bytes > 0 || cut || records_lost.value_or(0) > 0)
+    add(records_lost ? std::to_string(*records_lost) + " of " + std::to_string(records_read + *records_lost) +
+                           " records are lost"
+                     : std::to_string(records_read) + " records were read, the number lost is unknown");
+  if (unreadable > 0)
+    add(std::to_string(unreadable) + (unreadable == 1 ? " record" : " records") +
+        " could be read when it was opened, but not later");
+  return said;
 }
 
 bool RecordReader::has_signature(const std::filesystem::path& file) {
@@ -85,10 +89,12 @@ bool RecordReader::has_signature(const std::filesystem::path& file) {
 Result<RecordReader> RecordReader::open(const std::filesystem::path& file) {
   std::error_code error;
   if (std::filesystem::exists(file, error) && !std::filesystem::is_regular_file(file, error))
-    return Failure{ODO_E_NOT_FOUND, file.string() + ": not a file; a pipe or a device cannot be read as a recording"};
+    return Failure{ODO_E_IO, file.string() + ": not a file; a pipe or a device cannot be read as a recording"};
   RecordReader reader;
   reader.in_.open(file, std::ios::binary);
-  if (!reader.in_) return Failure{ODO_E_NOT_FOUND, file.string() + ": cannot be opened"};
+  if (!reader.in_)
+    return Failure{std::filesystem::exists(file, error) ? ODO_E_IO : ODO_E_NOT_FOUND,
+                   file.string() + ": cannot be opened"};
   reader.size_ = std::filesystem::file_size(file, error);
   reader.scan_budget_left_ = reader.parameters_.scan_budget * reader.size_ + kMinScanBudget;
   char magic[8] = {};
@@ -213,10 +219,15 @@ uint64_t RecordReader::end_of_damage() {
   return size_;
 }
 
-void RecordReader::go_to(uint64_t payload_offset) {
+bool RecordReader::read_at(uint64_t payload_offset) {
   in_.clear();
   offset_ = payload_offset - sizeof(RecordHead);
   in_.seekg(static_cast<std::streamoff>(offset_));
+  ++loss_.unreadable;  // until it is read, also if memory runs out
+  if (read_here(type_) != Found::record) return false;
+  --loss_.unreadable;
+  payload_offset_ = payload_offset;
+  return true;
 }
 
 bool RecordReader::message(AnyMessage& out, std::span<const unsigned char>& picture) const {
@@ -251,6 +262,7 @@ Result<bool> RecordWriter::finish() {
 
 bool RecordWriter::write(uint32_t type, std::span<const unsigned char> head, std::span<const unsigned char> tail) {
   auto& out = file_.stream();
+  if (uint64_t(head.size()) + tail.size() > RecordReader::Parameters().largest_payload) return false;
   const auto size = static_cast<uint32_t>(head.size() + tail.size());
   const RecordHead record{kRecord, type, size, checksum(type, size, head, tail)};
   out.write(reinterpret_cast<const char*>(&record), sizeof record);

@@ -9,6 +9,8 @@
 #include <string>
 #include <vector>
 
+#include <odograph/recording.h>
+
 #include "sdk/host/base/output_file.hpp"
 #include "sdk/host/base/result.hpp"
 #include "sdk/host/messages/messages.hpp"
@@ -23,8 +25,9 @@ struct RecordLoss {
   uint64_t places = 0;                   ///< number of separate damaged stretches
   uint64_t first_at = 0;                 ///< offset of the first one
   bool cut = false;                      ///< it lacks the end mark that its writer would have set
+  uint64_t unreadable = 0;               ///< records that could be read once, but not again
 
-  bool any() const { return bytes > 0 || cut || records_lost.value_or(0) > 0; }
+  bool any() const { return bytes > 0 || cut || records_lost.value_or(0) > 0 || unreadable > 0; }
   /// "damaged at 2 places from byte 4711 on, 320 bytes; 2 of 400 records are lost", or empty.
   std::string text() const;
 };
@@ -39,8 +42,8 @@ struct RecordLoss {
 class RecordReader {
  public:
   struct Parameters {
-    /// Larger payloads count as damage. Judgement: four times an uncompressed picture of 16 megapixels.
-    uint32_t largest_payload = 64u << 20;
+    /// Larger payloads count as damage.
+    uint32_t largest_payload = ODO_LARGEST_MESSAGE + ODO_LARGEST_PICTURE;
     /// Scan budget in multiples of the file size: checksums of false record starts cost at most this much, so that no
     /// file takes quadratic time. Natural damage needs less than one.
     uint64_t scan_budget = 8;
@@ -61,8 +64,8 @@ class RecordReader {
   bool message(AnyMessage& out, std::span<const unsigned char>& picture) const;
   /// The losses found so far; complete once next() has returned false.
   const RecordLoss& loss() const { return loss_; }
-  /// Continues at a payload_offset() returned before.
-  void go_to(uint64_t payload_offset);
+  /// Reads the record at a payload_offset() returned before. False if it is not readable any more, which is a loss.
+  bool read_at(uint64_t payload_offset);
 
  private:
   enum class Found { record, end, damage };
@@ -89,7 +92,7 @@ class RecordWriter {
   /// An existing file remains until finish().
   static Result<RecordWriter> create(const std::filesystem::path& file);
 
-  /// False if writing failed.
+  /// False if writing failed, or if the payload is larger than a reader accepts.
   bool write(uint32_t type, std::span<const unsigned char> head, std::span<const unsigned char> tail = {});
   /// Writes a message, without the pointers of a frame, and its picture. False also for an invalid message.
   bool write(const odo_header& message, std::span<const unsigned char> picture);

@@ -39,7 +39,7 @@ Result<Eigen::Vector3d> write_city_scenario(const CityScenario& a) {
   text << "camera: " << camera_of(a.lens) << '\n';
   std::ofstream out(a.output);
   out << text.str();
-  if (!out.flush()) return Failure{ODO_E_NOT_FOUND, a.output + ": cannot be written"};
+  if (!out.flush()) return Failure{ODO_E_IO, a.output + ": cannot be written"};
   return origin;
 }
 

@@ -113,7 +113,7 @@ Result<size_t> write_model_with_errors(const std::filesystem::path& model, const
   }
   std::ofstream out(output, std::ios::binary);
   out << root.dump();
-  if (!out.flush()) return Failure{ODO_E_NOT_FOUND, output.string() + ": cannot be written"};
+  if (!out.flush()) return Failure{ODO_E_IO, output.string() + ": cannot be written"};
   return up_m.size();
 }
 

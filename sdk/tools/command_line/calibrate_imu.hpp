@@ -8,7 +8,7 @@
 
 namespace odograph {
 
-/// Writes a text file; ODO_E_NOT_FOUND on failure.
+/// Writes a text file; ODO_E_IO on failure.
 Result<bool> write_file(const std::filesystem::path& path, const std::string& text);
 
 struct CalibrateImuArguments {

@@ -27,14 +27,15 @@ struct ConvertArguments {
   ReadOptions reading;
 };
 
-/// Writes a frame with its picture, unchanged or recoded. An undecodable picture is a failure with ODO_E_DATA.
+/// Writes a frame with its picture, unchanged or recoded. A picture that cannot be decoded, encoded or stored is
+/// a failure with ODO_E_DATA.
 Result<bool> write_frame(OdoWriter& writer, const RecordedMessage& m, bool pack) {
   const auto frame = load_frame(m);  // decode even if copied unchanged, to detect damage now
   if (!frame) return frame.failure();
   auto bytes = pack ? std::vector<unsigned char>() : encoded_picture(m.picture);
   const auto written = bytes.empty() ? writer.write(frame->header) : writer.write_encoded_frame(*frame, bytes);
   frame->loan.release(frame->loan.owner);
-  return written ? written : Failure{ODO_E_NOT_FOUND, written.failure().text};
+  return written;
 }
 
 /// Writes the whole recording. Frames whose pictures are unreadable are skipped and counted in `lost`. Without a

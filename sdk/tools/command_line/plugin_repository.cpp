@@ -121,7 +121,7 @@ Result<bool> write_plugin_repository(const std::string& id, const std::filesyste
     fs::create_directories(file.parent_path(), error);
     std::ofstream out(file, std::ios::binary);
     out << text;
-    if (!out.flush()) return Failure{ODO_E_NOT_FOUND, file.string() + ": cannot be written"};
+    if (!out.flush()) return Failure{ODO_E_IO, file.string() + ": cannot be written"};
   }
   fs::permissions(folder / "ci/check", fs::perms::owner_exec | fs::perms::group_exec | fs::perms::others_exec,
                   fs::perm_options::add, error);
@@ -133,7 +133,7 @@ Result<bool> write_plugin_repository(const std::string& id, const std::filesyste
          "(`.github`, `.gitlab-ci.yml`);\n"
          "set `ODOGRAPH_REPOSITORY` there to the address of an apt repository of Odograph, and `ODOGRAPH_KEY` to the "
          "key that signs the plugin, if it is to be signed.\n";
-  if (!readme.flush()) return Failure{ODO_E_NOT_FOUND, (folder / "README.md").string() + ": cannot be written"};
+  if (!readme.flush()) return Failure{ODO_E_IO, (folder / "README.md").string() + ": cannot be written"};
   return true;
 }
 

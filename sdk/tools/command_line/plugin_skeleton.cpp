@@ -129,7 +129,7 @@ Result<bool> write_plugin_skeleton(const std::string& kind, const std::string& i
     std::filesystem::create_directories((folder / name).parent_path(), error);
     std::ofstream out(folder / name, std::ios::binary);
     out << replaced(text, words);
-    if (!out.flush()) return Failure{ODO_E_NOT_FOUND, (folder / name).string() + ": cannot be written"};
+    if (!out.flush()) return Failure{ODO_E_IO, (folder / name).string() + ": cannot be written"};
   }
   return true;
 }

@@ -74,7 +74,7 @@ Result<bool> write_statement(const CheckWish& wish, const std::vector<PluginChec
     const std::filesystem::path file = std::filesystem::path(wish.statement) / name;
     std::ofstream out(file, std::ios::binary);
     out << text;
-    if (!out.flush()) return Failure{ODO_E_NOT_FOUND, file.string() + ": cannot be written"};
+    if (!out.flush()) return Failure{ODO_E_IO, file.string() + ": cannot be written"};
   }
   return true;
 }
@@ -119,7 +119,7 @@ int check(const CheckWish& wish) {
   } else {
     std::ofstream out(wish.output, std::ios::binary);
     out << text;
-    if (!out.flush()) return print_failure({ODO_E_NOT_FOUND, wish.output + ": cannot be written"});
+    if (!out.flush()) return print_failure({ODO_E_IO, wish.output + ": cannot be written"});
   }
   if (!wish.statement.empty())
     if (const auto written = write_statement(wish, checks); !written) return print_failure(written.failure());

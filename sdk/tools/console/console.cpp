@@ -17,7 +17,8 @@ int print_failure(const Failure& failure) {
     case ODO_E_UNSUPPORTED: return kBadUsage;
     case ODO_E_DATA:
     case ODO_E_VERSION:
-    case ODO_E_NOT_FOUND: return kBadData;
+    case ODO_E_NOT_FOUND:
+    case ODO_E_IO: return kBadData;
     default: return kPluginFailure;
   }
 }

@@ -41,7 +41,7 @@ class PosedPictures {
     if (fs::exists(folder_, error) && !fs::is_empty(folder_, error))
       return Failure{ODO_E_ARGUMENT, folder_.string() + ": has files in it already; expected another folder"};
     if (fs::create_directories(folder_, error); error)
-      return Failure{ODO_E_NOT_FOUND, folder_.string() + ": cannot be created"};
+      return Failure{ODO_E_IO, folder_.string() + ": cannot be created"};
     const auto frames = frames_of(run_.recording, lens);
     int64_t next_ns = INT64_MIN;
     for (size_t i = 0; i < frames.size(); ++i) {
@@ -85,7 +85,7 @@ class PosedPictures {
     std::snprintf(name, sizeof name, "%06zu.%s", number, bytes[0] == 0xFF ? "jpg" : "png");
     std::ofstream out(folder_ / name, std::ios::binary);
     out.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
-    if (!out.flush()) return Failure{ODO_E_NOT_FOUND, folder_.string() + ": writing failed; is the disk full?"};
+    if (!out.flush()) return Failure{ODO_E_IO, folder_.string() + ": writing failed; is the disk full?"};
     pictures.push_back({name, pose});
     return true;
   }
@@ -135,7 +135,7 @@ Result<Exported> write_colmap(const ExportedRun& run, const fs::path& folder, do
   write_images(images, posed.pictures);
   points << "# no points: 'colmap point_triangulator' makes them\n";
   if (!cameras.flush() || !images.flush() || !points.flush())
-    return Failure{ODO_E_NOT_FOUND, folder.string() + ": writing failed; is the disk full?"};
+    return Failure{ODO_E_IO, folder.string() + ": writing failed; is the disk full?"};
   return posed.exported;
 }
 

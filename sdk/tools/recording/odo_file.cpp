@@ -46,7 +46,7 @@ Result<std::unique_ptr<OdoWriter>> OdoWriter::create(const fs::path& file, int j
 }
 
 Result<bool> OdoWriter::written(bool good) const {
-  if (!good) return Failure{ODO_E_NOT_FOUND, path_.string() + ": writing failed; is the disk full?"};
+  if (!good) return Failure{ODO_E_IO, path_.string() + ": writing failed; is the disk full?"};
   return true;
 }
 
@@ -71,6 +71,9 @@ Result<bool> OdoWriter::write(const odo_header& message) {
 }
 
 Result<bool> OdoWriter::write_encoded_frame(const odo_frame& frame, std::span<const unsigned char> picture) {
+  if (picture.size() > ODO_LARGEST_PICTURE)
+    return Failure{ODO_E_DATA, "a picture of " + std::to_string(picture.size()) +
+                                   " bytes; a recording stores at most " + std::to_string(ODO_LARGEST_PICTURE)};
   return written(records_.write(frame.header, picture));
 }
 

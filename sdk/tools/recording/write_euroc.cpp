@@ -45,7 +45,7 @@ class EurocWriter {
     if (r_.has(ODO_TYPE_FRAME)) parts.push_back("mav0/cam0/data");  // an empty folder could not be read again
     for (const char* part : parts)
       if (fs::create_directories(folder_ / part, error); error)
-        return Failure{ODO_E_NOT_FOUND, (folder_ / part).string() + ": cannot be created"};
+        return Failure{ODO_E_IO, (folder_ / part).string() + ": cannot be created"};
     for (const auto& m : r_.messages) {
       if (m.message.header().type == ODO_TYPE_CALIBRATION) camera_ = as<odo_calibration>(m.message.header());
       if (m.message.header().type == ODO_TYPE_IMU_NOISE) noise_ = as<odo_imu_noise>(m.message.header());
@@ -55,7 +55,7 @@ class EurocWriter {
     if (r_.has(ODO_TYPE_FRAME)) write_camera();
     write_imu();
     write_truth();
-    if (!complete_) return Failure{ODO_E_NOT_FOUND, folder_.string() + ": writing failed; is the disk full?"};
+    if (!complete_) return Failure{ODO_E_IO, folder_.string() + ": writing failed; is the disk full?"};
     written_.true_states = r_.true_states.size();
     if (r_.true_states.empty() && !r_.truth.empty())
       written_.left_out = std::to_string(r_.truth.size()) + " true poses";

@@ -56,7 +56,7 @@ Result<fs::path> cached_recording(const fs::path& file, uint64_t seed, const fs:
                {.progress = [&](size_t i, size_t n) { progress.show(i, n); }, .city = assets / "city.json"});
   if (!done) return done.failure();
   fs::rename(part, kept, error);
-  if (error) return Failure{ODO_E_NOT_FOUND, kept.string() + ": cannot be written"};
+  if (error) return Failure{ODO_E_IO, kept.string() + ": cannot be written"};
   return kept;
 }
 

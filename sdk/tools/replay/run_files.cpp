@@ -181,7 +181,7 @@ class RunFiles {
   }
 
  private:
-  Failure full() const { return {ODO_E_NOT_FOUND, folder_.string() + ": writing failed; is the disk full?"}; }
+  Failure full() const { return {ODO_E_IO, folder_.string() + ": writing failed; is the disk full?"}; }
 
   std::filesystem::path folder_;
   std::vector<OutputFile> files_;
@@ -195,7 +195,7 @@ Result<bool> write_run(const std::filesystem::path& folder, const Recording& rec
                        const RunOptions& options) {
   std::error_code error;
   std::filesystem::create_directories(folder, error);
-  if (error) return Failure{ODO_E_NOT_FOUND, folder.string() + ": cannot be created: " + error.message()};
+  if (error) return Failure{ODO_E_IO, folder.string() + ": cannot be created: " + error.message()};
   RunFiles files(folder);
   const size_t from = result.first_metric < result.track.size() ? result.first_metric : 0;
   const auto add_track = [&](const char* name, const Trajectory& track) {

@@ -141,7 +141,7 @@ struct Collector {
 constexpr uint64_t kLargestState = 256u << 20;
 
 /// Loads the session's state from a file; a missing file is not an error. An existing but unreadable file is a failure,
-/// because the run would overwrite it.
+/// because the run would overwrite it; so is a file of which a part is rejected (ODO_PARTIAL).
 Result<bool> read_state(odo_session* session, const std::string& path) {
   std::error_code failed;
   const auto there = std::filesystem::status(path, failed);
@@ -151,7 +151,7 @@ Result<bool> read_state(odo_session* session, const std::string& path) {
   if (std::filesystem::file_size(path, failed) > kLargestState)
     return Failure{ODO_E_DATA, path + ": is larger than any saved state"};
   std::ifstream file(path, std::ios::binary);
-  if (!file) return Failure{ODO_E_DATA, path + ": cannot be opened"};
+  if (!file) return Failure{ODO_E_IO, path + ": cannot be opened"};
   std::stringstream bytes;
   bytes << file.rdbuf();
   const std::string blob = bytes.str();

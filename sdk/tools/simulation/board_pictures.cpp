@@ -119,7 +119,7 @@ Result<std::vector<BoardView>> simulated_views(const Board& board, const odo_cal
     if (progress) progress(i, pictures);
     const cv::Mat picture = camera.picture(camera.pose(seed, i), seed, i);
     if (!folder.empty() && !cv::imwrite((folder / (std::to_string(100 + i) + ".png")).string(), picture))
-      return Failure{ODO_E_NOT_FOUND, folder.string() + ": cannot be written"};
+      return Failure{ODO_E_IO, folder.string() + ": cannot be written"};
     if (auto view = finder.find(picture)) views.push_back(std::move(*view));
   }
   return views;

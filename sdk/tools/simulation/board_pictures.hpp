@@ -40,7 +40,7 @@ class BoardCamera {
 odo_calibration random_lens(bool fisheye, uint64_t seed);
 
 /// Board detections in pictures by a BoardCamera, without failed ones; saves the pictures as PNG to a folder if given.
-/// ODO_E_NOT_FOUND if that fails.
+/// ODO_E_IO if that fails.
 Result<std::vector<BoardView>> simulated_views(const Board& board, const odo_calibration& lens, uint64_t seed,
                                                size_t pictures, const std::filesystem::path& folder,
                                                const std::function<void(size_t done, size_t all)>& progress);

@@ -302,7 +302,7 @@ Result<bool> write_city_json(const fs::path& file, const std::vector<Building>& 
       {"vertices", vertices}};
   std::ofstream out(file);
   out << root.dump() << '\n';
-  if (!out.flush()) return Failure{ODO_E_NOT_FOUND, file.string() + ": cannot be written"};
+  if (!out.flush()) return Failure{ODO_E_IO, file.string() + ": cannot be written"};
   return true;
 }
 

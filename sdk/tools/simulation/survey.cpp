@@ -43,7 +43,7 @@ Result<bool> write_known_objects(const Scenario& scenario, uint64_t seed, const 
     } else {
       const std::string picture = "poster" + std::to_string(object.tag) + ".png";
       if (!cv::imwrite((folder / picture).string(), object.poster))
-        return Failure{ODO_E_NOT_FOUND, (folder / picture).string() + ": cannot be written"};
+        return Failure{ODO_E_IO, (folder / picture).string() + ": cannot be written"};
       std::snprintf(line, sizeof line, "    picture: %s\n", picture.c_str());
     }
     text += std::string(line) + "    corners:\n";
@@ -56,7 +56,7 @@ Result<bool> write_known_objects(const Scenario& scenario, uint64_t seed, const 
   const std::filesystem::path file = folder / "objects.yaml";
   std::ofstream out(file);
   out << text;
-  if (!out.flush()) return Failure{ODO_E_NOT_FOUND, file.string() + ": cannot be written"};
+  if (!out.flush()) return Failure{ODO_E_IO, file.string() + ": cannot be written"};
   return true;
 }
 

@@ -30,7 +30,7 @@ Result<std::filesystem::path> write_manifest_beside(const std::filesystem::path&
   path += ".odoplugin.json";
   std::ofstream out(path, std::ios::binary);
   out << made.text.substr(1);
-  if (!out.flush()) return Failure{ODO_E_NOT_FOUND, path.string() + ": cannot be written"};
+  if (!out.flush()) return Failure{ODO_E_IO, path.string() + ": cannot be written"};
   return path;
 }
 

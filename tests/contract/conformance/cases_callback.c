@@ -205,6 +205,20 @@ static void filtered(int unused) {
   CHECK(wanted_calls == 0, "it was called although no type is wanted");
 }
 
+static void all_in_spite_of_types(int unused) {
+  const uint32_t types[] = {ODO_TYPE_REPORT};
+  int one = 1;
+  app* self;
+  (void)unused;
+  hooks.on_message = walk_message;
+  self = app_open(CAMERA_WALK, ODO_RUN_REPLAY);
+  EXPECT(odo.session_set_callback(self->session, types, ODO_ALL_EVENTS, count_attitudes, &one), ODO_OK);
+  walk_second(self, 0);
+  app_flush(self);
+  CHECK(wanted_calls > 0 && strange_type != 0, "it was called %d times, only with attitudes: %s", wanted_calls,
+        strange_type ? "no" : "yes");
+}
+
 #define RULE "Called on the thread of the session (live) or within push or flush (replay)."
 const conformance_case cases_callback[] = {
     {"a replay's events come within push and flush, on the caller's thread", "odograph.h", RULE, within_push_in_replay,
@@ -232,4 +246,6 @@ const conformance_case cases_callback[] = {
      null_function, 0},
     {"a callback is given the events that are wanted, and none when none are", "odograph.h",
      "`types` are the wanted events (ODO_TYPE_*, vendor types too) and are copied", filtered, 0},
+    {"with the count of all events the types are not read", "odograph.h",
+     "With the count ODO_ALL_EVENTS, which selects all, types is ignored.", all_in_spite_of_types, 0},
     {NULL, NULL, NULL, NULL, 0}};

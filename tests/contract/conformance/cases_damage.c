@@ -52,7 +52,7 @@ static void write_file(const char* path, const file* from, size_t size) {
   fclose(opened);
 }
 
-/* Number of readable messages; -1 if the file cannot be opened. *loss is the result of odo_recording_loss. */
+/* Number of readable messages; -1 if the file cannot be opened. *loss is the reason, or the status of the loss. */
 static int read_all(const char* path, int32_t* loss) {
   const odo_string name = string_of(path);
   odo_error words = {sizeof words, 0, ""};
@@ -67,7 +67,8 @@ static int read_all(const char* path, int32_t* loss) {
     ++count;
   }
   words.struct_size = sizeof words;
-  *loss = odo.recording_loss(recording, &words);
+  EXPECT(odo.recording_loss(recording, &words), ODO_OK);
+  *loss = words.status;
   CHECK((*loss == ODO_OK) == (words.message[0] == 0), "odo_recording_loss = %s, \"%s\"", status_name(*loss),
         words.message);
   odo.recording_close(recording);
@@ -148,6 +149,38 @@ static void old_one_stays(int unused) {
   CHECK(!beside, "NAME.part is left");
 }
 
+/* What the operating system refuses: a folder in place of a file, a folder that is not there, a full disk. */
+static void refused_by_the_system(int unused) {
+  char folder[512], nowhere[512];
+  odo_string path;
+  odo_error error = {sizeof error, 0, ""};
+  odo_recording* recording = NULL;
+  odo_recorder* recorder = NULL;
+  odo_barometer sample;
+  FILE* full;
+  (void)unused;
+  need_all();
+  strcpy(folder, case_file("")), strcpy(nowhere, case_file("no_folder/walk.odo"));
+  path = string_of(folder);
+  EXPECT(odo.recording_open(&path, &recording, &error), ODO_E_IO);
+  CHECK(!recording && error.message[0], "there is a recording, or no reason");
+  error.struct_size = sizeof error, error.message[0] = 0;
+  EXPECT(odo.recorder_create(&path, &recorder, &error), ODO_E_IO);
+  CHECK(!recorder && error.message[0], "there is a recorder, or no reason");
+  error.struct_size = sizeof error, error.message[0] = 0;
+  path = string_of(nowhere);
+  EXPECT(odo.recorder_create(&path, &recorder, &error), ODO_E_IO);
+  CHECK(!recorder && error.message[0], "there is a recorder, or no reason");
+  full = fopen("/dev/full", "wb");
+  if (!full) skip_case("the system has no /dev/full");
+  fclose(full);
+  path = string_of("/dev/full");
+  EXPECT(odo.recorder_create(&path, &recorder, NULL), ODO_OK);
+  put_barometer(&sample, T0);
+  EXPECT(odo.recorder_write(recorder, &sample.header, NULL, 0), ODO_E_IO);
+  EXPECT(odo.recorder_close(recorder), ODO_E_IO);
+}
+
 static void no_recordings(int unused) {
   static const char* const texts[] = {"", "hello", "ODOREC1\n", "PK\3\4 and so on and so on"};
   char missing[512], apart[512];
@@ -186,7 +219,7 @@ static void null_is_allowed(int unused) {
 
 const conformance_case cases_damage[] = {
     {"a recording that was cut off has a loss, and its whole records are read", "recording.h",
-     "After a crash, everything up to the last complete message can be read.", cut_off, 0},
+     "After a crash of the process, everything up to the last complete message can be read.", cut_off, 0},
     {"a changed byte costs one message at most and is reported", "recording.h",
      "indexes its messages, without damaged ones (odo_recording_loss)", changed_bytes, 0},
     {"a recording that was never closed can be read and has a loss", "recording.h",
@@ -195,8 +228,10 @@ const conformance_case cases_damage[] = {
      "If a file of that name exists, the recording is written to NAME.part and replaces it when closed", old_one_stays,
      0},
     {"files that are no recordings are refused with a reason", "recording.h",
-     "On failure *recording is null and `error`, which may be null, has the reason: ODO_E_NOT_FOUND, ODO_E_DATA, "
-     "ODO_E_VERSION.",
+     "On failure *recording is null and `error`, which may be null, has the reason: ODO_E_NOT_FOUND, ODO_E_IO, "
+     "ODO_E_DATA, ODO_E_VERSION.",
      no_recordings, 0},
+    {"what the system refuses to create, read or write is an error of input and output", "base.h",
+     "a file could not be created, read or written", refused_by_the_system, 0},
     {"closing null does nothing", "recording.h", "Null is allowed.", null_is_allowed, 0},
     {NULL, NULL, NULL, NULL, 0}};

@@ -149,20 +149,22 @@ static void last_error_once(int unused) {
   app* self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
   odo_error error = {sizeof error, 0, ""};
   odo_barometer sample;
-  int32_t status;
   (void)unused;
   NEED(session_last_error);
+  error.status = ODO_E_DATA;
   EXPECT(odo.session_last_error(self->session, &error), ODO_OK);
+  CHECK(error.status == ODO_OK, "before the first error its status is %s", status_name(error.status));
   put_barometer(&sample, T0);
   sample.pressure_pa = (double)NAN;
   EXPECT(push(self, &sample), ODO_E_DISCARD);
   error.struct_size = sizeof error;
-  status = odo.session_last_error(self->session, &error);
-  CHECK(status == ODO_E_DISCARD && error.status == ODO_E_DISCARD, "odo_session_last_error = %s, status %s",
-        status_name(status), status_name(error.status));
+  EXPECT(odo.session_last_error(self->session, &error), ODO_OK);
+  CHECK(error.status == ODO_E_DISCARD, "its status is %s", status_name(error.status));
   CHECK(strstr(error.message, "pressure_pa"), "it does not name the field: %s", error.message);
   error.struct_size = sizeof error;
   EXPECT(odo.session_last_error(self->session, &error), ODO_OK);
+  CHECK(error.status == ODO_OK && !error.message[0], "the second time it is %s, \"%s\"", status_name(error.status),
+        error.message);
 }
 
 static void there_and_back(int unused) {
@@ -221,7 +223,10 @@ const conformance_case cases_session[] = {
     {"frames, distance and time of a walk are counted", "odograph.h", "Statistics of a session since its creation.",
      walk_is_counted, 0},
     {"the last error is given once, with the field", "odograph.h",
-     "Returns the latest error or warning of a push or a plugin since the last call", last_error_once, 0},
+     "Writes the latest error or warning of a push or a plugin since the last call; error->status is ODO_OK if there "
+     "is "
+     "none.",
+     last_error_once, 0},
     {"places go to the Earth and back, where the origin is known", "odograph.h",
      "ODO_NOT_READY while the origin of n is unknown", there_and_back, 0},
     {"a replay gives the same bytes again", "odograph.h",

@@ -31,7 +31,10 @@ static void all_functions_are_there(int unused) {
 static const char* state_text(int64_t n) { return odo.state_text((uint32_t)n); }
 static const char* reason_text(int64_t n) { return odo.reason_text((uint32_t)n); }
 static const char* mode_text(int64_t n) { return odo.mode_text((uint32_t)n); }
-static const char* status_text(int64_t n) { return odo.status_text((int32_t)n); }
+/* The text of a status by its place in the list; an unknown one for another number. */
+static const char* status_text(int64_t n) {
+  return odo.status_text(n >= 0 && n < (int64_t)status_count ? statuses[n].number : (int32_t)n);
+}
 
 static void check_texts(const char* of, const char* (*text)(int64_t), int64_t from, int64_t to,
                         int64_t first_with_words) {
@@ -53,9 +56,7 @@ static void numbers_have_words(int unused) {
   NEED(state_text);
   NEED(reason_text);
   NEED(mode_text);
-  check_texts("status", status_text, ODO_E_IO, ODO_PARTIAL, ODO_E_IO);
-  check_texts("status", status_text, ODO_E_ERROR, ODO_E_MEMORY, ODO_E_ERROR);
-  CHECK(status_text(ODO_E_FATAL)[0], "the text of ODO_E_FATAL is empty");
+  check_texts("status", status_text, 0, (int64_t)status_count - 1, 0);
   check_texts("state", state_text, ODO_TRACKING, ODO_LOST, ODO_TRACKING);
   check_texts("reason", reason_text, ODO_REASON_NONE, ODO_REASON_NO_ORIGIN, ODO_REASON_INITIALISING);
   check_texts("motion mode", mode_text, ODO_MODE_UNKNOWN, ODO_MODE_HANDLING, ODO_MODE_STATIC);
@@ -127,8 +128,8 @@ const conformance_case cases_version[] = {
     {"null where something is needed is an argument error", "base.h", "the call violates the contract",
      null_is_an_argument, 0},
     {"destroying null does nothing", "odograph.h",
-     "Stops the thread of the session, destroys the plugin instances and releases retained frames. Null is allowed.",
-     null_is_destroyed, 0},
+     "Stops the thread of the session, destroys the plugin instances and releases retained frames.", null_is_destroyed,
+     0},
     {"the current plugin call names the plugin and the call", "odograph.h",
      "Writes at most `capacity` bytes, unterminated, and returns their number; 0: no such call.", current_call_is_named,
      0},

@@ -39,15 +39,22 @@ odo_string string_of(const char* text) {
   return string;
 }
 
+#define STATUS(name) \
+  { name, #name }
+const named_status statuses[] = {STATUS(ODO_OK),          STATUS(ODO_NOT_READY),     STATUS(ODO_END),
+                                 STATUS(ODO_PARTIAL),     STATUS(ODO_E_ARGUMENT),    STATUS(ODO_E_DISCARD),
+                                 STATUS(ODO_E_EXHAUSTED), STATUS(ODO_E_UNSUPPORTED), STATUS(ODO_E_STRUCT_SIZE),
+                                 STATUS(ODO_E_VERSION),   STATUS(ODO_E_STATE),       STATUS(ODO_E_CONFIG),
+                                 STATUS(ODO_E_NOT_FOUND), STATUS(ODO_E_DATA),        STATUS(ODO_E_IO),
+                                 STATUS(ODO_E_MEMORY),    STATUS(ODO_E_ERROR),       STATUS(ODO_E_FATAL)};
+const size_t status_count = COUNT_OF(statuses);
+
 const char* status_name(int64_t status) {
-  static const char* const names[] = {
-      "ODO_OK",        "ODO_E_ARGUMENT", "ODO_E_DISCARD", "ODO_E_EXHAUSTED", "ODO_E_UNSUPPORTED", "ODO_E_STRUCT_SIZE",
-      "ODO_E_VERSION", "ODO_E_STATE",    "ODO_E_CONFIG",  "ODO_E_NOT_FOUND", "ODO_E_DATA",        "ODO_E_MEMORY",
-      "ODO_E_ERROR",   "ODO_E_FATAL"};
   static char number[2][32];
   static int next;
-  if (status == ODO_NOT_READY) return "ODO_NOT_READY";
-  if (status <= 0 && status > -(int64_t)COUNT_OF(names)) return names[-status];
+  size_t i;
+  for (i = 0; i < status_count; ++i)
+    if (statuses[i].number == status) return statuses[i].name;
   next = !next;
   snprintf(number[next], sizeof number[next], "%lld", (long long)status);
   return number[next];

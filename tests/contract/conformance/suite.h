@@ -126,6 +126,12 @@ void run_case(const conformance_case* chosen, double limit_s, bool quiet, result
 
 /* ---- small things ---- */
 #define COUNT_OF(array) (sizeof(array) / sizeof((array)[0]))
+typedef struct named_status {
+  int32_t number;
+  const char* name;
+} named_status;
+extern const named_status statuses[];
+extern const size_t status_count;
 const char* status_name(int64_t status);
 odo_string string_of(const char* text);
 /* A path in a new folder of this case. */

@@ -12,16 +12,19 @@ from ._session import Path
 
 class Recording:
     """Iterates over copies of the messages of a recording in time order; a frame has its encoded `picture`. It can be iterated repeatedly
-    and has a length, so that `tqdm(recording)` shows a bar. `loss` describes missing data."""
+    and has a length, so that `tqdm(recording)` shows a bar. Records that cannot be read are skipped. `loss` describes missing data."""
 
     def __init__(self, path: Path) -> None:
         self.path, self._odo = os.fspath(path), library()
         self._length: int | None = None
         handle = self._opened()
-        loss = sized(abi.odo_error)
-        self._odo.odo_recording_loss(handle, c.byref(loss))
-        self.loss: str = loss.message.decode()
+        self.loss: str = self._loss(handle)
         self._odo.odo_recording_close(handle)
+
+    def _loss(self, handle: Any) -> str:
+        loss = sized(abi.odo_error)
+        check(self._odo.odo_recording_loss(handle, c.byref(loss)))
+        return loss.message.decode()
 
     def _opened(self) -> Any:
         handle, error, path = c.POINTER(abi.odo_recording)(), sized(abi.odo_error), string(self.path)
@@ -32,9 +35,15 @@ class Recording:
         handle, message = self._opened(), c.POINTER(abi.odo_header)()
         picture, size = c.c_void_p(), c.c_uint64()
         try:
-            while self._odo.odo_recording_next(handle, c.byref(message), c.byref(picture), c.byref(size)) == abi.ODO_OK:
-                yield message, picture.value, size.value
+            status = abi.ODO_OK
+            while status != abi.ODO_END:
+                status = self._odo.odo_recording_next(handle, c.byref(message), c.byref(picture), c.byref(size))
+                if status == abi.ODO_OK:
+                    yield message, picture.value, size.value
+                elif status != abi.ODO_E_DATA:
+                    check(status)
         finally:
+            self.loss = self._loss(handle)
             self._odo.odo_recording_close(handle)
 
     def __iter__(self) -> Iterator[Any]:

@@ -157,7 +157,8 @@ class Session:
     def last_error(self) -> str | None:
         """The latest error or warning since the last call, or None."""
         error = sized(abi.odo_error)
-        return None if self._odo.odo_session_last_error(self._open(), c.byref(error)) == abi.ODO_OK else error.message.decode()
+        check(self._odo.odo_session_last_error(self._open(), c.byref(error)))
+        return None if error.status == abi.ODO_OK else error.message.decode()
 
     def to_geodetic(self, p_n: Sequence[float]) -> tuple[float, float, float]:
         """Latitude and longitude (rad) and ellipsoidal height (m) of a position in n."""
@@ -179,8 +180,11 @@ class Session:
         check(self._odo.odo_session_save(self._open(), data, len(data)))
         return data.raw
 
-    def load(self, data: bytes) -> None:
-        check(self._odo.odo_session_load(self._open(), data, len(data)))
+    def load(self, data: bytes) -> bool:
+        """False if a plugin rejected its part, which last_error() names; the others are restored."""
+        status = int(self._odo.odo_session_load(self._open(), data, len(data)))
+        check(status)
+        return status == abi.ODO_OK
 
     def close(self) -> None:
         self._odo.odo_session_destroy(self._session)

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //! Recordings (*.odo), read and written.
 use crate::abi::*;
-use crate::session::{check, check_abi, with_error};
+use crate::session::{check, check_abi, with_error, written};
 use crate::{sized, string, Event, Result};
 use std::os::raw::c_void;
 use std::ptr::{null, null_mut, NonNull};
@@ -24,11 +24,16 @@ impl Recording {
         Ok(Recording(NonNull::new(made).expect("a recording was opened")))
     }
 
-    /// Returns the next message in time order, borrowed until the next call (which is why this is no `Iterator`).
+    /// Returns the next message in time order, borrowed until the next call (which is why this is no `Iterator`). Records that
+    /// cannot be read are skipped and counted in `loss`.
     #[allow(clippy::should_implement_trait)]
     pub fn next(&mut self) -> Option<Recorded<'_>> {
         let (mut message, mut picture, mut size) = (null(), null(), 0);
-        if unsafe { odo_recording_next(self.0.as_ptr(), &mut message, &mut picture, &mut size) } != ODO_OK {
+        let mut status = ODO_E_DATA;
+        while status == ODO_E_DATA {
+            status = unsafe { odo_recording_next(self.0.as_ptr(), &mut message, &mut picture, &mut size) };
+        }
+        if status != ODO_OK {
             return None;
         }
         let picture = (!picture.is_null()).then(|| unsafe { std::slice::from_raw_parts(picture as *const u8, size as usize) });
@@ -37,7 +42,7 @@ impl Recording {
 
     /// Describes missing data; None if the recording is complete.
     pub fn loss(&self) -> Option<String> {
-        with_error(|loss| unsafe { odo_recording_loss(self.0.as_ptr(), loss) }).err().map(|error| error.message)
+        written(|loss| unsafe { odo_recording_loss(self.0.as_ptr(), loss) }).map(|error| error.message)
     }
 }
 impl Drop for Recording {

@@ -40,6 +40,16 @@ pub(crate) fn with_error(call: impl FnOnce(*mut odo_error) -> i32) -> Result<()>
     check(status).map(|_| ())
 }
 
+/// What a call wrote into an odo_error; none if its status is ODO_OK.
+pub(crate) fn written(call: impl FnOnce(*mut odo_error) -> i32) -> Option<Error> {
+    let mut error = odo_error { struct_size: size_of::<odo_error>() as u32, ..odo_error::default() };
+    let status = match call(&mut error) {
+        ODO_OK => error.status,
+        failed => failed,
+    };
+    (status != ODO_OK).then(|| Error { status, message: unsafe { owned(error.message.as_ptr()) } })
+}
+
 /// Version of the library, "major.minor.patch".
 pub fn version() -> String {
     unsafe { owned(odo_version()) }
@@ -194,7 +204,7 @@ impl Session {
 
     /// The latest error or warning since the last call.
     pub fn last_error(&self) -> Option<Error> {
-        with_error(|error| unsafe { odo_session_last_error(self.c(), error) }).err()
+        written(|error| unsafe { odo_session_last_error(self.c(), error) })
     }
 
     /// Creates an anchor and returns its id. Sets name and size of `place`.
@@ -228,8 +238,9 @@ impl Session {
         }
         Ok(data)
     }
-    pub fn load(&mut self, data: &[u8]) -> Result<()> {
-        check(unsafe { odo_session_load(self.c(), data.as_ptr() as *const c_void, data.len() as u64) }).map(|_| ())
+    /// False if a plugin rejected its part, which `last_error` names; the others are restored.
+    pub fn load(&mut self, data: &[u8]) -> Result<bool> {
+        check(unsafe { odo_session_load(self.c(), data.as_ptr() as *const c_void, data.len() as u64) }).map(|status| status == ODO_OK)
     }
 }
 

@@ -21,6 +21,7 @@ public final class OdographException extends RuntimeException {
         private final ByteBuffer memory = ByteBuffer.allocateDirect(SIZE).order(ByteOrder.LITTLE_ENDIAN).putInt(0, SIZE);
         final long address = Native.address(memory);
 
+        int status() { return memory.getInt(4); }
         String message() {
             byte[] bytes = new byte[SIZE - 8];
             int length = 0;

@@ -31,12 +31,25 @@ public final class Recording implements java.io.Closeable, Iterable<Recording.Re
         recording = out.getLong(0);
     }
 
-    /** Returns the next message in time order; null at the end. */
+    /** Returns the next message in time order; null at the end. Records that cannot be read are skipped; loss() counts them. */
     public Recorded next() {
+        if (recording == 0) return null;
         long at = Native.address(out);
-        if (recording == 0 || Abi.odo_recording_next(recording, at, at + 8, at + 16) != Abi.ODO_OK) return null;
+        int status;
+        do {
+            status = Abi.odo_recording_next(recording, at, at + 8, at + 16);
+        } while (status == Abi.ODO_E_DATA);
+        OdographException.check(status);
+        if (status != Abi.ODO_OK) return null;
         long picture = out.getLong(8);
         return new Recorded(new Event(out.getLong(0)), picture == 0 ? null : Native.view(picture, out.getLong(16)));
+    }
+
+    /** Describes missing data; empty if the recording is complete. */
+    public String loss() {
+        OdographException.Text loss = new OdographException.Text();
+        OdographException.check(Abi.odo_recording_loss(recording, loss.address));
+        return loss.message();
     }
 
     @Override

@@ -110,7 +110,8 @@ public final class Session implements java.io.Closeable {
     /** The latest error or warning since the last call, or null. */
     public String lastError() {
         OdographException.Text error = new OdographException.Text();
-        return Abi.odo_session_last_error(open(), error.address) == Abi.ODO_OK ? null : error.message();
+        OdographException.check(Abi.odo_session_last_error(open(), error.address));
+        return error.status() == Abi.ODO_OK ? null : error.message();
     }
 
     /** Creates an anchor and returns its id. */

@@ -153,11 +153,22 @@ public final class Recording {
     }
     deinit { odo_recording_close(recording) }
 
+    /// The next message; nil at the end. Records that cannot be read are skipped and counted in `loss`.
     public func next() -> (message: Event, picture: UnsafeRawBufferPointer?)? {
         var message: UnsafePointer<odo_header>?
         var picture: UnsafeRawPointer?
         var size: UInt64 = 0
-        guard odo_recording_next(recording, &message, &picture, &size) == ODO_OK else { return nil }
+        var status: Int32
+        repeat { status = odo_recording_next(recording, &message, &picture, &size) } while status == ODO_E_DATA
+        guard status == ODO_OK else { return nil }
         return (Event(header: message!), picture.map { UnsafeRawBufferPointer(start: $0, count: Int(size)) })
+    }
+
+    /// Describes missing data; empty if the recording is complete.
+    public var loss: String {
+        var loss = odo_error()
+        loss.struct_size = UInt32(MemoryLayout<odo_error>.size)
+        guard odo_recording_loss(recording, &loss) == ODO_OK else { return "" }
+        return withUnsafeBytes(of: &loss.message) { String(cString: $0.bindMemory(to: CChar.self).baseAddress!) }
     }
 }
