@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "sdk/host/core/scale_group_numbers.hpp"
 #include "sdk/host/core/scale_join.hpp"
 #include "sdk/host/messages/messages.hpp"
 
@@ -57,6 +58,27 @@ TEST_CASE("a horizontal scale and one of all three components are not mixed, and
   CHECK((both->header.flags & ODO_SCALE_STEADY) == 0);
   CHECK(both->valid_from_ns == 50);
   CHECK(both->valid_to_ns == 500);
+}
+
+TEST_CASE("a scale does not outlive the front-end of its group, nor its reset") {
+  ScaleGroupNumbers groups;
+  ScaleJoin join(1);
+  const auto begins = [&](uint32_t instance, uint32_t resets, uint32_t group) {
+    join.begin(motion(100, groups.number(instance, resets, group)));
+    return join.group();
+  };
+  CHECK(begins(2, 0, 7) == 7);  // the first front-end's own numbers remain
+  CHECK(join.answer(0, scale(2.0, 0.05)));
+  CHECK(begins(2, 0, 7) == 7);
+  CHECK(join.joined());
+  CHECK(begins(2, 1, 7) == 15);  // reset
+  CHECK_FALSE(join.joined());
+  CHECK(begins(2, 1, 0) == 8);
+  CHECK_FALSE(join.joined());
+  CHECK(begins(3, 0, 7) == 23);  // another takes over
+  CHECK_FALSE(join.joined());
+  CHECK(begins(2, 1, 7) == 31);  // and hands back
+  CHECK_FALSE(join.joined());
 }
 
 TEST_SUITE_END();

@@ -194,6 +194,7 @@ const odo_scale* Pipeline::scale_for(const odo_vo_motion& motion) {
 
 void Pipeline::on_vo_motion(odo_vo_motion& motion) {
   if (motion.state > ODO_LOST) motion.state = ODO_LOST;  // an unknown state, from a newer ABI (docs/abi.md)
+  motion.scale_group = groups_.number(motion.header.source, roster_.resets(motion.header.source), motion.scale_group);
   composer_.prepare(motion);
   publish_(motion.header);
   odo_vo_motion weighted = motion;

@@ -15,6 +15,7 @@
 #include "sdk/host/core/pose_publisher.hpp"
 #include "sdk/host/core/pose_stream.hpp"
 #include "sdk/host/core/saved_state.hpp"
+#include "sdk/host/core/scale_group_numbers.hpp"
 #include "sdk/host/core/scale_join.hpp"
 #include "sdk/host/core/sensor_watch.hpp"
 #include "sdk/host/localizer/composer.hpp"
@@ -109,6 +110,7 @@ class Pipeline {
   SensorWatch watch_;
   Publish publish_;
   Counters counters_;
+  ScaleGroupNumbers groups_;
   ScaleJoin scale_join_;
   double odometry_covariance_ = 1;  ///< factor on the covariance that a front-end states
   const bool steps_alone_need_heading_;

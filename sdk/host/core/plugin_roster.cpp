@@ -72,6 +72,8 @@ void PluginRoster::deliver(PluginInstance& plugin, const odo_header& message) {
 }
 
 void PluginRoster::send_descriptions(PluginInstance& plugin) {
+  resets_.resize(plugins_.size());
+  ++resets_[plugin.number() - 1];
   for (const AnyMessage& description : descriptions_) {
     if (!is_for(plugin, description.header())) continue;
     for (const AnyMessage& event : plugin.process(description.header())) emit_(event);

@@ -40,7 +40,7 @@ class PluginRoster {
   /// Stores the newest calibration of each camera and the newest noise of each IMU.
   void store_description(const odo_header& description);
   const std::vector<AnyMessage>& descriptions() const { return descriptions_; }
-  /// Sends the stored descriptions: a reset plugin has none.
+  /// The plugin was reset: sends the stored descriptions, which it has no more.
   void send_descriptions(PluginInstance& plugin);
 
   /// Whether a message belongs to the front-end's camera: the first with a calibration or a frame.
@@ -57,6 +57,8 @@ class PluginRoster {
   /// plugins do not count.
   bool any_failed() const;
   uint64_t faults() const;
+  /// How often the instance of this number has been reset.
+  uint32_t resets(uint32_t number) const { return number - 1 < resets_.size() ? resets_[number - 1] : 0; }
   /// Height of the ground in n, m downwards, from the first plugin with a terrain model; nothing without one.
   std::optional<double> ground_at(double north_m, double east_m, double near_down_m) const;
   /// In the order of their numbers, from 1.
@@ -77,6 +79,7 @@ class PluginRoster {
   Emit emit_;
   std::vector<std::unique_ptr<PluginInstance>> plugins_;
   Plugins call_order_, scale_sources_;  // the same in calling order; the scale sources among them
+  std::vector<uint32_t> resets_;        // by number
   bool has_attitude_ = false, has_front_end_ = false;
   std::vector<AnyMessage> descriptions_;
   static constexpr int64_t kNoCamera = -1;
