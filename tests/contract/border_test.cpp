@@ -112,6 +112,7 @@ TEST_CASE("a null pointer is a bad argument of every function, and a struct that
   CHECK(odo_session_get_pose_of(s, ODO_OF_CAMERA + 1, 0, 0, &pose) == ODO_E_STRUCT_SIZE);
   pose.header.struct_size = sizeof pose;
   CHECK(odo_session_get_pose_of(s, ODO_OF_CAMERA + 1, 0, 0, &pose) == ODO_E_ARGUMENT);
+  CHECK(odo_session_get_pose_of(s, ODO_OF_PIPELINE, ODO_WORLD_SMOOTH + 1, 0, &pose) == ODO_E_ARGUMENT);
   CHECK(odo_session_set_callback(s, nullptr, 0, nullptr, nullptr) == ODO_OK);
   CHECK(odo_session_save(s, nullptr, 0) > 0);
   CHECK(odo_session_load(s, p, 8) == ODO_E_DATA);

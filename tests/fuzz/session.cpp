@@ -241,7 +241,7 @@ class Caller {
     odo_pose pose{};
     pose.header.struct_size = take<uint8_t>() < 250 ? static_cast<uint32_t>(sizeof pose) : 7;
     const int64_t t_ns = take<uint8_t>() < 128 ? ODO_TIME_LATEST : time();
-    if (odo_session_get_pose_of(session_, take<uint8_t>() % 4, take<uint8_t>() % 2, t_ns, &pose) == ODO_OK)
+    if (odo_session_get_pose_of(session_, take<uint8_t>() % 4, take<uint8_t>() % 3, t_ns, &pose) == ODO_OK)
       fuzz::check(pose.header);
     odo_statistics statistics{};
     statistics.struct_size = take<uint8_t>() < 200 ? static_cast<uint32_t>(sizeof statistics) : 4;

@@ -292,6 +292,18 @@ TEST_CASE("a calibration without a mount keeps the mount, and another camera's d
         doctest::Approx(0.5).epsilon(1e-9));
 }
 
+TEST_CASE("without extrinsics there is no camera pose of a walker") {
+  App app(kWalk);
+  auto c = calibration(64, 48);
+  odo_session_push(app.session, &c.header);
+  app.walk(0, 1000);
+  odo_session_flush(app.session);
+  odo_pose pose{};
+  pose.header.struct_size = sizeof pose;
+  CHECK(odo_session_get_pose_of(app.session, ODO_OF_BODY, ODO_WORLD_SMOOTH, 9'000'000'000, &pose) == ODO_OK);
+  CHECK(odo_session_get_pose_of(app.session, ODO_OF_CAMERA, ODO_WORLD_SMOOTH, 9'000'000'000, &pose) == ODO_NOT_READY);
+}
+
 TEST_CASE("two instances of one plugin are saved under separate names, and each gets its own state back" *
           doctest::skip(!kCameraPlugins)) {
   const TestPlugins plugins{"obeys"};

@@ -116,7 +116,7 @@ TEST_CASE("if the localizer's state becomes non-finite, no such pose is publishe
       (*pipeline)->process(make_message<odo_frame>(ODO_TYPE_FRAME, t_ns + 1).header);
     }
     odo_pose now{};
-    const bool has_pose = world.pose_of(ODO_OF_PIPELINE, false, ODO_TIME_LATEST, now) == ODO_OK;
+    const bool has_pose = world.pose_of(ODO_OF_PIPELINE, ODO_WORLD_CORRECTED, ODO_TIME_LATEST, now) == ODO_OK;
     CHECK((!has_pose || whole(now)));
     return std::count(said.begin(), said.end(), "broken_pose");
   };

@@ -213,7 +213,7 @@ TEST_CASE("a correction moves the pose at once but not the smooth one, and clear
   const Vector3d p(1, -2, 0.5);
   odo_pose before{}, smooth{};
   REQUIRE(still.predictor.at(1050 * kMs, true, before) == ODO_OK);
-  still.predictor.correct(q, p);
+  still.predictor.correct({q, p});
   REQUIRE(still.predictor.at(1050 * kMs, true, smooth) == ODO_OK);
   CHECK(away(Vector3d(smooth.p_n), Vector3d(before.p_n)) < 1e-9);
   CHECK(away(quaternion(smooth.q_n), quaternion(before.q_n)) < 1e-7);

@@ -12,6 +12,7 @@
 
 #include "sdk/host/core/pose_stream.hpp"
 #include "sdk/host/messages/messages.hpp"
+#include "sdk/math/rotation.hpp"
 #include "tests/support/plain_walk.hpp"
 
 using namespace odograph;
@@ -246,7 +247,7 @@ TEST_CASE("a correction that rotates the track causes no false velocity") {
       Vector3d out = q * Vector3d(replay.truth(t_s).p_n) + p;
       return out;
     };
-    replay.poses.predictor().correct(q, p);
+    replay.poses.correct({q, p});
     base.q_n_b = q * base.q_n_b, base.p_n_b = q * base.p_n_b + p;
     const Quaterniond q_n = base.q_n_b * replay.q_b_c;
     base.pose.q_n[0] = q_n.w(), base.pose.q_n[1] = q_n.x(), base.pose.q_n[2] = q_n.y(), base.pose.q_n[3] = q_n.z();
@@ -268,7 +269,7 @@ TEST_CASE("after a correction that rotates the track the pose follows it before 
     replay.run(9, none, [&](double now_s) {
       if (now_s < 8.95 || turned) return;
       turned = true;
-      replay.poses.predictor().correct(q, p);
+      replay.poses.correct({q, p});
       const double t_s = now_s + 0.030;
       const odo_pose ahead = replay.at(t_s), before = replay.at(t_s - 0.01);
       CHECK((Vector3d(ahead.p_n) - (q * Vector3d(replay.truth(t_s).p_n) + p)).norm() < 0.03);
@@ -276,6 +277,64 @@ TEST_CASE("after a correction that rotates the track the pose follows it before 
       CHECK(((Vector3d(ahead.p_n) - Vector3d(before.p_n)) / 0.01 - q * v_n).norm() < 0.3);
     });
     CHECK(turned);
+  }
+}
+
+TEST_CASE("a correction moves all poses of the past and no smooth one") {
+  const Quaterniond q(Eigen::AngleAxisd(0.4, Vector3d::UnitZ()));
+  const Vector3d p(3, -2, 0.5);
+  constexpr double kAgo_s[] = {2, 1, 0.1, 0.05, 0.04, 0.02, 0, -0.03};
+  Replay replay;
+  int corrected = 0;
+  replay.run(9, none, [&](double now_s) {
+    if (now_s < 8.95 || corrected > 0) return;
+    for (int again = 0; again < 2; ++again, ++corrected) {  // the second while the first is still blended in
+      std::vector<odo_pose> poses, smooth;
+      for (const double ago_s : kAgo_s)
+        poses.push_back(replay.at(now_s - ago_s)), smooth.push_back(replay.at(now_s - ago_s, true));
+      replay.poses.correct({q, p});
+      for (size_t i = 0; i < poses.size(); ++i) {
+        CAPTURE(kAgo_s[i]);
+        const odo_pose pose = replay.at(now_s - kAgo_s[i]);
+        CHECK((Vector3d(pose.p_n) - (q * Vector3d(poses[i].p_n) + p)).norm() < 1e-9);
+        CHECK(quaternion(pose.q_n).angularDistance(q * quaternion(poses[i].q_n)) < 1e-7);
+        CHECK(distance_m(replay.at(now_s - kAgo_s[i], true), smooth[i]) < 1e-9);
+        CHECK(angle_deg(replay.at(now_s - kAgo_s[i], true), smooth[i]) < 1e-5);
+      }
+    }
+  });
+  CHECK(corrected == 2);
+}
+
+TEST_CASE("a picture shown late sees no correction jump in the smooth world") {
+  for (const double late_s : {0.02, 0.07, 0.5}) {  // before and after its pose, and a network away
+    CAPTURE(late_s);
+    Replay replay;
+    const Vector3d correction(3, -1, 0.2);
+    bool corrected = false;
+    double largest_smooth = 0, largest = 0;
+    odo_pose smooth_before{}, before{}, fixed{};
+    replay.run(
+        14, [&](double) { return corrected ? correction : Vector3d::Zero(); },
+        [&](double now_s) {
+          if (now_s > 8 && !corrected) corrected = true, replay.poses.correct({Quaterniond::Identity(), correction});
+          const double t_s = now_s - late_s;
+          if (t_s < 2) return;
+          const odo_pose smooth = replay.at(t_s, true), pose = replay.at(t_s);
+          if (before.header.t_ns != 0) {
+            const Vector3d moved = Vector3d(replay.truth(t_s).p_n) - Vector3d(replay.truth(t_s - 1 / 60.0).p_n);
+            const auto beyond = [&](const odo_pose& a, const odo_pose& b) {
+              return (Vector3d(b.p_n) - Vector3d(a.p_n) - moved).norm();
+            };
+            largest_smooth = std::max(largest_smooth, beyond(smooth_before, smooth));
+            largest = std::max(largest, beyond(before, pose));
+          }
+          smooth_before = smooth, before = pose;
+          if (now_s > 8.6 && fixed.header.t_ns == 0) fixed = replay.at(8.2, true);
+          if (now_s > 8.6) CHECK(distance_m(replay.at(8.2, true), fixed) == 0);
+        });
+    CHECK(largest > 3);
+    CHECK(largest_smooth < 0.075);  // 3.2 m with a time constant of a second, between two polls: 5.3 cm
   }
 }
 

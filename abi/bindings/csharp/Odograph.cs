@@ -223,7 +223,8 @@ namespace Odograph {
     /// Returns false before the first pose and outside the available times. Check the flags. `smooth`: without jumps, for rendering.
     public bool TryGetPose(out Pose pose, long t_ns = Abi.ODO_TIME_LATEST, bool smooth = false, uint of = Abi.ODO_OF_PIPELINE) {
       pose = new Pose(0);
-      fixed (Pose* p = &pose) return Abi.odo_session_get_pose_of(session, of, smooth ? 1u : 0u, t_ns, p) == Abi.ODO_OK;
+      uint world = smooth ? Abi.ODO_WORLD_SMOOTH : Abi.ODO_WORLD_CORRECTED;
+      fixed (Pose* p = &pose) return Abi.odo_session_get_pose_of(session, of, world, t_ns, p) == Abi.ODO_OK;
     }
 
     public Statistics GetStatistics() {

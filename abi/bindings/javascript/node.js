@@ -138,7 +138,8 @@ export class Session {
   /** The pose at a time, by default at the newest sample; null if not available. `smooth`: without jumps, for rendering. `of`: ODO_OF_*. */
   pose(t_ns = LATEST, {smooth = false, of = abi.ODO_OF_PIPELINE} = {}) {
     const pose = made('pose');
-    const status = this.library.odo_session_get_pose_of(this.#handle, of, smooth ? 1 : 0, BigInt(t_ns), bytes(pose));
+    const world = smooth ? abi.ODO_WORLD_SMOOTH : abi.ODO_WORLD_CORRECTED;
+    const status = this.library.odo_session_get_pose_of(this.#handle, of, world, BigInt(t_ns), bytes(pose));
     return status === abi.ODO_OK ? {type: 'pose', ...read(pose, 0, 'pose')} : null;
   }
 

@@ -149,7 +149,8 @@ export class Session {
   /** The pose at a time, by default at the newest sample; null if not available. `smooth`: without jumps, for rendering. `of`: ODO_OF_*. */
   pose(t_ns = LATEST, {smooth = false, of = abi.ODO_OF_PIPELINE} = {}) {
     const {library} = this, at = library.ask(this.#scratch, 'pose');
-    const status = library.module._odo_session_get_pose_of(this.#handle, of, smooth ? 1 : 0, BigInt(t_ns), at);
+    const world = smooth ? abi.ODO_WORLD_SMOOTH : abi.ODO_WORLD_CORRECTED;
+    const status = library.module._odo_session_get_pose_of(this.#handle, of, world, BigInt(t_ns), at);
     return status === abi.ODO_OK ? {type: 'pose', ...library.read(at, 'pose')} : null;
   }
 

@@ -129,7 +129,8 @@ class Session {
   /// Empty before the first pose and outside the available times.
   std::optional<odo_pose> pose(int64_t t_ns = ODO_TIME_LATEST, bool smooth = false, uint32_t of = ODO_OF_PIPELINE) const {
     auto pose = sized<odo_pose>();
-    if (odo_session_get_pose_of(c(), of, smooth, t_ns, &pose) != ODO_OK) return std::nullopt;
+    const uint32_t world = smooth ? ODO_WORLD_SMOOTH : ODO_WORLD_CORRECTED;
+    if (odo_session_get_pose_of(c(), of, world, t_ns, &pose) != ODO_OK) return std::nullopt;
     return pose;
   }
   odo_statistics statistics() const {

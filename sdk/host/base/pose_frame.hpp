@@ -32,4 +32,21 @@ inline void move_pose(const Eigen::Quaterniond& q_o_w, const Eigen::Vector3d& p_
   covariance = (jacobian * covariance * jacobian.transpose()).eval();
 }
 
+/// Converts a pose to another n: a point x in the old n is at q * x + p in the new one.
+inline void move_frame(const Eigen::Quaterniond& q, const Eigen::Vector3d& p, odo_pose& pose) {
+  using Eigen::Matrix3d, Eigen::Vector3d;
+  using Matrix6d = Eigen::Matrix<double, 6, 6, Eigen::RowMajor>;
+  using Matrix3dRows = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
+  const Matrix3d R = q.toRotationMatrix();
+  put_quaternion((q * raw_quaternion(pose.q_n)).normalized(), pose.q_n);
+  Vector3d::Map(pose.p_n) = (q * Vector3d(pose.p_n) + p).eval();
+  Vector3d::Map(pose.velocity_n) = (R * Vector3d(pose.velocity_n)).eval();
+  Matrix6d both = Matrix6d::Zero();
+  both.topLeftCorner<3, 3>() = both.bottomRightCorner<3, 3>() = R;
+  Eigen::Map<Matrix6d> covariance(pose.covariance);
+  covariance = (both * covariance * both.transpose()).eval();
+  Eigen::Map<Matrix3dRows> velocity_covariance(pose.velocity_covariance);
+  velocity_covariance = (R * velocity_covariance * R.transpose()).eval();
+}
+
 }  // namespace odograph

@@ -12,19 +12,11 @@
 #include <odograph/anchor.h>
 
 #include "sdk/host/base/geodesy.hpp"
+#include "sdk/host/base/rigid.hpp"
 #include "sdk/host/core/smooth_pose.hpp"
 #include "sdk/host/localizer/retained_poses.hpp"
 
 namespace odograph {
-
-/// A rigid transform: orientation and position of one frame in another.
-struct Rigid {
-  Eigen::Quaterniond q = Eigen::Quaterniond::Identity();
-  Eigen::Vector3d p = Eigen::Vector3d::Zero();  ///< m
-
-  Rigid operator*(const Rigid& inner) const { return {(q * inner.q).normalized(), p + q * inner.p}; }
-  Rigid inverse() const { return {q.conjugate(), -(q.conjugate() * p)}; }
-};
 
 /// The app's anchors. The pipeline reports changes of the track; the app creates, queries and removes anchors. A local
 /// anchor refers to a retained pose (RetainedPoses::retain_pose); where none is available, each correction moves it as

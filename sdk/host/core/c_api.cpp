@@ -71,10 +71,10 @@ int32_t hand_out(Struct* out, uint32_t min_size, Find&& find) {
   });
 }
 
-int32_t get_pose(odo_session* session, uint32_t of, bool smooth, int64_t t_ns, odo_pose* pose) {
+int32_t get_pose(odo_session* session, uint32_t of, uint32_t world, int64_t t_ns, odo_pose* pose) {
   if (!session || !pose) return ODO_E_ARGUMENT;
   return hand_out(pose, ODO_POSE_SIZE_MIN,
-                  [&](odo_pose& found) { return session->session->world().pose_of(of, smooth, t_ns, found); });
+                  [&](odo_pose& found) { return session->session->world().pose_of(of, world, t_ns, found); });
 }
 
 }  // namespace
@@ -129,15 +129,15 @@ int32_t odo_session_flush(odo_session* session) {
 }
 
 int32_t odo_session_get_pose(odo_session* session, int64_t t_ns, odo_pose* pose) {
-  return get_pose(session, ODO_OF_PIPELINE, false, t_ns, pose);
+  return get_pose(session, ODO_OF_PIPELINE, ODO_WORLD_CORRECTED, t_ns, pose);
 }
 
 int32_t odo_session_get_smooth_pose(odo_session* session, int64_t t_ns, odo_pose* pose) {
-  return get_pose(session, ODO_OF_PIPELINE, true, t_ns, pose);
+  return get_pose(session, ODO_OF_PIPELINE, ODO_WORLD_SMOOTH, t_ns, pose);
 }
 
-int32_t odo_session_get_pose_of(odo_session* session, uint32_t of, uint32_t smooth, int64_t t_ns, odo_pose* pose) {
-  return get_pose(session, of, smooth != 0, t_ns, pose);
+int32_t odo_session_get_pose_of(odo_session* session, uint32_t of, uint32_t world, int64_t t_ns, odo_pose* pose) {
+  return get_pose(session, of, world, t_ns, pose);
 }
 
 int32_t odo_session_set_callback(odo_session* session, const uint32_t* types, uint32_t count, odo_callback callback,

@@ -31,7 +31,8 @@ void CameraTable::take_calibration(odo_calibration& c) {
     Camera& camera = cameras_[c.header.source];
     camera.calibration = copy_as<odo_calibration>(c.header);
     camera.config_line_time = (given & ODO_CALIBRATION_LINE_TIME) != 0;
-    if (c.header.flags & ODO_CALIBRATION_EXTRINSICS) camera.mount = {quaternion(c.q_b_c), Eigen::Vector3d(c.p_b_c)};
+    if (c.header.flags & ODO_CALIBRATION_EXTRINSICS)
+      camera.mount = Mount{quaternion(c.q_b_c), Eigen::Vector3d(c.p_b_c)};
   }
   c.header.flags &= ~ODO_CALIBRATION_TIME_OFFSET;
   c.time_offset_ns = 0;
@@ -65,9 +66,9 @@ std::string CameraTable::size_fault(const odo_frame& frame) const {
          std::to_string(frame.header.source) + " is for " + size(known.width, known.height);
 }
 
-CameraTable::Mount CameraTable::mount(uint32_t source) const {
+std::optional<CameraTable::Mount> CameraTable::mount(uint32_t source) const {
   const auto camera = find(source);
-  return camera ? camera->mount : Mount{};
+  return camera ? camera->mount : std::nullopt;
 }
 
 }  // namespace odograph

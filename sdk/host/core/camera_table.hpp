@@ -32,13 +32,14 @@ class CameraTable {
   /// Describes a mismatch between the frame's size and the calibrated size; empty if they match or the frame has its
   /// own intrinsics.
   std::string size_fault(const odo_frame& frame) const;
-  Mount mount(uint32_t source) const;
+  /// Nothing while it is unknown.
+  std::optional<Mount> mount(uint32_t source) const;
 
  private:
   struct Camera {
     odo_calibration calibration{};
     bool config_line_time = false;  // the config's line time replaces the frames'
-    Mount mount;
+    std::optional<Mount> mount;
   };
 
   std::optional<Camera> find(uint32_t source) const;

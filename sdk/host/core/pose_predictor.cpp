@@ -22,7 +22,7 @@ bool is_camera(const odo_pose& pose) { return (pose.header.flags & ODO_POSE_CAME
 }  // namespace
 
 PosePredictor::PosePredictor(const Parameters& parameters, const SmoothPose::Parameters& smooth)
-    : parameters_(parameters), smooth_(smooth) {
+    : parameters_(parameters), blend_(smooth), smooth_(smooth) {
   clear();
 }
 
@@ -38,6 +38,7 @@ void PosePredictor::clear() {
   attitude_ = {};
   fit_samples_.clear();
   state_ = ODO_LOST, reason_ = ODO_REASON_INITIALISING;
+  blend_.reset();
   smooth_.reset();
 }
 
@@ -62,16 +63,19 @@ void PosePredictor::add_attitude(const odo_attitude& attitude) {
   attitude_ = {attitude.header.t_ns, quaternion(attitude.q_n_b)};
 }
 
-void PosePredictor::correct(const Quaterniond& q, const Vector3d& p) {
+void PosePredictor::correct(const Rigid& correction) {
   const std::lock_guard lock(mutex_);
+  const Quaterniond& q = correction.q;
   const int64_t then_ns = std::max(newest_ns(), queried_ns_);
-  const auto before = pose_of(body_at(then_ns));
-  for (size_t i = 0; i < fit_samples_.size(); ++i) fit_samples_.back(i).p_n_b = q * fit_samples_.back(i).p_n_b + p;
+  if (has_pose()) blend_.correct(then_ns, correction, smooth_.at(then_ns, pose_of(body_at(then_ns))));
+  smooth_.rotate(q);
+  for (size_t i = 0; i < fit_samples_.size(); ++i)
+    fit_samples_.back(i).p_n_b = q * fit_samples_.back(i).p_n_b + correction.p;
   base_.q_n_b = q * base_.q_n_b;
-  base_.p_n_b = q * base_.p_n_b + p;
+  base_.p_n_b = q * base_.p_n_b + correction.p;
   v_n_b_ = q * v_n_b_;
+  force_n_ = q * force_n_;
   q_align_ = q * q_align_;
-  smooth_.jumped(then_ns, before, pose_of(body_at(then_ns)));
 }
 
 void PosePredictor::add_pose(int64_t published_ns, const Base& base) {
@@ -236,11 +240,14 @@ SmoothPose::Pose PosePredictor::pose_of(const Body& body) const {
   return {body.q_n_b * q_b_c_, body.p_n_b + body.q_n_b * p_b_c_};
 }
 
-void PosePredictor::apply_smoothing(odo_pose& pose) const {
+SmoothPose::Pose PosePredictor::smoothed(int64_t t_ns, const SmoothPose::Pose& pose) const {
+  return blend_.at(t_ns, smooth_.at(t_ns, pose));
+}
+
+Rigid PosePredictor::smooth_pose(const odo_pose& published) const {
   const std::lock_guard lock(mutex_);
-  const auto smooth = smooth_.at(pose.header.t_ns, {quaternion(pose.q_n), Vector3d(pose.p_n)});
-  put_quaternion(smooth.q_n, pose.q_n);
-  Vector3d::Map(pose.p_n) = smooth.p_n;
+  const auto smooth = smoothed(published.header.t_ns, {quaternion(published.q_n), Vector3d(published.p_n)});
+  return {smooth.q_n, smooth.p_n};
 }
 
 int32_t PosePredictor::at(int64_t t_ns, bool smooth, odo_pose& out) const {
@@ -251,7 +258,7 @@ int32_t PosePredictor::at(int64_t t_ns, bool smooth, odo_pose& out) const {
   const Body body = body_at(t_ns);
   SmoothPose::Pose pose = pose_of(body);
   if (smooth) {
-    pose = smooth_.at(t_ns, pose);
+    pose = smoothed(t_ns, pose);
     queried_ns_ = std::max(queried_ns_, t_ns);
   }
 

@@ -55,8 +55,9 @@ class PosePredictor {
   void add_attitude(const odo_attitude& attitude);
   /// Takes the pose published for this time, or its correction. [process]
   void add_pose(int64_t published_ns, const Base& base);
-  /// Applies a correction: a point x in the old n is at q * x + p in the new one; the corrected pose follows. [process]
-  void correct(const Eigen::Quaterniond& q, const Eigen::Vector3d& p);
+  /// Applies a correction: a point x in the old n is at `correction` * x in the new one; the corrected pose follows.
+  /// [process]
+  void correct(const Rigid& correction);
   /// Sets the pipeline's state. [process]
   void set_state(uint32_t state, uint32_t reason);
 
@@ -66,8 +67,8 @@ class PosePredictor {
   /// and attitude, ODO_E_NOT_FOUND beyond longest_s. Flags mark the valid parts; `smooth`: with corrections blended in.
   /// [any]
   int32_t at(int64_t t_ns, bool smooth, odo_pose& out) const;
-  /// Blends corrections into a past pose. [any]
-  void apply_smoothing(odo_pose& pose) const;
+  /// The smooth pose at the time of the newest published pose. [process]
+  Rigid smooth_pose(const odo_pose& published) const;
   void clear();
 
  private:
@@ -93,6 +94,7 @@ class PosePredictor {
   Eigen::Quaterniond orientation_at(int64_t t_ns, Eigen::Vector3d& rate_b) const;
   Body body_at(int64_t t_ns) const;
   SmoothPose::Pose pose_of(const Body& body) const;
+  SmoothPose::Pose smoothed(int64_t t_ns, const SmoothPose::Pose& pose) const;
   void align_attitude();
   void choose_velocity(const std::optional<Eigen::Vector3d>& predicted);
   bool fit_velocity();
@@ -114,7 +116,8 @@ class PosePredictor {
   Eigen::Quaterniond q_align_ = Eigen::Quaterniond::Identity();  // from the attitude's n to the pose's n
   Ring<FitSample, 32> fit_samples_;
   uint32_t state_ = ODO_LOST, reason_ = ODO_REASON_INITIALISING;
-  SmoothPose smooth_;
+  CorrectionBlend blend_;  // announced corrections
+  SmoothPose smooth_;      // errors of the prediction, and corrections too small to be announced
   // Latest time of a smooth pose returned; what was shown up to here must not change.
   mutable int64_t queried_ns_ = INT64_MIN;
 };

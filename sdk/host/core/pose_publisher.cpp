@@ -69,7 +69,7 @@ void PosePublisher::publish_correction(const Correction& correction, const odo_p
   const Rigid level{q, after - q * before};
   {  // readers must never combine a corrected phone with uncorrected anchors, or vice versa
     const std::lock_guard lock(s_.world_mutex);
-    s_.poses.predictor().correct(level.q, level.p);
+    s_.poses.correct(level);
     s_.anchors.update(s_.composer, correction.t_ns, &level);
   }
   announce(correction.t_ns, level, correction.reason);

@@ -57,4 +57,30 @@ void SmoothPose::jumped(int64_t t_ns, const Pose& before, const Pose& after) {
   since_ns_ = t_ns;
 }
 
+void CorrectionBlend::reset() {
+  corrections_.clear();
+  corrections_.push({INT64_MIN, {}, SmoothPose(parameters_)});
+}
+
+void CorrectionBlend::correct(int64_t t_ns, const Rigid& correction, const SmoothPose::Pose& before) {
+  Correction now = corrections_.back(0);
+  t_ns = std::max(t_ns, now.since_ns);
+  now.smooth.jumped(t_ns, before, {(correction.q * before.q_n).normalized(), correction.q * before.p_n + correction.p});
+  if (t_ns == now.since_ns) {  // one correction with the previous one: nothing was smooth between them
+    now.T_new_old = correction * now.T_new_old;
+    corrections_.back(0) = now;
+  } else {
+    corrections_.push({t_ns, correction, now.smooth});
+  }
+}
+
+SmoothPose::Pose CorrectionBlend::at(int64_t t_ns, SmoothPose::Pose pose) const {
+  size_t i = 0;
+  for (; i + 1 < corrections_.size() && t_ns < corrections_.back(i).since_ns; ++i) {
+    const Rigid T_old_new = corrections_.back(i).T_new_old.inverse();
+    pose = {(T_old_new.q * pose.q_n).normalized(), T_old_new.q * pose.p_n + T_old_new.p};
+  }
+  return corrections_.back(i).smooth.at(t_ns, pose);
+}
+
 }  // namespace odograph

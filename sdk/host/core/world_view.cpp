@@ -14,6 +14,15 @@ namespace {
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
+/// The body's pose to the camera's, or back.
+void convert(const CameraTable::Mount& mount, odo_pose& pose) {
+  if (pose.header.flags & ODO_POSE_CAMERA)
+    move_pose(mount.q_b_c.conjugate(), -(mount.q_b_c.conjugate() * mount.p_b_c), pose);
+  else
+    move_pose(mount.q_b_c, mount.p_b_c, pose);
+  pose.header.flags ^= ODO_POSE_CAMERA;
+}
+
 Rigid rigid(const odo_pose& pose) { return {quaternion(pose.q_n), Vector3d(pose.p_n)}; }
 
 void put(const Rigid& from, double* q, double* p) {
@@ -39,17 +48,22 @@ Rigid placed(const odo_anchor_place& place) {
 
 }  // namespace
 
-int32_t WorldView::pose_of(uint32_t of, bool smooth, int64_t t_ns, odo_pose& out) const {
-  if (of > ODO_OF_CAMERA) return ODO_E_ARGUMENT;
-  const int32_t status = poses_.at(t_ns, smooth, out);
+int32_t WorldView::pose_of(uint32_t of, uint32_t world, int64_t t_ns, odo_pose& out) const {
+  if (of > ODO_OF_CAMERA || world > ODO_WORLD_SMOOTH) return ODO_E_ARGUMENT;
+  const int32_t status = poses_.at(t_ns, world == ODO_WORLD_SMOOTH, out);
   const bool is_camera = (out.header.flags & ODO_POSE_CAMERA) != 0;
   if (status != ODO_OK || of == ODO_OF_PIPELINE || is_camera == (of == ODO_OF_CAMERA)) return status;
-  const CameraTable::Mount mount = cameras_.mount(main_camera_());
-  if (is_camera)
-    move_pose(mount.q_b_c.conjugate(), -(mount.q_b_c.conjugate() * mount.p_b_c), out);
-  else
-    move_pose(mount.q_b_c, mount.p_b_c, out);
-  out.header.flags ^= ODO_POSE_CAMERA;
+  const auto mount = cameras_.mount(main_camera_());
+  if (!mount) return ODO_NOT_READY;
+  convert(*mount, out);
+  return status;
+}
+
+/// The body to which the localizer attaches anchors: without extrinsics it assumes the mount of a rear camera.
+int32_t WorldView::tracked_body(int64_t t_ns, odo_pose& out) const {
+  const int32_t status = poses_.at(t_ns, false, out);
+  if (status == ODO_OK && (out.header.flags & ODO_POSE_CAMERA))
+    convert(cameras_.mount(main_camera_()).value_or(CameraTable::Mount{.q_b_c = rear_camera_mount()}), out);
   return status;
 }
 
@@ -69,16 +83,17 @@ int32_t WorldView::create_anchor(const odo_anchor_place& place, uint64_t& id) {
     return id != 0 ? ODO_OK : ODO_E_EXHAUSTED;
   }
   if (!finite(place.p, 3)) return ODO_E_ARGUMENT;
+  const std::lock_guard lock(mutex_);  // the poses and the anchor must belong to the same correction
   odo_pose body{}, view{}, smooth{};
-  if (const int32_t status = pose_of(ODO_OF_BODY, false, place.t_ns, body); status != ODO_OK) return status;
+  if (const int32_t status = tracked_body(place.t_ns, body); status != ODO_OK) return status;
   if ((body.header.flags & ODO_POSE_POSITION) == 0) return ODO_NOT_READY;
   Anchors::Placement seen{body.header.t_ns, rigid(body), {}};
-  if (const int32_t status = pose_of(ODO_OF_PIPELINE, false, seen.t_ns, view); status != ODO_OK) return status;
+  if (const int32_t status = poses_.at(seen.t_ns, false, view); status != ODO_OK) return status;
   seen.T_n_a = placed(place);
   if (place.kind == ODO_ANCHOR_VIEW) {
     seen.T_n_a = rigid(view) * seen.T_n_a;
   } else if (place.world == ODO_WORLD_SMOOTH) {
-    if (const int32_t status = pose_of(ODO_OF_PIPELINE, true, seen.t_ns, smooth); status != ODO_OK) return status;
+    if (const int32_t status = poses_.at(seen.t_ns, true, smooth); status != ODO_OK) return status;
     seen.T_n_a = rigid(view) * rigid(smooth).inverse() * seen.T_n_a;
   }
   id = anchors_.add_local(place, seen);
@@ -90,7 +105,7 @@ int32_t WorldView::anchor(uint64_t id, uint32_t world, int64_t t_ns, odo_anchor&
   // Pose and anchor must belong to the same correction, which moves both under this lock.
   const std::lock_guard lock(mutex_);
   odo_pose corrected{}, smooth{};
-  const int32_t status = pose_of(ODO_OF_PIPELINE, false, t_ns, corrected);
+  const int32_t status = poses_.at(t_ns, false, corrected);
   const bool oriented = status == ODO_OK, seen = oriented && (corrected.header.flags & ODO_POSE_POSITION) != 0;
   if (oriented) t_ns = corrected.header.t_ns;
   const auto known = anchors_.get(id, t_ns);
@@ -111,8 +126,7 @@ int32_t WorldView::anchor(uint64_t id, uint32_t world, int64_t t_ns, odo_anchor&
     if (is_camera ? T_view_a.p.z() > 0 : T_view_a.p.z() < 0) out.flags |= ODO_ANCHOR_IN_FRONT;
     put(T_view_a, out.q_view, out.p_view);
     // In the smooth world, the anchor appears at the same place in the view as in the corrected one.
-    if (world == ODO_WORLD_SMOOTH && pose_of(ODO_OF_PIPELINE, true, t_ns, smooth) == ODO_OK)
-      T_n_a = rigid(smooth) * T_view_a;
+    if (world == ODO_WORLD_SMOOTH && poses_.at(t_ns, true, smooth) == ODO_OK) T_n_a = rigid(smooth) * T_view_a;
   }
   put(T_n_a, out.q_n, out.p_n);
   out.position_sigma_m = std::sqrt(known->position_variance);

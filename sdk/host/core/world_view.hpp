@@ -20,8 +20,9 @@ class WorldView {
   WorldView(const CameraTable& cameras, std::function<uint32_t()> main_camera)
       : cameras_(cameras), main_camera_(std::move(main_camera)) {}
 
-  /// PoseStream::at of the body or the camera: ODO_OF_*.
-  int32_t pose_of(uint32_t of, bool smooth, int64_t t_ns, odo_pose& out) const;
+  /// PoseStream::at of the body or the camera (ODO_OF_*) in a world (ODO_WORLD_*). ODO_NOT_READY also without the
+  /// extrinsics that a conversion needs.
+  int32_t pose_of(uint32_t of, uint32_t world, int64_t t_ns, odo_pose& out) const;
   int32_t create_anchor(const odo_anchor_place& place, uint64_t& id);
   int32_t anchor(uint64_t id, uint32_t world, int64_t t_ns, odo_anchor& out) const;
   std::vector<uint64_t> anchor_ids() const { return anchors_.ids(); }
@@ -36,6 +37,8 @@ class WorldView {
   std::mutex& mutex() { return mutex_; }
 
  private:
+  int32_t tracked_body(int64_t t_ns, odo_pose& out) const;
+
   const CameraTable& cameras_;
   const std::function<uint32_t()> main_camera_;
   Geodesy geodesy_;

@@ -8,10 +8,10 @@
 #include <string.h>
 
 static const conformance_case* const groups[] = {
-    cases_version,    cases_sizes,    cases_types,   cases_push,        cases_loans, cases_keeping,
-    cases_order,      cases_cameras,  cases_emit,    cases_emit_values, cases_life,  cases_failures,
-    cases_services,   cases_callback, cases_threads, cases_session,     cases_saved, cases_anchors,
-    cases_recordings, cases_damage,   cases_process, cases_register};
+    cases_version,     cases_sizes,      cases_types,   cases_push,        cases_loans,   cases_keeping,
+    cases_order,       cases_cameras,    cases_emit,    cases_emit_values, cases_life,    cases_failures,
+    cases_services,    cases_callback,   cases_threads, cases_session,     cases_saved,   cases_anchors,
+    cases_corrections, cases_recordings, cases_damage,  cases_process,     cases_register};
 
 typedef struct command {
   const char *library, *only;

@@ -33,7 +33,7 @@ typedef struct conformance_case {
 extern const conformance_case cases_version[], cases_sizes[], cases_push[], cases_types[], cases_loans[],
     cases_keeping[], cases_cameras[], cases_order[], cases_emit[], cases_emit_values[], cases_life[], cases_failures[],
     cases_services[], cases_callback[], cases_threads[], cases_session[], cases_saved[], cases_anchors[],
-    cases_recordings[], cases_damage[], cases_process[], cases_register[];
+    cases_corrections[], cases_recordings[], cases_damage[], cases_process[], cases_register[];
 
 /* Within a case. fail_at records a failure and continues, stop_at ends the case too; thread-safe. */
 void fail_at(const char* file, int line, const char* format, ...);

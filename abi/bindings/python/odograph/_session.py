@@ -125,7 +125,8 @@ class Session:
     def pose(self, t_ns: int = abi.ODO_TIME_LATEST, *, smooth: bool = False, of: int = abi.ODO_OF_PIPELINE) -> abi.Pose | None:
         """The pose at a time, which may be in the near future; None if not available. Check the flags. `smooth`: without jumps, for rendering."""
         pose = abi.Pose()
-        status = self._odo.odo_session_get_pose_of(self._open(), of, smooth, t_ns, c.byref(pose))
+        world = abi.ODO_WORLD_SMOOTH if smooth else abi.ODO_WORLD_CORRECTED
+        status = self._odo.odo_session_get_pose_of(self._open(), of, world, t_ns, c.byref(pose))
         return pose if status == abi.ODO_OK else None
 
     def create_anchor(self, kind: int, name: str = "", **place: Any) -> int:

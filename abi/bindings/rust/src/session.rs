@@ -180,7 +180,8 @@ impl Session {
 
     fn asked(&self, of: u32, smooth: bool, t_ns: i64) -> Option<Pose> {
         let mut pose = Pose::at(0);
-        let status = unsafe { odo_session_get_pose_of(self.c(), of, smooth as u32, t_ns, &mut pose) };
+        let world = if smooth { ODO_WORLD_SMOOTH } else { ODO_WORLD_CORRECTED };
+        let status = unsafe { odo_session_get_pose_of(self.c(), of, world, t_ns, &mut pose) };
         (status == ODO_OK).then_some(pose)
     }
     /// Returns the pose at a time (ODO_TIME_LATEST: at the newest sample), which may be in the near future; none if not available.

@@ -97,7 +97,8 @@ public final class Session implements java.io.Closeable {
     /** The pose at a time, which may be in the near future; null if not available. `smooth`: without jumps, for rendering. */
     public Abi.Pose pose(long t_ns, boolean smooth) {
         Abi.Pose pose = new Abi.Pose(0);
-        int status = Abi.odo_session_get_pose_of(open(), Abi.ODO_OF_PIPELINE, smooth ? 1 : 0, t_ns, pose.address);
+        int world = smooth ? Abi.ODO_WORLD_SMOOTH : Abi.ODO_WORLD_CORRECTED;
+        int status = Abi.odo_session_get_pose_of(open(), Abi.ODO_OF_PIPELINE, world, t_ns, pose.address);
         return status == Abi.ODO_OK ? pose : null;
     }
 

@@ -115,7 +115,8 @@ public final class Session: @unchecked Sendable {
     /// The pose at a time; nil if not available. `smooth`: without jumps, for rendering.
     public func pose(at t_ns: Int64 = Int64.min, smooth: Bool = false) -> odo_pose? {
         var pose = odo_pose(at: 0)
-        return odo_session_get_pose_of(session, ODO_OF_PIPELINE, smooth ? 1 : 0, t_ns, &pose) == ODO_OK ? pose : nil
+        let world = smooth ? ODO_WORLD_SMOOTH : ODO_WORLD_CORRECTED
+        return odo_session_get_pose_of(session, ODO_OF_PIPELINE, world, t_ns, &pose) == ODO_OK ? pose : nil
     }
 
     public func createAnchor(_ place: odo_anchor_place, name: String) throws -> UInt64 {
