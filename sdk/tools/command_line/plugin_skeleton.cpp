@@ -70,7 +70,7 @@ Template native(const Skeleton& kind, const std::string& file, bool in_c) {
            {"@LIBRARIES@", in_c ? " m" : ""},
            {"@STANDARD@", in_c ? "C_STANDARD 99 C_VISIBILITY_PRESET hidden"
                                : "CXX_STANDARD 17 CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON"},
-           {"@STATIC@", in_c ? "" : "-static-libstdc++ -static-libgcc "}}};
+           {"@STATIC@", in_c ? "" : "-static-libstdc++ "}}};
 }
 
 Template template_of(const Skeleton& kind, const std::string& file, const std::string& language) {
