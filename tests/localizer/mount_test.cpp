@@ -100,6 +100,31 @@ TEST_CASE("the camera's covariance is the body's, propagated over the lever arm"
   CHECK(told > 1e-5);  // the lever has an effect
 }
 
+TEST_CASE("the camera's pose has the camera's velocity, and the estimate the body's") {
+  WalkMeasurements what;
+  what.odometry.scale_sigma = 0.02, what.odometry.inverse_scale = 1;
+  MeasuredWalk walk(walk_scenario(15), what, 4);
+  CouplingConfig config;
+  config.type = CouplingType::localizer;
+  Composer composer(config, {}, {.vo = true, .scale = false});
+  int compared = 0;
+  double worst = 0, largest = 0;
+  walk.run(composer, [&](double t, const odo_pose& pose) {
+    Estimate then;
+    if (!(pose.header.flags & ODO_POSE_VELOCITY) || composer.at(pose.header.t_ns, then) != ODO_OK) return;
+    constexpr double h = 1e-3;
+    const auto q_n_b = [&](double at) { return Quaterniond(walk.truth(at).q_n_c * kPhone); };
+    const Vector3d rate_b = log_rotation(q_n_b(t - h).conjugate() * q_n_b(t + h)) / (2 * h);
+    const Vector3d between_b = then.q_n_b.conjugate() * Vector3d(Vector3d(pose.velocity_n) - then.v_n_b);
+    worst = std::max(worst, (between_b - rate_b.cross(walk.p_b_c())).norm());
+    largest = std::max(largest, between_b.norm());
+    ++compared;
+  });
+  CHECK(compared > 50);
+  CHECK(worst < 0.01);  // noise of the gyroscope, times 7 cm
+  CHECK(largest > 0.02);
+}
+
 TEST_CASE("while the camera is blind the attitude rotates it through its mount") {
   PaperTrack coupling({}, {}, {true, false});
   auto lens = make_message<odo_calibration>(ODO_TYPE_CALIBRATION, 0);

@@ -194,7 +194,9 @@ class MeasuredWalk {
         if (o.scale_sigma > 0) {
           m.header.flags |= ODO_VO_METRIC | ODO_VO_INERTIAL;
           m.scale_sigma = o.scale_sigma;
-          const Eigen::Vector3d v_n = journey_.phone.at(t).velocity_n;
+          const auto phone = journey_.phone.at(t);
+          const Eigen::Vector3d v_n =
+              phone.velocity_n + phone.T_n_b.rotation() * phone.angular_velocity_b.cross(p_b_c_);
           Eigen::Vector3d::Map(m.velocity_c1) = std::exp(log_units_) * (true_pose.q_n_c.conjugate() * v_n);
           Eigen::Vector3d::Map(m.gravity_c1) = true_pose.q_n_c.conjugate() * Eigen::Vector3d::UnitZ();
         }

@@ -149,7 +149,9 @@ void PosePredictor::choose_velocity(const std::optional<Vector3d>& predicted) {
       force_n_ *= parameters_.largest_force_mps2 / norm;
   } else if (pose.header.flags & ODO_POSE_VELOCITY) {
     velocity_ = Velocity::mean;
-    v_n_b_ = Vector3d(pose.velocity_n);
+    Vector3d rate_b;
+    const Quaterniond q_n_b = orientation_at(t_ns, rate_b);
+    v_n_b_ = Vector3d(pose.velocity_n) - q_n_b * rate_b.cross(p_b_c_);
   }
 }
 

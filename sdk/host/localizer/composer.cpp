@@ -295,7 +295,8 @@ odo_pose Composer::make_pose(const TrackPoint& point) const {
   }
   put_quaternion(front_end_.begun() ? (q_n_b * front_end_.q_b_c()).normalized() : q_n_b, pose.q_n);
   Vector3d::Map(pose.p_n) = placed ? p_n : Vector3d(tracker_.start_pose().position_m.data());
-  Vector3d::Map(pose.velocity_n) = q_n_o * tracker_.velocity_o();
+  const bool of_camera = front_end_.begun() && moves;
+  Vector3d::Map(pose.velocity_n) = q_n_o * (of_camera ? front_end_.camera_velocity_o() : tracker_.velocity_o());
   Eigen::Map<Eigen::Matrix<double, 6, 6, Eigen::RowMajor>>(pose.covariance) = covariance;
   if (front_end_.scale().known() || (tracker_.paper() && inputs_.scale && shown_)) {
     pose.scale = std::exp(localizer.x[kLogScale]);

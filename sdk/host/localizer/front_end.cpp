@@ -156,13 +156,20 @@ void FrontEnd::back_propagate_start(const MotionUpdate& motion) {
   const int64_t from_ns =
       std::max({tracker_.coverage.until_ns(), to_ns - nanoseconds(p_.rewind_s), tracker_.inertia.oldest_ns()});
   tracker_.coverage.begin(to_ns);
-  const Vector3d v_o = motion.q_o_b1 * q_b_c_ * Vector3d(motion.m.velocity_c1);
+  const Vector3d v_o = motion.q_o_b1 * q_b_c_ * Vector3d(motion.m.velocity_c1) - lever_velocity_o(motion);
   const auto d_o = tracker_.inertial_displacement(from_ns, to_ns, motion.q_o_b1, v_o, Vector3d(motion.m.accel_bias_b));
   if (!d_o) return;
   const Vector3d d_n = tracker_.localizer.q_n_o() * *d_o;
   const double sigma_m = p_.rewind_sigma_mps * seconds(to_ns - from_ns);
   tracker_.localizer.move(d_n, {{kHeading, across(d_n)}}, Matrix3d::Identity() * squared(sigma_m));
   tracker_.push(tracker_.newest().t_ns, tracker_.newest().q_o_b, *d_o);
+}
+
+/// Velocity of the camera relative to the body's origin, by the gyroscope; zero without its samples.
+Vector3d FrontEnd::lever_velocity_o(const MotionUpdate& motion) const {
+  const auto point = tracker_.inertial_point(motion.m.header.t_ns);
+  if (!point) return Vector3d::Zero();
+  return motion.q_o_b1 * Vector3d(point->rate_b - Vector3d(motion.m.gyro_bias_b)).cross(p_b_c_);
 }
 
 /// Advances the track by the rotation and, if `moves`, by the metric displacement.
@@ -190,8 +197,10 @@ void FrontEnd::move(const MotionUpdate& motion, bool moves) {
   tracker_.localizer.add_variance(kHeading, turned);
   tracker_.push(m.header.t_ns, motion.q_o_b1, body_o, variance, turned);
   if (!moves) return tracker_.set_velocity(Vector3d::Zero(), Tracker::Velocity::none);
-  if (!motion.inertial) return tracker_.set_velocity(d_o / motion.dt_s, Tracker::Velocity::mean);
-  tracker_.set_velocity(motion.q_o_b1 * q_b_c_ * Vector3d(m.velocity_c1), Tracker::Velocity::now);
+  camera_velocity_o_ = d_o / motion.dt_s;
+  if (!motion.inertial) return tracker_.set_velocity(body_o / motion.dt_s, Tracker::Velocity::mean);
+  camera_velocity_o_ = motion.q_o_b1 * q_b_c_ * Vector3d(m.velocity_c1);
+  tracker_.set_velocity(camera_velocity_o_ - lever_velocity_o(motion), Tracker::Velocity::now);
   gyro_bias_b = Vector3d(m.gyro_bias_b), accel_bias_b = Vector3d(m.accel_bias_b);
 }
 
@@ -199,7 +208,7 @@ void FrontEnd::reset() {
   scale_ = {}, scale_check_ = {}, group_ = {};
   lost_ = moves_ = false, outage_sigma_m_ = 0;
   first_frame_ns_ = translated_ns_ = priority_since_ns_ = INT64_MIN;
-  gyro_bias_b.setZero(), accel_bias_b.setZero();
+  gyro_bias_b.setZero(), accel_bias_b.setZero(), camera_velocity_o_.setZero();
 }
 
 void FrontEnd::on_calibration(const odo_calibration& calibration) {

@@ -98,6 +98,8 @@ class FrontEnd {
   const ScaleUpdate& scale() const { return scale_; }
   const Eigen::Quaterniond& q_b_c() const { return q_b_c_; }
   const Eigen::Vector3d& p_b_c() const { return p_b_c_; }
+  /// Of the camera at its last motion, while the track has a velocity (Tracker::velocity).
+  const Eigen::Vector3d& camera_velocity_o() const { return camera_velocity_o_; }
   Eigen::Vector3d gyro_bias_b = Eigen::Vector3d::Zero(), accel_bias_b = Eigen::Vector3d::Zero();
 
  private:
@@ -123,6 +125,7 @@ class FrontEnd {
   double catch_up(const odo_scale* scale, bool horizontal, bool doubtful);
   bool is_impossible(const MotionUpdate& motion) const;
   void back_propagate_start(const MotionUpdate& motion);
+  Eigen::Vector3d lever_velocity_o(const MotionUpdate& motion) const;
   void move(const MotionUpdate& motion, bool moves);
   bool is_walking(int64_t t_ns) const;
 
@@ -135,6 +138,7 @@ class FrontEnd {
   ScaleConsistencyCheck scale_check_;
   GyroOrientation gyroscope_;
 
+  Eigen::Vector3d camera_velocity_o_ = Eigen::Vector3d::Zero();  // m/s
   ScaleGroup group_;
   bool lost_ = false, moves_ = false;
   int64_t first_frame_ns_ = INT64_MIN, translated_ns_ = INT64_MIN, priority_since_ns_ = INT64_MIN;

@@ -68,7 +68,7 @@ struct Estimate {
   odo_pose pose{};  ///< of the camera if there is one, otherwise of the body; only set flags are valid
   Eigen::Quaterniond q_n_b = Eigen::Quaterniond::Identity();
   Eigen::Vector3d p_n_b = Eigen::Vector3d::Zero();  ///< m
-  Eigen::Vector3d v_n_b = Eigen::Vector3d::Zero();  ///< m/s
+  Eigen::Vector3d v_n_b = Eigen::Vector3d::Zero();  ///< m/s, of the body
   bool velocity_is_mean = false;  ///< v_n_b is the mean of the last motion, not the velocity at the pose's time
   Eigen::Vector3d gyro_bias_b = Eigen::Vector3d::Zero();   ///< rad/s, to be subtracted
   Eigen::Vector3d accel_bias_b = Eigen::Vector3d::Zero();  ///< m/s^2, to be subtracted

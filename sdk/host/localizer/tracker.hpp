@@ -61,6 +61,7 @@ class Tracker {
   /// Sigma of the body's motion, m, until a time while the camera is the motion source but reported no displacement.
   double unobserved_m(int64_t t_ns) const;
   bool is_impossible(double moved_m, double dt_s) const { return moved_m > p_.impossible * config_.fastest_mps * dt_s; }
+  /// Of the body, m/s.
   void set_velocity(const Eigen::Vector3d& v_o, Velocity kind) { v_o_ = v_o, velocity_ = kind; }
 
   // Queries.

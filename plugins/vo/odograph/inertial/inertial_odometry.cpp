@@ -266,7 +266,8 @@ InertialMotion InertialOdometry::make_motion(Filtering& phase, int64_t t_ns, con
       std::min(1.0, std::hypot(of_filter, p_.scale_sigma_floor, p_.scale_sigma_stabilised * state.camera.gain));
   out.metric = true;
   const Eigen::Matrix3d R_c_w = T_w_c.linear().transpose();
-  out.velocity_c = R_c_w * nav.v_w;
+  const Vector3d rate_b = nav.rate(imu_.at(t_ns + imu_offset_ns(state.camera)).gyro_b);
+  out.velocity_c = R_c_w * (nav.v_w + nav.q_w_b * rate_b.cross(state.camera.p_b_c));
   out.gravity_c = R_c_w * Vector3d::UnitZ();
   out.gyro_bias_b = nav.gyro_bias, out.accel_bias_b = nav.accel_bias;
   phase.T_w_previous = T_w_c;
