@@ -167,7 +167,7 @@ TEST_CASE("of equal ids the first folder wins, and manifests of another major ve
   text.replace(at, text.find_first_of(",", at) - at, "2");
   write_text(later / "one.odoplugin.json", text);
   PluginRegistry registry({later.path(), second.path(), first.path()});
-  const auto found = registry.find("test/hostile", ODO_INTERFACE_SCALE_SOURCE, ".", {});
+  const auto found = registry.find("test/hostile", ODO_INTERFACE_SCALE_SOURCE, {"."}, {});
   REQUIRE(found.ok());
   CHECK(fs::equivalent((*found)->path, second / "one.odoplugin.json"));
   REQUIRE(registry.problems().size() == 1);
@@ -189,7 +189,7 @@ TEST_CASE("a library may have several plugins, each with its entry and manifest,
   write_text(folder / "second.odoplugin.json", text);
   PluginRegistry registry({folder.path()});
   for (const char* id : {"test/hostile", "test/second"}) {
-    const auto found = registry.find(id, ODO_INTERFACE_SCALE_SOURCE, ".", {});
+    const auto found = registry.find(id, ODO_INTERFACE_SCALE_SOURCE, {"."}, {});
     REQUIRE(found.ok());
     CHECK(PluginLibrary::load(**found, LibraryCheck::hash, &host).ok());
     const bool bound = PluginLibrary::load(**found, LibraryCheck::sealed, &host).ok();
