@@ -5,10 +5,8 @@
 #include <doctest/doctest.h>
 
 #include "plugins/fix/barometer/pressure_height.hpp"
-#include "sdk/tools/replay/runner.hpp"
 #include "sdk/tools/simulation/sensors.hpp"
-#include "sdk/tools/simulation/simulate.hpp"
-#include "tests/support/support.hpp"
+#include "tests/support/runs.hpp"
 
 using namespace odograph;
 using namespace odograph::barometer;
@@ -106,18 +104,12 @@ TEST_CASE("stairs and slopes of 9 m are tracked from a waypoint with the height 
   s.events = {{.at_m = 0.5, .what = "stand", .for_s = 3, .waypoint = true}};
   std::vector<double> rms;
   for (const uint64_t seed : {2, 3, 4, 5, 6}) {
-    REQUIRE(simulate(s, seed, folder / "w.odo", {.threads = 1, .frames = false}).ok());
-    const auto recording = read_recording(folder / "w.odo");
-    REQUIRE(recording.ok());
-    RunOptions options;
-    options.config = (folder / "p.yaml").string();
-    options.plugin_path = plugin_folder().string();
-    const auto result = replay(*recording, options);
-    REQUIRE_MESSAGE(result.ok(), (result.ok() ? "" : result.failure().text));
+    const Recording recording = recorded_sensors(s, seed);
+    const RunResult result = run_of(recording, folder / "p.yaml");
     double squares = 0, n = 0;
     size_t at = 0;
-    const auto& truth = recording->true_states;
-    for (const StampedPose& pose : result->track) {
+    const auto& truth = recording.true_states;
+    for (const StampedPose& pose : result.track) {
       if (pose.t_ns < truth.front().t_ns + 20 * kSecond_ns) continue;
       while (at + 1 < truth.size() && truth[at].t_ns < pose.t_ns) ++at;
       squares += std::pow(pose.p.z() - truth[at].p.z(), 2), n += 1;

@@ -2,10 +2,9 @@
 #include <doctest/doctest.h>
 
 #include "plugins/shared/gait/gait.hpp"
-#include "sdk/tools/replay/runner.hpp"
 #include "sdk/tools/simulation/random.hpp"
 #include "tests/support/plain_walk.hpp"
-#include "tests/support/support.hpp"
+#include "tests/support/runs.hpp"
 
 using namespace odograph;
 
@@ -84,19 +83,14 @@ TEST_CASE("steps, distance and position of the real walks do not get worse" * do
   int k = 0;
   for (const auto& entry : std::filesystem::directory_iterator(folder)) {
     if (entry.path().extension() != ".txt" || k++ % 4 != 0) continue;  // a quarter of them: a regression test
-    const auto recording = read_recording(entry.path());
-    REQUIRE(recording.ok());
-    RunOptions options;
-    options.config = source("samples/configs/phone_walk.yaml").string();
-    options.plugin_path = plugin_folder().string();
-    const auto result = replay(*recording, options);
-    REQUIRE_MESSAGE(result.ok(), (result.ok() ? "" : result.failure().text));
-    const auto e = waypoint_errors(result->track, recording->waypoints());
+    const Recording recording = recorded(entry.path());
+    const RunResult result = run_of(recording, source("samples/configs/phone_walk.yaml"));
+    const auto e = waypoint_errors(result.track, recording.waypoints());
     distance.push_back(std::abs(e.distance_error()));
     reference += e.reference_m, estimate += e.estimate_m;
-    steps += result->statistics.steps;
-    CHECK(result->statistics.late == 0);
-    CHECK(result->statistics.plugin_faults == 0);
+    steps += result.statistics.steps;
+    CHECK(result.statistics.late == 0);
+    CHECK(result.statistics.plugin_faults == 0);
   }
   CHECK(reference / static_cast<double>(steps) > 0.60);  // metres per step of real walkers
   CHECK(reference / static_cast<double>(steps) < 0.72);

@@ -10,10 +10,8 @@
 #include "sdk/host/base/geodesy.hpp"
 #include "sdk/host/localizer/measurement.hpp"
 #include "sdk/host/messages/messages.hpp"
-#include "sdk/tools/replay/runner.hpp"
 #include "sdk/tools/simulation/random.hpp"
-#include "sdk/tools/simulation/simulate.hpp"
-#include "tests/support/support.hpp"
+#include "tests/support/runs.hpp"
 
 using namespace odograph;
 using namespace odograph::gnss;
@@ -230,11 +228,9 @@ TEST_CASE(
   s.gnss = {.sigma_m = 12, .canyon_sigma_m = 12, .correlation_s = 20, .availability = 1};
   std::vector<double> worst[2];
   for (const uint64_t seed : {11, 12, 13, 14, 15}) {
-    REQUIRE(simulate(s, seed, folder / "w.odo", {.threads = 1, .frames = false}).ok());
-    auto recording = read_recording(folder / "w.odo");
-    REQUIRE(recording.ok());
-    const auto& truth = recording->true_states;
-    for (RecordedMessage& m : recording->messages) {
+    Recording recording = recorded_sensors(s, seed);
+    const auto& truth = recording.true_states;
+    for (RecordedMessage& m : recording.messages) {
       if (m.message.header().type != ODO_TYPE_GNSS) continue;
       auto& gnss = reinterpret_cast<odo_gnss&>(m.message.header());
       const double t = static_cast<double>(gnss.header.t_ns - truth.front().t_ns) * 1e-9;
@@ -246,14 +242,10 @@ TEST_CASE(
              "step/odograph\ncoupling:\n  type: localizer\nabsolute_fixers:\n  - plugin: fix/gnss\n"
              "    parameters: {correlation: " +
                  std::to_string(correlation) + " s}\n";
-      RunOptions options;
-      options.config = (folder / "p.yaml").string();
-      options.plugin_path = plugin_folder().string();
-      const auto result = replay(*recording, options);
-      REQUIRE_MESSAGE(result.ok(), (result.ok() ? "" : result.failure().text));
+      const RunResult result = run_of(recording, folder / "p.yaml");
       double largest = 0;
       size_t at = 0;
-      for (const StampedPose& pose : result->track) {
+      for (const StampedPose& pose : result.track) {
         while (at + 1 < truth.size() && truth[at].t_ns < pose.t_ns) ++at;
         const double t = static_cast<double>(pose.t_ns - truth.front().t_ns) * 1e-9;
         if (t > 60 && t < 125) largest = std::max(largest, (pose.p - truth[at].p).head<2>().norm());

@@ -11,12 +11,10 @@
 #include "plugins/step/odograph/length_model.hpp"
 #include "plugins/step/odograph/walk_direction.hpp"
 #include "sdk/tools/evaluation/walk_truth.hpp"
-#include "sdk/tools/replay/runner.hpp"
 #include "sdk/tools/simulation/carrying.hpp"
 #include "sdk/tools/simulation/random.hpp"
-#include "sdk/tools/simulation/simulate.hpp"
 #include "sdk/tools/simulation/walk_scenarios.hpp"
-#include "tests/support/support.hpp"
+#include "tests/support/runs.hpp"
 
 using namespace odograph;
 using namespace odograph::steps;
@@ -183,24 +181,15 @@ TEST_CASE("a bag swings with its strap's own period, with damping") {
 }
 
 TEST_CASE("there is at most a step per minute in lifts and in a car") {
-  const TemporaryFolder folder;
   for (const bool drives : {false, true}) {
     CAPTURE(drives);
-    REQUIRE(
-        simulate(drives ? car_ride(3) : standing("lift", false), 3, folder / "w.odo", {.threads = 1, .frames = false})
-            .ok());
-    const auto recording = read_recording(folder / "w.odo");
-    REQUIRE(recording.ok());
-    RunOptions options;
-    options.config = source("samples/configs/pocket_walk.yaml").string();
-    options.plugin_path = plugin_folder().string();
-    const auto result = replay(*recording, options);
-    REQUIRE_MESSAGE(result.ok(), (result.ok() ? "" : result.failure().text));
-    const auto& states = recording->true_states;
+    const Recording recording = recorded_sensors(drives ? car_ride(3) : standing("lift", false), 3);
+    const RunResult result = run_of(recording, source("samples/configs/pocket_walk.yaml"));
+    const auto& states = recording.true_states;
     const double minutes = static_cast<double>(states.back().t_ns - states.front().t_ns) / 60e9;
     CHECK(minutes > 5);
     // The metre to the lift and away is walked.
-    CHECK(static_cast<double>(result->steps.size()) <= minutes + static_cast<double>(recording->true_steps.size()));
+    CHECK(static_cast<double>(result.steps.size()) <= minutes + static_cast<double>(recording.true_steps.size()));
     if (drives) continue;
     double highest_m = 0;
     for (const TrueState& state : states) highest_m = std::max(highest_m, states.front().p.z() - state.p.z());
@@ -219,15 +208,10 @@ std::vector<Error> errors_in(const std::filesystem::path& folder, const std::str
   std::vector<Error> errors;
   for (const auto& entry : std::filesystem::directory_iterator(folder)) {
     if (!entry.path().filename().string().ends_with(ending) || entry.path().stem() == "index") continue;
-    const auto recording = read_recording(entry.path());
-    REQUIRE_MESSAGE(recording.ok(), (recording.ok() ? "" : recording.failure().text));
-    RunOptions options;
-    options.config = source("samples/configs/pocket_walk.yaml").string();
-    options.plugin_path = plugin_folder().string();
-    const auto result = replay(*recording, options);
-    REQUIRE_MESSAGE(result.ok(), (result.ok() ? "" : result.failure().text));
-    const WalkTruthFigures f = walk_truth_figures(*recording, result->steps, result->track);
-    errors.push_back({f.count_percent, 100 * (f.estimated_m / f.true_m - 1), f.position_m, result->steps.size()});
+    const Recording recording = recorded(entry.path());
+    const RunResult result = run_of(recording, source("samples/configs/pocket_walk.yaml"));
+    const WalkTruthFigures f = walk_truth_figures(recording, result.steps, result.track);
+    errors.push_back({f.count_percent, 100 * (f.estimated_m / f.true_m - 1), f.position_m, result.steps.size()});
   }
   return errors;
 }

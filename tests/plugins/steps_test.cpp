@@ -7,10 +7,8 @@
 
 #include "plugins/step/odograph/gait_finder.hpp"
 #include "plugins/step/odograph/carry_mode.hpp"
-#include "sdk/tools/replay/runner.hpp"
 #include "sdk/tools/simulation/random.hpp"
-#include "sdk/tools/simulation/simulate.hpp"
-#include "tests/support/support.hpp"
+#include "tests/support/runs.hpp"
 
 using namespace odograph;
 using namespace odograph::steps;
@@ -170,26 +168,19 @@ TEST_CASE("a gentle step's length follows cadence and rise, with a larger sigma"
 }
 
 TEST_CASE("simulated users who look through the phone have correct counts and distances") {
-  const TemporaryFolder folder;
   Scenario s;
   s.walker.gait = "viewing", s.walker.speed_mps = 0.8, s.walker.stand_s = 4;
   s.route = {{0, 0, 0}, {25, 0, 0}, {25, 20, 0}};
   s.events = {{10, "look_around", 6}, {18, "sidestep", 3}, {24, "stand", 5}, {30, "backwards", 3}, {36, "shuffle", 3}};
   std::vector<double> counts, distances;
   for (const uint64_t seed : {31, 32, 33, 34}) {
-    REQUIRE(simulate(s, seed, folder / "w.odo", {.threads = 1, .frames = false}).ok());
-    const auto recording = read_recording(folder / "w.odo");
-    REQUIRE(recording.ok());
-    RunOptions options;
-    options.config = source("samples/configs/phone_walk_odograph.yaml").string();
-    options.plugin_path = plugin_folder().string();
-    const auto result = replay(*recording, options);
-    REQUIRE_MESSAGE(result.ok(), (result.ok() ? "" : result.failure().text));
+    const Recording recording = recorded_sensors(s, seed);
+    const RunResult result = run_of(recording, source("samples/configs/phone_walk_odograph.yaml"));
     double truth = 0, estimate = 0;
-    for (const odo_step& step : recording->true_steps) truth += step.length_m;
-    for (const odo_step& step : result->steps) estimate += step.length_m;
+    for (const odo_step& step : recording.true_steps) truth += step.length_m;
+    for (const odo_step& step : result.steps) estimate += step.length_m;
     counts.push_back(
-        std::abs(static_cast<double>(result->steps.size()) / static_cast<double>(recording->true_steps.size()) - 1));
+        std::abs(static_cast<double>(result.steps.size()) / static_cast<double>(recording.true_steps.size()) - 1));
     distances.push_back(std::abs(estimate / truth - 1));
   }
   CHECK(percentile(counts, 0.5) < 0.04);
@@ -201,38 +192,27 @@ TEST_CASE("simulated users who look through the phone have correct counts and di
 TEST_CASE("the slow walk through a house has its 50 to 66 steps and 29 to 38 m" * doctest::test_suite("steps_data")) {
   const auto folder = data_or_skip("phone_house");
   if (folder.empty()) return;
-  auto recording = read_recording(folder);
-  REQUIRE(recording.ok());
-  std::erase_if(recording->messages, [](const RecordedMessage& m) { return m.message.header().type != ODO_TYPE_IMU; });
-  RunOptions options;
-  options.config = source("samples/configs/phone_walk_odograph.yaml").string();
-  options.plugin_path = plugin_folder().string();
-  const auto result = replay(*recording, options);
-  REQUIRE_MESSAGE(result.ok(), (result.ok() ? "" : result.failure().text));
+  Recording recording = recorded(folder);
+  std::erase_if(recording.messages, [](const RecordedMessage& m) { return m.message.header().type != ODO_TYPE_IMU; });
+  const RunResult result = run_of(recording, source("samples/configs/phone_walk_odograph.yaml"));
   double path_m = 0;
-  for (const odo_step& step : result->steps) path_m += step.length_m;
-  CHECK(result->steps.size() >= 50);
-  CHECK(result->steps.size() <= 66);
+  for (const odo_step& step : result.steps) path_m += step.length_m;
+  CHECK(result.steps.size() >= 50);
+  CHECK(result.steps.size() <= 66);
   CHECK(path_m > 29);
   CHECK(path_m < 38);
 }
 
 TEST_CASE("ten minutes of vivid gestures give almost no step, and turning on the spot none") {
-  const TemporaryFolder folder;
   for (const char* what : {"handle", "turn"}) {
     Scenario s;
     s.route = {{0, 0, 0}, {1, 0, 0}};
     for (int k = 0; k < 60; ++k) s.events.push_back({0.0, what, 10.0});
-    REQUIRE(simulate(s, 51, folder / "w.odo", {.threads = 1, .frames = false}).ok());
-    const auto recording = read_recording(folder / "w.odo");
-    RunOptions options;
-    options.config = source("samples/configs/phone_walk_odograph.yaml").string();
-    options.plugin_path = plugin_folder().string();
-    const auto result = replay(*recording, options);
-    REQUIRE_MESSAGE(result.ok(), (result.ok() ? "" : result.failure().text));
+    const Recording recording = recorded_sensors(s, 51);
+    const RunResult result = run_of(recording, source("samples/configs/phone_walk_odograph.yaml"));
     // The metre there and back is walked. Other estimators count about 950 steps in those gestures.
     const size_t most = std::string_view(what) == "turn" ? 0 : 12;
-    CHECK(result->steps.size() <= recording->true_steps.size() + most);
+    CHECK(result.steps.size() <= recording.true_steps.size() + most);
   }
 }
 
@@ -266,25 +246,18 @@ TEST_CASE("a gap and broken samples end a walk and do not affect the next one") 
 }
 
 TEST_CASE("a simulated walker has correct counts, times and modes, and no step while standing, typing or turning") {
-  const TemporaryFolder folder;
   Scenario s;
   s.route = {{0, 0, 0}, {40, 0, 0}, {40, 20, 0}};
   s.walker.stand_s = 4;
   s.events = {{20, "handle", 30}, {30, "turn", 20}, {45, "swinging"}};
   for (const uint64_t seed : {41, 42, 43}) {
-    REQUIRE(simulate(s, seed, folder / "w.odo", {.threads = 1, .frames = false}).ok());
-    const auto recording = read_recording(folder / "w.odo");
-    REQUIRE(recording.ok());
-    RunOptions options;
-    options.config = source("samples/configs/phone_walk_odograph.yaml").string();
-    options.plugin_path = plugin_folder().string();
-    const auto result = replay(*recording, options);
-    REQUIRE_MESSAGE(result.ok(), (result.ok() ? "" : result.failure().text));
-    CHECK(std::abs(static_cast<double>(result->steps.size()) - static_cast<double>(recording->true_steps.size())) <= 3);
+    const Recording recording = recorded_sensors(s, seed);
+    const RunResult result = run_of(recording, source("samples/configs/phone_walk_odograph.yaml"));
+    CHECK(std::abs(static_cast<double>(result.steps.size()) - static_cast<double>(recording.true_steps.size())) <= 3);
     std::vector<double> late;
-    for (const odo_step& step : result->steps) {
+    for (const odo_step& step : result.steps) {
       double nearest = 1e9;
-      for (const odo_step& truth : recording->true_steps)
+      for (const odo_step& truth : recording.true_steps)
         nearest = std::min(nearest, std::abs(static_cast<double>(truth.t_end_ns - step.t_end_ns)));
       late.push_back(nearest * 1e-6);
     }
@@ -294,24 +267,18 @@ TEST_CASE("a simulated walker has correct counts, times and modes, and no step w
 }
 
 TEST_CASE("a step's heading is the phone's in the middle of the step, also while the walker turns") {
-  const TemporaryFolder folder;
   Scenario s;  // zigzag: turns of 90 degrees to both sides
   s.walker.stand_s = 3;
   s.route = {{0, 0, 0}, {8, 0, 0}, {8, 8, 0}, {16, 8, 0}, {16, 0, 0}, {24, 0, 0}, {24, 8, 0}, {32, 8, 0}};
   for (const uint64_t seed : {51, 52, 53}) {
-    REQUIRE(simulate(s, seed, folder / "w.odo", {.threads = 1, .frames = false}).ok());
-    const auto recording = read_recording(folder / "w.odo");
-    REQUIRE(recording.ok());
-    RunOptions options;
-    options.config = source("samples/configs/phone_walk_odograph.yaml").string();
-    options.plugin_path = plugin_folder().string();
+    const Recording recording = recorded_sensors(s, seed);
+    RunOptions options = options_of(source("samples/configs/phone_walk_odograph.yaml"));
     options.collect_attitudes = true;
-    const auto result = replay(*recording, options);
-    REQUIRE_MESSAGE(result.ok(), (result.ok() ? "" : result.failure().text));
+    const RunResult result = run_of(recording, options);
     const auto heading_at = [&](int64_t t_ns) {
-      const auto next = std::lower_bound(result->attitudes.begin(), result->attitudes.end(), t_ns,
+      const auto next = std::lower_bound(result.attitudes.begin(), result.attitudes.end(), t_ns,
                                          [](const odo_attitude& a, int64_t t) { return a.header.t_ns < t; });
-      if (next == result->attitudes.end()) return std::nan("");
+      if (next == result.attitudes.end()) return std::nan("");
       const Eigen::Vector3d forward =
           Eigen::Quaterniond(next->q_n_b[0], next->q_n_b[1], next->q_n_b[2], next->q_n_b[3]) *
           Eigen::Vector3d(0, 1, -1);
@@ -319,7 +286,7 @@ TEST_CASE("a step's heading is the phone's in the middle of the step, also while
     };
     // Delay: the lag with the best fit of the phone's heading, averaged over a stride about the step's middle.
     double late = 0, squares = 0;
-    for (const odo_step& step : result->steps) {
+    for (const odo_step& step : result.steps) {
       const int64_t length = step.t_end_ns - step.t_start_ns;
       std::complex<double> now = 0, before = 0, after = 0;
       for (int k = -10; k < 10; ++k) {
@@ -344,14 +311,9 @@ TEST_CASE("the real walks with the best of the step estimators are within limits
   int k = 0;
   for (const auto& entry : std::filesystem::directory_iterator(folder)) {
     if (entry.path().extension() != ".txt" || k++ % 4 != 0) continue;  // a quarter: a regression test
-    const auto recording = read_recording(entry.path());
-    REQUIRE(recording.ok());
-    RunOptions options;
-    options.config = source("samples/configs/phone_walk_odograph.yaml").string();
-    options.plugin_path = plugin_folder().string();
-    const auto result = replay(*recording, options);
-    REQUIRE_MESSAGE(result.ok(), (result.ok() ? "" : result.failure().text));
-    const auto e = waypoint_errors(result->track, recording->waypoints());
+    const Recording recording = recorded(entry.path());
+    const RunResult result = run_of(recording, source("samples/configs/phone_walk_odograph.yaml"));
+    const auto e = waypoint_errors(result.track, recording.waypoints());
     distance.push_back(std::abs(e.distance_error()));
     reference += e.reference_m, estimate += e.estimate_m;
   }

@@ -9,9 +9,7 @@
 #include <doctest/doctest.h>
 
 #include "plugins/fix/terrain/placement.hpp"
-#include "sdk/tools/replay/runner.hpp"
-#include "sdk/tools/simulation/simulate.hpp"
-#include "tests/support/support.hpp"
+#include "tests/support/runs.hpp"
 
 using namespace odograph;
 using namespace odograph::terrain;
@@ -222,24 +220,18 @@ TEST_CASE("heights on slopes, a kerb and stairs are within 0.3 m of the truth, w
   std::vector<double> rms;
   double all_squares = 0, all = 0, treads_on_slopes = 0, steps_on_slopes = 0;
   for (const uint64_t seed : {2, 3, 4, 5, 6}) {
-    REQUIRE(simulate(s, seed, folder / "w.odo", {.threads = 1, .frames = false}).ok());
-    const auto recording = read_recording(folder / "w.odo");
-    REQUIRE(recording.ok());
-    RunOptions options;
-    options.config = (folder / "p.yaml").string();
-    options.plugin_path = plugin_folder().string();
-    const auto result = replay(*recording, options);
-    REQUIRE_MESSAGE(result.ok(), (result.ok() ? "" : result.failure().text));
+    const Recording recording = recorded_sensors(s, seed);
+    const RunResult result = run_of(recording, folder / "p.yaml");
     double squares = 0, n = 0;
     size_t at = 0;
-    const auto& truth = recording->true_states;
-    for (const odo_step& step : result->steps) {
+    const auto& truth = recording.true_states;
+    for (const odo_step& step : result.steps) {
       const auto then = std::lower_bound(truth.begin(), truth.end(), step.t_start_ns,
                                          [](const TrueState& a, int64_t t) { return a.t_ns < t; });
       if (then == truth.end() || then->p.x() > 109) continue;
       steps_on_slopes += 1, treads_on_slopes += step.mode == ODO_MODE_STAIRS;
     }
-    for (const StampedPose& pose : result->track) {
+    for (const StampedPose& pose : result.track) {
       if (pose.t_ns < truth.front().t_ns + 10'000'000'000) continue;
       while (at + 1 < truth.size() && truth[at].t_ns < pose.t_ns) ++at;
       squares += std::pow(pose.p.z() - truth[at].p.z(), 2), n += 1;

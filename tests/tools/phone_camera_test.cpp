@@ -7,9 +7,8 @@
 
 #include "sdk/tools/simulation/codec.hpp"
 #include "sdk/tools/simulation/random.hpp"
-#include "sdk/tools/simulation/simulate.hpp"
 #include "sdk/tools/simulation/walker.hpp"
-#include "tests/support/support.hpp"
+#include "tests/support/runs.hpp"
 
 using namespace odograph;
 using Eigen::Vector2d;
@@ -62,28 +61,6 @@ double wobble_px(const Scenario::Camera& c, const Motion& phone, double from_s) 
   return std::sqrt(std::max(0.0, squares / n - sum / n * (sum / n)));
 }
 
-std::vector<odo_frame> frames_of(const Recording& recording) {
-  std::vector<odo_frame> frames;
-  for (const auto& m : recording.messages)
-    if (m.message.header().type == ODO_TYPE_FRAME) frames.push_back(as<odo_frame>(m.message.header()));
-  return frames;
-}
-
-std::vector<odo_imu> imu_of(const Recording& recording) {
-  std::vector<odo_imu> samples;
-  for (const auto& m : recording.messages)
-    if (m.message.header().type == ODO_TYPE_IMU) samples.push_back(as<odo_imu>(m.message.header()));
-  return samples;
-}
-
-Recording recorded(const Scenario& scenario, uint64_t seed, bool frames) {
-  const TemporaryFolder folder;
-  REQUIRE(simulate(scenario, seed, folder / "x.odo", {.threads = 1, .frames = frames}).ok());
-  auto recording = read_recording(folder / "x.odo");
-  REQUIRE(recording.ok());
-  return std::move(*recording);
-}
-
 /// A textured picture that drifts by half a pixel per frame.
 cv::Mat textured(int frame) {
   cv::Mat noise(160, 240, CV_8U), picture;
@@ -122,11 +99,11 @@ TEST_CASE("the clean profile has none of a phone's errors, and a static lens cha
   REQUIRE(simulate(plain, 5, folder / "b.odo", {.threads = 1}).ok());
   CHECK(read_text(folder / "a.odo") == read_text(folder / "b.odo"));
   const auto recording = read_recording(folder / "a.odo");
-  const auto frames = frames_of(*recording);
+  const auto frames = messages_of<odo_frame>(*recording, ODO_TYPE_FRAME);
   REQUIRE(frames.size() == recording->truth.size());
   for (size_t i = 0; i < frames.size(); ++i) CHECK(frames[i].header.t_ns == recording->truth[i].t_ns);
   // Values of the simulator before phone profiles: a change of its random numbers or its light shows here.
-  const auto imu = imu_of(*recording);
+  const auto imu = messages_of<odo_imu>(*recording, ODO_TYPE_IMU);
   REQUIRE(imu.size() > 500);
   CHECK(imu[500].gyro_b[0] == doctest::Approx(0.28462).epsilon(1e-6));
   CHECK(imu[500].accel_b[1] == doctest::Approx(7.7088).epsilon(1e-6));
@@ -172,10 +149,8 @@ TEST_CASE("pixels rendered through a moving lens match the truth") {
   take_camera_of("phone", s.camera);
   s.camera.rate_hz = 4;
   s.camera.focus.breathing = 0.03;
-  const Recording recording = [&] {
-    REQUIRE(simulate(s, 2, folder / "tag.odo").ok());
-    return std::move(*read_recording(folder / "tag.odo"));
-  }();
+  REQUIRE(simulate(s, 2, folder / "tag.odo").ok());
+  const Recording recording = recorded(folder / "tag.odo");
   const Journey walk = make_walk(s, 2);
   const SimCamera still(s.camera, 1, 2);
   apriltag_family_t* family = tag36h11_create();
@@ -247,7 +222,7 @@ TEST_CASE("the recording keeps the nominal lens, row time and clock, the truth t
   s.camera.row_time_error = 0.2, s.camera.focal_error = 0.02, s.camera.bit_rate = 0;
   s.route = {{0, 0, 0}, {30, 0, 0}};
   const Recording recording = recorded(s, 3, true);
-  const auto frames = frames_of(recording);
+  const auto frames = messages_of<odo_frame>(recording, ODO_TYPE_FRAME);
   REQUIRE(frames.size() > 100);
   REQUIRE(frames.size() == recording.truth.size());
   CHECK(static_cast<double>(frames[0].line_time_ns) == doctest::Approx(1.2 * 31e6 / 64).epsilon(1e-5));

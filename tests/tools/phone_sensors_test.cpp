@@ -3,10 +3,9 @@
 
 #include "sdk/tools/evaluation/excitation.hpp"
 #include "sdk/tools/simulation/sensors.hpp"
-#include "sdk/tools/simulation/simulate.hpp"
 #include "sdk/tools/simulation/walker.hpp"
 #include "sdk/tools/simulation/world.hpp"
-#include "tests/support/support.hpp"
+#include "tests/support/runs.hpp"
 
 using namespace odograph;
 using Eigen::Vector3d;
@@ -24,21 +23,6 @@ Scenario walk_of(double metres) {
   return s;
 }
 
-Recording recorded(const Scenario& scenario, uint64_t seed, bool frames = false) {
-  const TemporaryFolder folder;
-  REQUIRE(simulate(scenario, seed, folder / "x.odo", {.threads = 1, .frames = frames}).ok());
-  auto recording = read_recording(folder / "x.odo");
-  REQUIRE(recording.ok());
-  return std::move(*recording);
-}
-
-std::vector<odo_imu> imu_of(const Recording& recording) {
-  std::vector<odo_imu> samples;
-  for (const auto& m : recording.messages)
-    if (m.message.header().type == ODO_TYPE_IMU) samples.push_back(as<odo_imu>(m.message.header()));
-  return samples;
-}
-
 /// Rms of the vertical velocity while walking.
 double rise_and_fall(const Scenario& s) {
   const Journey walk = make_walk(s, 3);
@@ -53,8 +37,8 @@ double rise_and_fall(const Scenario& s) {
 TEST_CASE("IMU time stamps jitter and stall as requested but never go back, and the truth keeps its own times") {
   Scenario s = walk_of(60);
   s.imu.jitter_s = 1.4e-3, s.imu.gap_s = 35e-3;
-  const Recording recording = recorded(s, 3);
-  const auto samples = imu_of(recording);
+  const Recording recording = recorded(s, 3, false);
+  const auto samples = messages_of<odo_imu>(recording, ODO_TYPE_IMU);
   REQUIRE(samples.size() == recording.true_states.size());
   REQUIRE(samples.size() > 6000);
   double squares = 0, longest = 0;
@@ -95,8 +79,8 @@ TEST_CASE("acceleration and warming change the gyro bias, and the truth's bias i
   s.imu.gyro_noise = s.imu.gyro_walk = s.imu.gyro_bias = s.imu.scale_error = s.imu.misalignment_rad = 0;
   s.imu.gyro_step = 0;
   s.imu.gyro_by_g = 2e-3, s.imu.gyro_warming = 1e-3;
-  const Recording recording = recorded(s, 3);
-  const auto samples = imu_of(recording);
+  const Recording recording = recorded(s, 3, false);
+  const auto samples = messages_of<odo_imu>(recording, ODO_TYPE_IMU);
   const Journey walk = make_walk(s, 3);
   double most = 0, wrong = 0;
   for (size_t i = 0; i < samples.size(); i += 50) {
@@ -113,7 +97,7 @@ TEST_CASE("acceleration and warming change the gyro bias, and the truth's bias i
 TEST_CASE("outliers have the requested frequency, and some exceed the sensor's range") {
   Scenario s = walk_of(60);
   s.imu.outlier_interval_s = 4;
-  const auto samples = imu_of(recorded(s, 3));
+  const auto samples = messages_of<odo_imu>(recorded(s, 3, false), ODO_TYPE_IMU);
   size_t outside = 0, spikes = 0;
   for (const odo_imu& sample : samples) {
     const double gyro = Vector3d::Map(sample.gyro_b).cwiseAbs().maxCoeff() / s.imu.gyro_range;
@@ -131,7 +115,8 @@ TEST_CASE("outliers have the requested frequency, and some exceed the sensor's r
 TEST_CASE("without an accelerometer no sample has one") {
   Scenario s = walk_of(5);
   s.imu.accelerometer = false;
-  for (const odo_imu& sample : imu_of(recorded(s, 3))) CHECK(sample.header.flags == ODO_IMU_GYRO);
+  for (const odo_imu& sample : messages_of<odo_imu>(recorded(s, 3, false), ODO_TYPE_IMU))
+    CHECK(sample.header.flags == ODO_IMU_GYRO);
 }
 
 TEST_CASE("a recording that starts during the walk has nothing from before, and the same frames as the whole") {

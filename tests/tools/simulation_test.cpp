@@ -117,32 +117,6 @@ TEST_CASE("the true steps cover the walk and end at the stops") {
   CHECK(gone == doctest::Approx(std::hypot(14, 8)).epsilon(0.06));
 }
 
-TEST_CASE("points are projected according to lens, motion and rolling shutter") {
-  for (const char* model : {"pinhole", "kannala_brandt"}) {
-    Scenario s = small();
-    s.camera.model = model;
-    s.camera.distortion = {-0.12, 0.04, 0.001, -0.0005};
-    s.camera.row_time_s = 6e-5;
-    const SimCamera camera(s.camera, 1.0, 1);
-    const Motion phone = make_walk(s, 3).phone;
-    const double t = 4.2;
-    for (int y = 5; y < s.camera.height; y += 37)
-      for (int x = 5; x < s.camera.width; x += 41) {
-        // A point on the ray of a pixel, from the phone's position when that row is exposed.
-        const Eigen::Isometry3d T = camera.pose(phone, t + camera.row_offset_s(y));
-        const Eigen::Vector3d p_n = T * (7.0 * camera.ray(x, y).cast<double>());
-        // Projected again: fixed-point iteration over the row at which it appears.
-        double row = camera.cy();
-        Eigen::Vector2d seen;
-        for (int k = 0; k < 20; ++k) {
-          seen = camera.project(camera.pose(phone, t + camera.row_offset_s(row)).inverse() * p_n);
-          row = seen.y();
-        }
-        CHECK((seen - Eigen::Vector2d(x, y)).norm() < 0.05);
-      }
-  }
-}
-
 TEST_CASE("the paper's pipeline tracks a simulated walk") {
   const TemporaryFolder folder;
   Scenario s = small();
