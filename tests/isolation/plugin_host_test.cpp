@@ -197,6 +197,12 @@ TEST_CASE("a library may have several plugins, each with its entry and manifest,
   }
 }
 
+TEST_CASE("a file whose whole name is the ending of manifests is no manifest") {
+  const TemporaryFolder folder;
+  write_text(folder / ".odoplugin.json", "{");
+  CHECK(PluginRegistry({folder.path()}).problems().empty());
+}
+
 TEST_CASE("a manifest states what the library states") {
   for (const auto& entry : fs::directory_iterator(plugin_folder())) {
     if (entry.path().extension() != ODOGRAPH_LIBRARY) continue;

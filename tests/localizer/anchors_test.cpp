@@ -188,6 +188,19 @@ TEST_CASE("a geodetic anchor stays at its geodetic position, and waits until n h
   CHECK((Vector3d(back) - Vector3d(1, 2, 3)).norm() < 1e-6);
 }
 
+TEST_CASE("the axes of a geodetic anchor are north, east and down on either hemisphere and on the equator") {
+  for (const std::string latitude : {"0.8", "0", "-0.8"}) {
+    CAPTURE(latitude);
+    App app(kWalk + kInertial + "navigation: {origin: {latitude: " + latitude +
+            " rad, longitude: 0.1 rad, height: 300 m}, start: {position: [0 m, 0 m, 0 m], heading: 0 rad}}\n");
+    odo_anchor_place at = on_earth(app, {0, 0, 0});
+    at.latitude_rad = std::stod(latitude);
+    const uint64_t id = make(app, at);
+    app.walk(0, 300);
+    CHECK(std::abs(get(app, id).q_n[0]) > 0.999999);
+  }
+}
+
 TEST_CASE("an anchor above terrain stands on the ground of the fixer's model" * doctest::skip(!kCameraPlugins)) {
   const std::string slope = source("tests/data/slope.obj").string();
   App app(kWalk + kInertial + kOnEarth + "absolute_fixers:\n  - plugin: fix/terrain\n    parameters: {model: " + slope +

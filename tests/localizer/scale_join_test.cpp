@@ -41,6 +41,8 @@ TEST_CASE("two scales of one motion are averaged in the logarithm, weighted by t
   CHECK(both->scale == doctest::Approx(std::exp((16 * std::log(2.0) + std::log(2.4)) / 17)).epsilon(1e-12));
   CHECK(both->sigma / both->scale == doctest::Approx(1 / std::sqrt(400.0 + 25.0)).epsilon(1e-12));
   join.reset();
+  CHECK(join.note(0, scale(2.0, 0.05)));  // no motion waits: any scale may be of a later one
+  join.reset();
   join.begin(motion(100));
   CHECK_FALSE(join.joined());
 }
