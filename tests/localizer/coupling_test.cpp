@@ -282,6 +282,7 @@ TEST_CASE("steps carry the position without a camera") {
   CHECK(coupling.pose_at(kSecond / 4, later) == ODO_OK);
   CHECK(later.p_n[1] == doctest::Approx(20.35));
   CHECK(coupling.pose_at(-1, later) == ODO_E_NOT_FOUND);
+  CHECK(coupling.pose_at(kSecond + 500'000'001, later) == ODO_E_NOT_FOUND);  // not extrapolated by more than 0.5 s
 }
 
 TEST_CASE("the coupling composes the gyroscope's rotations if configured") {

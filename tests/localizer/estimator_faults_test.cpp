@@ -206,7 +206,7 @@ TEST_CASE("a single fix that is 50 m off does not move the track") {
   CHECK(r.beyond_s < 5);
 }
 
-TEST_CASE("a step faster than any walker is rejected and reported") {
+TEST_CASE("a step faster than any walker is rejected and reported, and one of no length is not used") {
   WalkMeasurements what;
   what.camera = false, what.end_s = 12;
   MeasuredWalk walk(walk_scenario(40), what, 3);
@@ -222,6 +222,9 @@ TEST_CASE("a step faster than any walker is rejected and reported") {
   step.length_m = 6.1, step.sigma_m = 0.05, step.mode = ODO_MODE_WALKING_TEXTING;  // 10 m/s are 6 m
   CHECK_FALSE(composer.update(&step).accepted);
   CHECK(std::string(composer.take_notice().key) == "fast_step");
+  step.length_m = 0;
+  CHECK_FALSE(composer.update(&step).accepted);
+  CHECK(composer.take_notice().key == nullptr);
   step.length_m = 0.9;
   CHECK(composer.update(&step).accepted);
 }

@@ -123,7 +123,7 @@ TEST_CASE("a fix whose position is rejected does not rotate the heading either")
   CHECK(body_yaw(coupling.on_vo_motion(standing(0, kSecond), nullptr)) == doctest::Approx(before));
 }
 
-TEST_CASE("a fix of the heading alone is published") {
+TEST_CASE("a fix of the heading alone is published, with the state of the pose that it corrects") {
   Composer composer({}, {}, {true, true});
   composer.on_calibration(forward_mount());
   composer.update(FrameTime{0});
@@ -136,6 +136,8 @@ TEST_CASE("a fix of the heading alone is published") {
   CHECK(std::abs(std::remainder(body_yaw(corrected) - body_yaw(first), 2 * EIGEN_PI) - 0.1) < 0.002);
   CHECK(std::abs(log_rotation(correction.q).z() - 0.1) < 0.002);
   CHECK(correction.reason == ODO_CORRECTION_FIX);
+  CHECK(corrected.state == first.state);
+  CHECK(corrected.reason == first.reason);
 }
 
 TEST_CASE("a clock that is set back before the first frame does not change the camera's mount") {

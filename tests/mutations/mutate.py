@@ -52,7 +52,8 @@ def prepare(tree, mutants):
 
 def build(tree, mutants, programs):
     """Builds all, without the mutants that a compiler refuses; those are returned."""
-    refused = set()
+    file = tree / "refused.json"
+    refused = set(json.loads(file.read_text())) if file.exists() else set()
     while True:
         prepare(tree, [mutant for mutant in mutants if mutant["number"] not in refused])
         if not (tree / "build/build.ninja").exists():
@@ -66,6 +67,7 @@ def build(tree, mutants, programs):
         if not errors:
             raise SystemExit(f"the build failed, see {tree}/build.log")
         refused |= {int(number) for number in errors}
+        file.write_text(json.dumps(sorted(refused)))
 
 
 def run(tree, case, limit_s, **environment):
