@@ -203,16 +203,6 @@ TEST_CASE("one pass finds all mistakes of a file") {
   CHECK(contains(text, "f.yaml:6:1:"));
 }
 
-TEST_CASE("values may have units and are converted to SI") {
-  CHECK(*parse_quantity("170 cm", "m") == doctest::Approx(1.7));
-  CHECK(*parse_quantity("90 deg", "rad") == doctest::Approx(1.5707963267948966));
-  CHECK(*parse_quantity("36 km/h", "m/s") == doctest::Approx(10));
-  CHECK(*parse_quantity("-2.5e-3", "") == doctest::Approx(-0.0025));
-  CHECK_FALSE(parse_quantity("", "m").ok());
-  CHECK_FALSE(parse_quantity("nan", "m").ok());
-  CHECK_FALSE(parse_quantity("1e999", "m").ok());
-}
-
 TEST_CASE("the walker's height reaches the plugins unless they have their own") {
   const auto height = [](const std::string& parameters) {
     const auto config = read_pipeline_config(

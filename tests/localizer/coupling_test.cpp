@@ -244,26 +244,6 @@ TEST_CASE("a pose is flagged metric and with velocity only if valid, and the fir
   CHECK(flags_after(RelativeMotion{&blind, nullptr}) == ODO_POSE_METRIC);  // metric, but of unknown speed
 }
 
-TEST_CASE("a heading fix alone is announced and publishes the pose again") {
-  Composer composer({}, {}, {true, false});
-  auto attitude = make_message<odo_attitude>(ODO_TYPE_ATTITUDE, 0);
-  attitude.q_n_b[0] = 1.0;  // the phone's top looks east
-  composer.update(&attitude);
-  composer.update(FrameTime{0});
-  odo_pose first, pose;
-  REQUIRE(composer.take_pose(first));
-  auto fix = make_message<odo_fix>(ODO_TYPE_FIX, 0);
-  fix.header.flags = ODO_FIX_YAW, fix.yaw_axis_b[1] = 1;
-  fix.yaw_rad = EIGEN_PI / 2 + 0.1;
-  fix.yaw_sigma_rad = 0.01;
-  Correction correction;
-  REQUIRE(composer.update(&fix).accepted);
-  REQUIRE(composer.take_correction(correction, pose));
-  CHECK(std::abs(correction.q.angularDistance(Eigen::Quaterniond::Identity()) - 0.1) < 0.001);
-  CHECK(std::abs(correction.q.z()) > 0.04);
-  CHECK_FALSE(composer.take_correction(correction, pose));
-}
-
 TEST_CASE("steps carry the position without a camera") {
   PaperTrack coupling({}, {{10, 20, 0}, EIGEN_PI / 2, true}, {false, false});
   auto attitude = make_message<odo_attitude>(ODO_TYPE_ATTITUDE, 0);

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The papers' estimator: regression of its figures and of fixed defects.
+// The papers' estimator: fixed defects.
 #include <doctest/doctest.h>
 
+#include <cmath>
 #include <limits>
 
-#include "tests/support/measured_walk.hpp"
+#include "sdk/host/messages/messages.hpp"
+#include "sdk/math/rotation.hpp"
 #include "tests/localizer/paper_track.hpp"
 
 using namespace odograph;
@@ -52,28 +54,6 @@ double body_yaw(const odo_pose& pose) {
 }
 
 }  // namespace
-
-TEST_CASE("the track over a walk equals that of the first implementation") {
-  WalkMeasurements what;
-  what.odometry.inverse_scale = 1;
-  MeasuredWalk walk(walk_scenario(40), what, 1);
-  Composer composer({}, {}, {true, false});
-  odo_pose last{};
-  double sum = 0;
-  int poses = 0;
-  walk.run(composer, [&](double, const odo_pose& pose) {
-    if ((pose.header.flags & ODO_POSE_CAMERA) == 0) return;
-    last = pose;
-    sum += pose.p_n[0] + 2 * pose.p_n[1] + 3 * pose.q_n[1];
-    ++poses;
-  });
-  // Printed by the first version behind the interface, whose tracks of `odograph run` were those of 0.1 byte for byte.
-  CHECK(poses == 330);
-  CHECK(last.p_n[0] == doctest::Approx(32.0373828943).epsilon(1e-9));
-  CHECK(last.p_n[1] == doctest::Approx(16.4413162123).epsilon(1e-9));
-  CHECK(last.distance_m == doctest::Approx(43.0243454087).epsilon(1e-9));
-  CHECK(sum == doctest::Approx(8654.03192937).epsilon(1e-9));
-}
 
 TEST_CASE("uncertainty about the camera's down axis is heading uncertainty, which a yaw fix reduces") {
   for (const int axis : {0, 1, 2}) {
