@@ -50,21 +50,6 @@ TEST_CASE("frame times are converted to the IMU's clock") {
   CHECK(frame_times_ns(r)[0] == kSecond + 5'000'000);
 }
 
-TEST_CASE("a simulated triad at rest has the Allan deviation of its errors") {
-  for (const double tau_s : {0.1, 2.0, 30.0}) {
-    const SimTriad::Errors errors{0.1, 2e-3, 4e-3, 0, 0, 100, 0.02};
-    SimTriad triad(Random(3, 2), errors, 100);
-    std::vector<double> x, y, z;
-    for (int i = 0; i < 200'000; ++i) {
-      const Vector3d m = triad.measure(Vector3d::Zero());
-      x.push_back(m.x()), y.push_back(m.y()), z.push_back(m.z());
-    }
-    const double made =
-        (allan_deviation(x, 100, tau_s) + allan_deviation(y, 100, tau_s) + allan_deviation(z, 100, tau_s)) / 3;
-    CHECK(made / errors.allan_deviation(100, tau_s) == doctest::Approx(1).epsilon(0.07));  // of 1 + 1: 14 %
-  }
-}
-
 TEST_CASE("a simulated board is found in its pictures, which are stored if a folder is named") {
   const TemporaryFolder folder;
   const odo_calibration lens = random_lens(false, 3);
