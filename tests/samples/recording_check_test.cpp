@@ -88,7 +88,7 @@ TEST_CASE("a plugin whose input is a vendor's messages is found to answer them, 
   };
   const auto checks = check("zone_by_wifi", scans, {"recording"});
   CHECK(row(checks, "recording.given").detail == "type 0x80000001 5");
-  CHECK(row(checks, "recording.emitted").detail == "type 0x80000002 4");
+  CHECK(row(checks, "recording.emitted").detail == "type 0x80000402 4");
   CHECK_FALSE(any_failed(checks));
 }
 

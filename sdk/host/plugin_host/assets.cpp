@@ -17,11 +17,14 @@ namespace odograph {
 
 std::optional<std::filesystem::path> find_asset(const std::vector<std::filesystem::path>& folders,
                                                 const std::string& name) {
-  for (const auto& folder : folders) {
-    std::error_code error;
-    auto found = std::filesystem::canonical(folder / utf8_path(name), error);
-    if (!error) return found;
+  const std::filesystem::path path = utf8_path(name);
+  std::error_code error;
+  if (path.is_absolute()) {
+    auto found = std::filesystem::canonical(path, error);
+    return error ? std::nullopt : std::optional(found);
   }
+  for (const auto& folder : folders)
+    if (auto found = std::filesystem::canonical(folder / path, error); !error) return found;
   return std::nullopt;
 }
 
