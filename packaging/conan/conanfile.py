@@ -9,7 +9,7 @@ from conan.tools.files import copy
 
 class Odograph(ConanFile):
     name = "odograph"
-    version = "0.1.0"
+    version = "1.0.0"
     description = "Metric 6-DoF pose from a hand-held phone's sensors, plugin by plugin"
     license = "Apache-2.0"
     package_type = "shared-library"
