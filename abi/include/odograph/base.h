@@ -111,9 +111,9 @@ extern "C" {
    (uint64_t) * (const uint32_t *)(const void *)(ptr))
 
 /* ---- status codes -------------------------------------------------------------------------------------------------
- * Zero is success, negative values are errors. The range states the effect on the session or plugin instance, also of
- * a code that a later version adds: -1 to -999 discarded, state unchanged; -1000 to -1999 a plugin's instance needs
- * reset or load, and a session can only be destroyed; -2000 and below the whole plugin library is quarantined. */
+ * Zero is success, negative values are errors. The range of a code is its effect, also if a later version adds it:
+ * -1 to -999: the input is discarded, the state unchanged; -1000 to -1999: a plugin instance needs reset or load, a
+ * session can only be destroyed; -2000 and below: the whole plugin library is quarantined. */
 #define ODO_OK 0
 #define ODO_NOT_READY 1         /* no output yet, no error; state unchanged */
 #define ODO_END 2               /* there is no more */
@@ -139,8 +139,8 @@ typedef struct odo_string {
   uint64_t size;                   /* bytes */
 } odo_string;
 
-/* ---- messages -----------------------------------------------------------------------------------------------------
- * */
+/* ---- messages ---------------------------------------------------------------------------------------------------- */
+
 /* Ranges of type numbers: 0 is none, 0x1 to 0xFFF are inputs, 0x1000 to 0x1FFF are events, 0x2000 to 0x7FFFFFFF are
  * reserved (apps, plugins and recordings must not use them), and 0x80000000 and above are vendor messages. A host
  * orders inputs and vendor messages of unknown type by time, records them and delivers them to the plugins that declare

@@ -206,8 +206,8 @@ typedef struct odo_state {
   uint32_t reason;
 } odo_state;
 
-/* A correction of the track: a point at x in the old n is at q_n * x + p_n in the new n, exactly near the pose at t_ns.
- * It is published before the first corrected pose, whose time may be that of an earlier one. It may be the identity.
+/* A correction of the track: a point at x in the old n is at q_n * x + p_n in the new n; exact near the pose at t_ns.
+ * It is published before the first corrected pose, which may have the time of an earlier pose; it may be the identity.
  * Apply it to positions derived from the track (anchors, observed objects), and rotate their axes by q_n; surveyed
  * positions (roofs, waypoints, transmitters) do not change. */
 #define ODO_CORRECTION_FIX 1u       /* an absolute position or orientation was used */

@@ -148,7 +148,7 @@ ODO_API int32_t ODO_CALL odo_session_get_smooth_pose(odo_session *session, int64
 typedef void (ODO_CALL *odo_callback)(void *user, const odo_header *event);
 
 #define ODO_ALL_EVENTS UINT32_MAX
-/* [control] Replaces the callback. `types` are the wanted events (ODO_TYPE_*, vendor types too) and are copied; a type
+/* [control, or within a callback] Replaces it. `types` are the wanted events (ODO_TYPE_*, vendor types too) and are copied; a type
  * that this library never emits is no error. With the count ODO_ALL_EVENTS, which selects all, types is ignored. With
  * count 0 or a null function, no more calls follow; after the return none is running, except the one that called this
  * function. */
@@ -174,7 +174,7 @@ ODO_API int32_t ODO_CALL odo_session_get_statistics(odo_session *session, odo_st
 ODO_API int32_t ODO_CALL odo_session_last_error(odo_session *session, odo_error *error);
 
 /* [any] Convert between n (local NED) and WGS 84, exactly (GeographicLib::LocalCartesian) if the north of n is true
- * north (ODO_POSE_NORTH), and otherwise turned about the origin like n. p_n is an array of 3, m;
+ * north (ODO_POSE_NORTH); otherwise rotated about the origin by the same angle as n. p_n is an array of 3, m;
  * geodetic is latitude and longitude, rad, and ellipsoidal height, m. ODO_NOT_READY while the origin of n is unknown
  * (neither navigation.origin nor a GNSS fix). This concerns only n: with navigation.origin the functions work
  * immediately, but the position of the phone in n is arbitrary until a navigation.start or a position fix

@@ -25,8 +25,8 @@
 extern "C" {
 #endif
 
-/* ---- services of the host -----------------------------------------------------------------------------------------
- * */
+/* ---- services of the host ---------------------------------------------------------------------------------------- */
+
 /* Host of one session. One that is passed to create is valid until the last of its instances is destroyed; one that is
  * passed to the entry, during that call only. */
 typedef struct odo_host {
@@ -98,8 +98,8 @@ typedef struct odo_wake_service {
   ODO_FUNCTION(void, wake, (const odo_host *host, uint32_t instance));
 } odo_wake_service;
 
-/* ---- parameters ---------------------------------------------------------------------------------------------------
- * */
+/* ---- parameters -------------------------------------------------------------------------------------------------- */
+
 #define ODO_PARAMETER_BOOL 1u
 #define ODO_PARAMETER_INT 2u
 #define ODO_PARAMETER_REAL 3u
@@ -135,11 +135,11 @@ typedef struct odo_value {
   int64_t integer;      /* INT; BOOL as 0 or 1 */
 } odo_value;
 
-/* ---- data in and out ----------------------------------------------------------------------------------------------
- * */
+/* ---- data in and out --------------------------------------------------------------------------------------------- */
+
 /* Messages in time order; at equal times descriptions (ODO_FLAG_DESCRIPTION) first, then by type, source and order of
- * push. An odo_attitude comes before the odo_imu of its time. Only inertial, magnetometer and barometer samples, frames
- * and platform poses never follow newer ones; all others may be late. Messages have at least the size of version 1.0.
+ * push. An odo_attitude comes before the odo_imu of its time. Inertial, magnetometer and barometer samples, frames and
+ * platform poses never follow newer ones of the same sensor; all others may be late. Messages have at least 1.0's size.
  * In the fields that its version has, the host has checked that numbers are finite and within the range of a sensor;
  * check the fields of later versions and of vendors' messages yourself. A plugin must survive other messages, and
  * returns ODO_OK for a type that it does not know. Types and sizes of the messages may differ. The partition of the
@@ -163,8 +163,8 @@ typedef struct odo_sink {
   ODO_FUNCTION(int32_t, emit, (const struct odo_sink *sink, const odo_header *event));
 } odo_sink;
 
-/* ---- table of the plugin ------------------------------------------------------------------------------------------
- * */
+/* ---- table of the plugin ----------------------------------------------------------------------------------------- */
+
 typedef struct odo_instance odo_instance; /* opaque, defined by the plugin */
 #define ODO_LARGEST_STATE 16777216u       /* bytes of saved state of one instance; more is reported, not saved */
 
