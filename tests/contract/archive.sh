@@ -20,7 +20,7 @@ holds() { # TEXT COMMAND ...
     echo "holds: $text$(tail -1 "$work/log" | grep -E 'passed|hold' | sed 's/^/: /')"
   else
     echo "FAILS: $text"
-    tail -40 "$work/log"
+    grep -A4 '^fail' "$work/log" || tail -40 "$work/log"
     exit 1
   fi
 }

@@ -58,7 +58,7 @@ static void put_message(message* out, uint32_t type, uint32_t size, int64_t t_ns
   for (i = 0; i < sample_kind_count; ++i)
     if (sample_kinds[i].type == type) {
       sample_kinds[i].put(out, t_ns);
-      memset(out->bytes + sample_kinds[i].size, 0x42, size - sample_kinds[i].size);
+      if (size > sample_kinds[i].size) memset(out->bytes + sample_kinds[i].size, 0x42, size - sample_kinds[i].size);
       out->header.struct_size = size;
       return;
     }
