@@ -42,7 +42,7 @@ holds "a recording and a saved state" loads "$library"
 holds "today's suite of the host's conformance with the archived library" "$build/bin/odograph-host-conformance" "$archived"
 cp "$build"/tests/growth/*_old* "$work/"
 mkdir "$work/new" && cp "$work/growth_plugin_old.so" "$work/new/every.so" && cp "$old/every/every.odoplugin.json" "$work/new/"
-today() { "$work/growth_app_old" "$archived" replay "$old/every.odo" "$(cat "$old/every.yaml")" "$1" "$work/none" old old old; }
+today() { "$work/growth_app_old" "$archived" write "$work/new.odo" && "$work/growth_app_old" "$archived" replay "$work/new.odo" "$(cat "$old/every.yaml")" "$1" "$work/none" old old old; }
 "$build/bin/odograph-manifest" "$work/new/every.so"
 holds "today's app and plugin with the archived library" today "$work/new"
 
