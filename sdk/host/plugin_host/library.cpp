@@ -135,6 +135,10 @@ Result<std::shared_ptr<PluginLibrary>> PluginLibrary::load(const Manifest& manif
   std::filesystem::path opened = manifest.library;
   if (check == LibraryCheck::hash)
     if (const auto same = has_hash_of(manifest, opened); !same) return same.failure();
+  if (check == LibraryCheck::sealed && manifest.sha256.empty())
+    return Failure{ODO_E_CONFIG, manifest.path.string() +
+                                     ": it has no sha256, which plugins allowed by hash or signature need; `odograph "
+                                     "plugin manifest` writes it"};
   if (check == LibraryCheck::sealed) {
     const auto copy = sealed_copy(manifest);
     if (!copy) return copy.failure();

@@ -77,10 +77,6 @@ Result<fs::path> sealed_copy(const Manifest& manifest) {
   static std::mutex mutex;
   static std::map<std::string, fs::path> copies;  // by hash
   const std::lock_guard lock(mutex);
-  if (manifest.sha256.empty())
-    return Failure{ODO_E_CONFIG, manifest.path.string() +
-                                     ": it has no sha256, which plugins allowed by hash or "
-                                     "signature need; `odograph plugin manifest` writes it"};
   if (const auto known = copies.find(manifest.sha256); known != copies.end()) return known->second;
   const std::string who = manifest.library.string();
   const Descriptor file{open(manifest.library.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK)};  // a pipe would block
