@@ -115,6 +115,23 @@ TEST_CASE("a manifest of a later version is read without its new items and witho
   CHECK(unknown->parameters[0].name == "gain");
 }
 
+TEST_CASE("a default that is no number in the parameter's unit is a fault of the table and of the manifest") {
+  odo_parameter gain = row(ODO_PARAMETER_REAL, "a", 0, 1, 0);
+  odo_plugin plugin{};
+  plugin.parameters = &gain, plugin.parameter_count = 1, plugin.parameter_stride = sizeof gain;
+  CHECK(parameter_specs(plugin).ok());
+  gain.default_text = text("fast");
+  const auto specs = parameter_specs(plugin);
+  REQUIRE_FALSE(specs.ok());
+  CHECK(specs.failure().text == "parameter 'a': its default 'fast' is no number in m/s");
+  const auto manifest = parse_manifest(
+      "{odoplugin: 1, id: a/b, version: '1', summary: s, interfaces: [i], abi: [1, 0], library: a.so,\n"
+      " parameters: [{name: gain, type: real, default: fast}]}",
+      "/x/m.json");
+  REQUIRE_FALSE(manifest.ok());
+  CHECK(manifest.failure().text.find("/x/m.json:2:") == 0);
+}
+
 TEST_CASE("a file's hash is SHA-256 in lower case") {
   const TemporaryFolder folder;
   CHECK(*sha256_of(write_text(folder / "abc", "abc")) ==

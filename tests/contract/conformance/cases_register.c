@@ -70,6 +70,12 @@ static int32_t ODO_CALL without_id(const odo_host* host, odo_plugin* out) {
   return status;
 }
 
+static int32_t ODO_CALL of_the_host(const odo_host* host, odo_plugin* out) {
+  const int32_t status = probe_entries[PROBE_FULL](host, out);
+  out->id = string_of("host/of_the_host");
+  return status;
+}
+
 static int32_t ODO_CALL without_functions(const odo_host* host, odo_plugin* out) {
   const int32_t status = probe_entries[PROBE_FULL](host, out);
   out->id = string_of("conformance/without_functions");
@@ -109,9 +115,11 @@ static void same_id(int unused) {
 
 static void bad_entries(int which) {
   static const odo_plugin_entry entries[] = {refusing,          too_old, of_another_major, without_id,
-                                             without_functions, failing, too_small};
-  static const int32_t expected[] = {ODO_E_CONFIG, ODO_E_VERSION, ODO_E_VERSION, 0, 0, ODO_E_MEMORY, ODO_E_STRUCT_SIZE};
-  static const char* const words[] = {"the licence has expired", "made for another ABI", NULL, NULL, NULL, NULL, NULL};
+                                             without_functions, failing, too_small,        of_the_host};
+  static const int32_t expected[] = {
+      ODO_E_CONFIG, ODO_E_VERSION, ODO_E_VERSION, 0, 0, ODO_E_MEMORY, ODO_E_STRUCT_SIZE, 0};
+  static const char* const words[] = {"the licence has expired", "made for another ABI", NULL, NULL, NULL, NULL, NULL,
+                                      "host/of_the_host"};
   refused(entries[which], expected[which], words[which]);
 }
 
@@ -197,6 +205,8 @@ const conformance_case cases_register[] = {
     {"an entry for another ABI is refused with its reason", "odograph.h", RETURNS, bad_entries, 1},
     {"a table of another major version is refused", "base.h", "An incompatible change raises the major version",
      bad_entries, 2},
+    {"a table with an id of a reserved group is refused", "plugin.h", "groups \"odo\" and \"host\" are reserved",
+     bad_entries, 7},
     {"a table without an id is refused", "odograph.h", "`error`, which may be null, has the reason", bad_entries, 3},
     {"a table without its functions is refused", "odograph.h", "`error`, which may be null, has the reason",
      bad_entries, 4},
