@@ -20,7 +20,19 @@ namespace {
 
 constexpr int64_t kMs = 1'000'000;
 
-const std::string kNeedy = "odograph: 1\nattitude:\n  plugin: attitude/vqf\nvo_frontend:\n  plugin: test/needy_vo\n";
+struct NeedyPlugins {
+  const TestPlugins plugins{"needy_vo"};
+};
+/// With a front-end that needs the camera's calibration, which it has been given.
+struct NeedyApp : NeedyPlugins, App {
+  NeedyApp()
+      : App("odograph: 1\nattitude:\n  plugin: attitude/vqf\nvo_frontend:\n  plugin: test/needy_vo\n", ODO_RUN_REPLAY,
+            plugins.path()) {
+    REQUIRE_MESSAGE(status == ODO_OK, message);
+    const auto c = calibration(64, 48);
+    odo_session_push(session, &c.header);
+  }
+};
 
 }  // namespace
 
@@ -79,11 +91,7 @@ TEST_CASE("a plugin that requests corrections receives each one that the app rec
 }
 
 TEST_CASE("after a reset or a clock that was set back a plugin receives the camera's calibration again") {
-  const TestPlugins plugins{"needy_vo"};
-  App app(kNeedy, ODO_RUN_REPLAY, plugins.path());
-  REQUIRE_MESSAGE(app.status == ODO_OK, app.message);
-  const auto c = calibration(64, 48);
-  odo_session_push(app.session, &c.header);
+  NeedyApp app;
   const auto motions_of = [&](int64_t from_ns, bool breaks) {
     const size_t before = app.all<odo_vo_motion>(ODO_TYPE_VO_MOTION).size();
     for (int i = 0; i < 100; ++i) {
@@ -108,11 +116,7 @@ TEST_CASE("after a reset or a clock that was set back a plugin receives the came
 TEST_CASE("a camera that starts after the other sensors works and loses no frame") {
   for (const int late_ms : {100, 200, 1000, 5000}) {
     CAPTURE(late_ms);
-    const TestPlugins plugins{"needy_vo"};
-    App app(kNeedy, ODO_RUN_REPLAY, plugins.path());
-    REQUIRE_MESSAGE(app.status == ODO_OK, app.message);
-    const auto c = calibration(64, 48);
-    odo_session_push(app.session, &c.header);
+    NeedyApp app;
     for (int i = 0; i < 1000; ++i) {
       app.walk(i, i + 1);
       const int ms = i * 10 - 60;  // a frame is delivered 60 ms after its time
@@ -177,11 +181,7 @@ TEST_CASE("an outlier is rejected, counted and reported, and changes nothing tha
 }
 
 TEST_CASE("while the IMU is silent and the camera runs the state does not change") {
-  const TestPlugins plugins{"needy_vo"};
-  App app(kNeedy, ODO_RUN_REPLAY, plugins.path());
-  REQUIRE_MESSAGE(app.status == ODO_OK, app.message);
-  const auto c = calibration(64, 48);
-  odo_session_push(app.session, &c.header);
+  NeedyApp app;
   for (int i = 0; i < 800; ++i) {
     if (i < 200) app.walk(i, i + 1);
     if (i % 10 == 0) app.frame((1000 + i * 10) * kMs);
@@ -196,11 +196,7 @@ TEST_CASE("while the IMU is silent and the camera runs the state does not change
 }
 
 TEST_CASE("while the camera is off there is the orientation, and the position is flagged unknown") {
-  const TestPlugins plugins{"needy_vo"};
-  App app(kNeedy, ODO_RUN_REPLAY, plugins.path());
-  REQUIRE_MESSAGE(app.status == ODO_OK, app.message);
-  const auto c = calibration(64, 48);
-  odo_session_push(app.session, &c.header);
+  NeedyApp app;
   double turned = 0;
   odo_pose last{};
   for (int i = 0; i < 900; ++i) {

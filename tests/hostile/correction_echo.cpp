@@ -12,11 +12,7 @@ constexpr int kFixedPose = 20;
 int poses = 0;
 
 void emit(int64_t t_ns, const double p_n[3], double integrity) {
-  odo_fix fix;
-  std::memset(&fix, 0, sizeof fix);
-  fix.header.struct_size = sizeof fix;
-  fix.header.type = ODO_TYPE_FIX;
-  fix.header.t_ns = t_ns;
+  auto fix = hostile::make<odo_fix>(ODO_TYPE_FIX, t_ns);
   fix.header.flags = ODO_FIX_NORTH | ODO_FIX_EAST | ODO_FIX_COVARIANCE | ODO_FIX_INTEGRITY;
   for (int k = 0; k < 3; ++k) fix.p_n[k] = p_n[k], fix.covariance_n[4 * k] = 1;
   fix.integrity = integrity;

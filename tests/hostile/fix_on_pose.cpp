@@ -9,16 +9,11 @@ extern "C" int32_t ODO_PLUGIN_ENTRY(const odo_host*, odo_plugin* out) {
   static const odo_string kind{ODO_INTERFACE_ABSOLUTE_FIXER, sizeof(ODO_INTERFACE_ABSOLUTE_FIXER) - 1};
   odo_plugin t = hostile::table();
   t.interfaces = &kind;
-  t.activate = [](odo_instance*, const odo_sink* s) -> int32_t { return hostile::sink() = s, ODO_OK; };
   t.process = [](odo_instance*, const odo_batch* batch) -> int32_t {
     for (uint32_t i = 0; i < batch->count; ++i) {
       if (batch->messages[i]->type != ODO_TYPE_POSE) continue;
       const auto& pose = *reinterpret_cast<const odo_pose*>(batch->messages[i]);
-      odo_fix fix;
-      std::memset(&fix, 0, sizeof fix);
-      fix.header.struct_size = sizeof fix;
-      fix.header.type = ODO_TYPE_FIX;
-      fix.header.t_ns = pose.header.t_ns;
+      auto fix = hostile::make<odo_fix>(ODO_TYPE_FIX, pose.header.t_ns);
       fix.header.flags = ODO_FIX_NORTH | ODO_FIX_EAST | ODO_FIX_COVARIANCE;
       fix.header.quality = 0.25f;
       for (int k = 0; k < 3; ++k) fix.p_n[k] = pose.p_n[k], fix.covariance_n[4 * k] = 1;

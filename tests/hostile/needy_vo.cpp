@@ -2,8 +2,6 @@
 // A front-end that rejects frames of an uncalibrated camera, loses the calibration on reset, and fails at an exposure
 // of 666 ns. Between any two frames it reports 5 cm forward.
 #define HOSTILE_ID "test/needy_vo"
-#include <odograph/vo_frontend.h>
-
 #include "tests/hostile/table.hpp"
 
 namespace {
@@ -19,16 +17,8 @@ int32_t take(const odo_header& message) {
   if (reinterpret_cast<const odo_frame&>(message).exposure_ns == 666) return ODO_E_ERROR;
   if (!state.calibrated) return ODO_E_DISCARD;
   if (state.last_ns != 0) {
-    odo_vo_motion motion;
-    std::memset(&motion, 0, sizeof motion);
-    motion.header.struct_size = sizeof motion;
-    motion.header.type = ODO_TYPE_VO_MOTION;
-    motion.header.t_ns = message.t_ns;
-    motion.header.flags = ODO_VO_ROTATION | ODO_VO_TRANSLATION | ODO_VO_METRIC;
-    motion.t_from_ns = state.last_ns;
-    motion.q_c0_c1[0] = 1;
+    odo_vo_motion motion = hostile::motion(state.last_ns, message.t_ns);
     motion.p_c0_c1[2] = 0.05;
-    motion.state = ODO_TRACKING;
     hostile::sink()->emit(hostile::sink(), &motion.header);
   }
   state.last_ns = message.t_ns;
@@ -46,7 +36,6 @@ extern "C" int32_t ODO_PLUGIN_ENTRY(const odo_host*, odo_plugin* out) {
     *out_instance = reinterpret_cast<odo_instance*>(&hostile::instance());
     return ODO_OK;
   };
-  t.activate = [](odo_instance*, const odo_sink* s) -> int32_t { return hostile::sink() = s, ODO_OK; };
   t.reset = [](odo_instance*) -> int32_t { return state = {}, ODO_OK; };
   t.process = [](odo_instance*, const odo_batch* batch) -> int32_t {
     for (uint32_t i = 0; i < batch->count; ++i)

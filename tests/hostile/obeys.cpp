@@ -22,9 +22,7 @@ struct State {
 State& of(odo_instance* instance) { return *reinterpret_cast<State*>(instance); }
 
 void emit(const State& state, const odo_header& order) {
-  odo_scale scale;
-  std::memset(static_cast<void*>(&scale), 0, sizeof scale);
-  scale.header.struct_size = sizeof scale, scale.header.type = ODO_TYPE_SCALE, scale.header.t_ns = order.t_ns;
+  auto scale = hostile::make<odo_scale>(ODO_TYPE_SCALE, order.t_ns);
   scale.scale = 1 + state.learnt, scale.sigma = 0.1, scale.displacement_m = state.processed;
   state.sink->emit(state.sink, &scale.header);
 }

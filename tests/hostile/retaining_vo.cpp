@@ -2,8 +2,6 @@
 // A front-end that keeps the last frames as long as possible, and reports with each frame the number kept and the first
 // pixel of the oldest one: p_c0_c1 = {kept, pixel, 0}.
 #define HOSTILE_ID "test/retaining_vo"
-#include <odograph/vo_frontend.h>
-
 #include <deque>
 
 #include "tests/hostile/table.hpp"
@@ -23,17 +21,9 @@ void take(const odo_header& message) {
   const auto& frame = reinterpret_cast<const odo_frame&>(message);
   if (frame.loan.retain && frame.loan.retain(frame.loan.owner) >= 0) kept.push_back(frame);
   release_frame(kMax);
-  odo_vo_motion motion;
-  std::memset(&motion, 0, sizeof motion);
-  motion.header.struct_size = sizeof motion;
-  motion.header.type = ODO_TYPE_VO_MOTION;
-  motion.header.t_ns = message.t_ns;
-  motion.header.flags = ODO_VO_ROTATION | ODO_VO_TRANSLATION | ODO_VO_METRIC;
-  motion.t_from_ns = last_ns;
-  motion.q_c0_c1[0] = 1;
+  odo_vo_motion motion = hostile::motion(last_ns, message.t_ns);
   motion.p_c0_c1[0] = static_cast<double>(kept.size());
   motion.p_c0_c1[1] = kept.empty() ? -1 : kept.front().planes[0].data[0];
-  motion.state = ODO_TRACKING;
   if (last_ns != 0) hostile::sink()->emit(hostile::sink(), &motion.header);
   last_ns = message.t_ns;
 }

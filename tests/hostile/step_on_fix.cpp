@@ -9,15 +9,11 @@ extern "C" int32_t ODO_PLUGIN_ENTRY(const odo_host*, odo_plugin* out) {
   static const odo_string kind{ODO_INTERFACE_STEP_ESTIMATOR, sizeof(ODO_INTERFACE_STEP_ESTIMATOR) - 1};
   odo_plugin t = hostile::table();
   t.interfaces = &kind;
-  t.activate = [](odo_instance*, const odo_sink* s) -> int32_t { return hostile::sink() = s, ODO_OK; };
   t.process = [](odo_instance*, const odo_batch* batch) -> int32_t {
     for (uint32_t i = 0; i < batch->count; ++i) {
       if (batch->messages[i]->type != ODO_TYPE_FIX) continue;
-      odo_step step;
-      std::memset(&step, 0, sizeof step);
-      step.header.struct_size = sizeof step;
-      step.header.type = ODO_TYPE_STEP;
-      step.header.t_ns = step.t_end_ns = batch->messages[i]->t_ns + 1;
+      auto step = hostile::make<odo_step>(ODO_TYPE_STEP, batch->messages[i]->t_ns + 1);
+      step.t_end_ns = step.header.t_ns;
       step.header.flags = ODO_STEP_HEADING;
       step.t_start_ns = step.t_end_ns - 500000000;
       step.length_m = 0.7;

@@ -7,6 +7,7 @@
 
 #include <odograph/plugin.h>
 #include <odograph/scale_source.h>
+#include <odograph/vo_frontend.h>
 
 #ifndef HOSTILE_ID
 #define HOSTILE_ID "test/hostile"
@@ -21,6 +22,27 @@ inline const odo_sink*& sink() {
 inline int& instance() {
   static int thing = 0;
   return thing;
+}
+
+/// A message with its head, zero otherwise.
+template <class Message>
+Message make(uint32_t type, int64_t t_ns) {
+  Message m;
+  std::memset(static_cast<void*>(&m), 0, sizeof m);
+  m.header.struct_size = sizeof m;
+  m.header.type = type;
+  m.header.t_ns = t_ns;
+  return m;
+}
+
+/// A metric motion without rotation and displacement.
+inline odo_vo_motion motion(int64_t from_ns, int64_t to_ns) {
+  auto m = make<odo_vo_motion>(ODO_TYPE_VO_MOTION, to_ns);
+  m.header.flags = ODO_VO_ROTATION | ODO_VO_TRANSLATION | ODO_VO_METRIC;
+  m.t_from_ns = from_ns;
+  m.q_c0_c1[0] = 1;
+  m.state = ODO_TRACKING;
+  return m;
 }
 
 /// Of this plugin only: several may be linked into one program.

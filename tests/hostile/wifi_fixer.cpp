@@ -16,10 +16,7 @@ extern "C" int32_t ODO_PLUGIN_ENTRY(const odo_host*, odo_plugin* out) {
     for (uint32_t i = 0; i < batch->count; ++i) {
       const odo_header& message = *batch->messages[i];
       if (message.type != ODO_TYPE_VENDOR(7, 1)) continue;
-      odo_fix fix = {};
-      fix.header.struct_size = sizeof fix;
-      fix.header.type = ODO_TYPE_FIX;
-      fix.header.t_ns = message.t_ns;
+      auto fix = hostile::make<odo_fix>(ODO_TYPE_FIX, message.t_ns);
       fix.header.flags = ODO_FIX_NORTH | ODO_FIX_EAST | ODO_FIX_COVARIANCE;
       fix.p_n[0] = message.struct_size;
       fix.covariance_n[0] = fix.covariance_n[4] = fix.covariance_n[8] = 1;

@@ -36,6 +36,14 @@ RunResult run(const Recording& recording) {
   return *result;
 }
 
+/// The beginning of walk_short.yaml.
+Scenario short_walk(double walk_m) {
+  auto scenario = read_scenario(source("samples/scenarios/walk_short.yaml").string());
+  REQUIRE(scenario);
+  scenario->walk_m = walk_m;
+  return *scenario;
+}
+
 Composed compose(const RunResult& result) {
   Composed composed;
   StampedPose pose{0, Eigen::Quaterniond::Identity(), Eigen::Vector3d::Zero()};
@@ -126,11 +134,7 @@ TEST_CASE("in a real house the steps are calibrated by the camera, and neither c
 
 TEST_CASE("a walk from standing is metric from its first step, with a calibration before every frame") {
   const TemporaryFolder folder;
-  const auto scenario = read_scenario(source("samples/scenarios/walk_short.yaml").string());
-  REQUIRE(scenario);
-  Scenario shorter = *scenario;
-  shorter.walk_m = 8;
-  REQUIRE(simulate(shorter, 5, folder / "walk.odo", {}));
+  REQUIRE(simulate(short_walk(8), 5, folder / "walk.odo", {}));
   auto recording = read_recording(folder / "walk.odo");
   REQUIRE(recording);
   odo_calibration camera{};
@@ -155,11 +159,7 @@ TEST_CASE("a walk from standing is metric from its first step, with a calibratio
 
 TEST_CASE("a bias random walk smaller than in a hand-held phone, as in a data sheet, is not accepted") {
   const TemporaryFolder folder;
-  const auto scenario = read_scenario(source("samples/scenarios/walk_short.yaml").string());
-  REQUIRE(scenario);
-  Scenario shorter = *scenario;
-  shorter.walk_m = 3;
-  REQUIRE(simulate(shorter, 5, folder / "walk.odo", {}));
+  REQUIRE(simulate(short_walk(3), 5, folder / "walk.odo", {}));
   std::vector<Composed> composed;
   for (const double walk : {1e-5, 1e-8, 1e-2}) {  // rad/s^2/sqrt(Hz); ten times that for the accelerometer
     auto recording = read_recording(folder / "walk.odo");
@@ -184,11 +184,7 @@ TEST_CASE("a bias random walk smaller than in a hand-held phone, as in a data sh
 
 TEST_CASE("a run reports the source of its scale, and a front-end can be given less weight than it states") {
   const TemporaryFolder folder;
-  const auto scenario = read_scenario(source("samples/scenarios/walk_short.yaml").string());
-  REQUIRE(scenario);
-  Scenario shorter = *scenario;
-  shorter.walk_m = 8;
-  REQUIRE(simulate(shorter, 5, folder / "walk.odo", {}));
+  REQUIRE(simulate(short_walk(8), 5, folder / "walk.odo", {}));
   const auto recording = read_recording(folder / "walk.odo");
   REQUIRE(recording);
   std::vector<odo_statistics> said;
@@ -212,10 +208,7 @@ TEST_CASE("a run reports the source of its scale, and a front-end can be given l
 
 TEST_CASE("a lens that breathes by 3 % keeps track and scale, identically by calibrations or by the frames") {
   const TemporaryFolder folder;
-  const auto scenario = read_scenario(source("samples/scenarios/walk_short.yaml").string());
-  REQUIRE(scenario);
-  Scenario still = *scenario;
-  still.walk_m = 12;
+  const Scenario still = short_walk(12);
   Scenario breathing = still;
   breathing.camera.focus = {.breathing = 0.03, .interval_s = 0.4, .move_s = 0.3};
   breathing.camera.stabiliser.reported = true, breathing.camera.stabiliser.report_error_px = 0;

@@ -33,7 +33,6 @@ class PressureHeight {
   /// Adds a reading in Pa. Returns a height when an average is complete and there is a reference. Ignores pressures
   /// outside 300 to 1200 hPa.
   std::optional<Height> add(int64_t t_ns, double pressure_pa);
-  bool has_reference() const { return reference_.has_value(); }
 
   /// ISA height above mean sea level, downwards, m.
   static double down_of(double pressure_pa);

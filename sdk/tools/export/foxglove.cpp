@@ -166,23 +166,17 @@ class FoxgloveWriter {
 
   Result<bool> write_picture(const RecordedMessage& m) {
     const int64_t t_ns = m.message.header().t_ns + (lens_ ? lens_->time_offset_ns : 0);
-    auto bytes = encoded_picture(m.picture);
-    if (bytes.empty()) {
-      const auto frame = load_frame(m);
-      if (!frame) {
-        ++exported_.pictures_lost;
-        return true;
-      }
-      auto encoded = encode_picture(*frame, 0);
-      frame->loan.release(frame->loan.owner);
-      if (!encoded) return encoded.failure();
-      bytes = std::move(*encoded);
+    const auto bytes = picture_as_file(m);
+    if (!bytes) return bytes.failure();
+    if (bytes->empty()) {
+      ++exported_.pictures_lost;
+      return true;
     }
     put("/camera", "foxglove.CompressedImage", t_ns,
         {{"timestamp", time_of(t_ns)},
          {"frame_id", kCamera},
-         {"data", base64(bytes)},
-         {"format", bytes[0] == 0xFF ? "jpeg" : "png"}},
+         {"data", base64(*bytes)},
+         {"format", bytes->front() == 0xFF ? "jpeg" : "png"}},
         {{"timestamp", kTime}, {"frame_id", kText}, {"data", kBytes}, {"format", kText}});
     ++exported_.pictures;
     return true;

@@ -69,22 +69,16 @@ class PosedPictures {
   Failure wrong(const std::string& text) const { return {ODO_E_DATA, run_.recording.path.string() + ": " + text}; }
 
   Result<bool> write_picture(const RecordedMessage& message, size_t number, const StampedPose& pose) {
-    auto bytes = encoded_picture(message.picture);
-    if (bytes.empty()) {
-      const auto frame = load_frame(message);
-      if (!frame) {
-        ++exported.pictures_lost;
-        return true;
-      }
-      auto encoded = encode_picture(*frame, 0);
-      frame->loan.release(frame->loan.owner);
-      if (!encoded) return encoded.failure();
-      bytes = std::move(*encoded);
+    const auto bytes = picture_as_file(message);
+    if (!bytes) return bytes.failure();
+    if (bytes->empty()) {
+      ++exported.pictures_lost;
+      return true;
     }
     char name[32];
-    std::snprintf(name, sizeof name, "%06zu.%s", number, bytes[0] == 0xFF ? "jpg" : "png");
+    std::snprintf(name, sizeof name, "%06zu.%s", number, bytes->front() == 0xFF ? "jpg" : "png");
     std::ofstream out(folder_ / name, std::ios::binary);
-    out.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+    out.write(reinterpret_cast<const char*>(bytes->data()), static_cast<std::streamsize>(bytes->size()));
     if (!out.flush()) return Failure{ODO_E_IO, folder_.string() + ": writing failed; is the disk full?"};
     pictures.push_back({name, pose});
     return true;

@@ -248,4 +248,13 @@ Result<Recording> read_odo(const fs::path& file, const ReadOptions& options) {
   return recording;
 }
 
+Result<std::vector<unsigned char>> picture_as_file(const RecordedMessage& message) {
+  if (auto bytes = encoded_picture(message.picture); !bytes.empty()) return bytes;
+  const auto frame = load_frame(message);
+  if (!frame) return std::vector<unsigned char>();
+  auto encoded = encode_picture(*frame, 0);
+  frame->loan.release(frame->loan.owner);
+  return encoded;
+}
+
 }  // namespace odograph

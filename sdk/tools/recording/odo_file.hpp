@@ -60,5 +60,7 @@ class OdoWriter {
 
 /// Encodes a frame's picture as PNG (quality 0) or JPEG.
 Result<std::vector<unsigned char>> encode_picture(const odo_frame& frame, int jpeg_quality);
+/// The bytes of a frame's PNG or JPEG as stored, or as PNG otherwise; empty if the picture cannot be read.
+Result<std::vector<unsigned char>> picture_as_file(const RecordedMessage& message);
 
 }  // namespace odograph

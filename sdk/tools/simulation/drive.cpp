@@ -23,19 +23,6 @@ struct Stop {
   bool waypoint;
 };
 
-/// A sprung mass whose base moves as `input`; replaces each sample by the position of the mass.
-void spring(Signal& input, double frequency_hz, double damping) {
-  const double w = 2 * kPi * frequency_hz, dt = 1 / kRate_hz;
-  double x = input[0], v = 0, before = input[0];
-  for (double& s : input) {
-    const double speed = (s - before) / dt;
-    before = s;
-    v += dt * (w * w * (s - x) + 2 * damping * w * (speed - v));
-    x += dt * v;
-    s = x;
-  }
-}
-
 Signal derivative(const Signal& s) {
   Signal d(s.size(), 0.0);
   for (size_t i = 1; i + 1 < s.size(); ++i) d[i] = 0.5 * kRate_hz * (s[i + 1] - s[i - 1]);
@@ -191,7 +178,9 @@ class Car {
     smooth(b.north, 0.3, kRate_hz), smooth(b.east, 0.3, kRate_hz), smooth(b.up, 0.3, kRate_hz);
     smooth(b.heading, 0.4, kRate_hz), smooth(b.roll, 0.3, kRate_hz);
     const double bounce = random.uniform(1.2, 1.6);
-    spring(b.heave, bounce, 0.3), spring(b.pitch, 1.1 * bounce, 0.35), spring(b.roll, 1.2 * bounce, 0.4);
+    follow_by_spring(b.heave, bounce, 0.3, kRate_hz);
+    follow_by_spring(b.pitch, 1.1 * bounce, 0.35, kRate_hz);
+    follow_by_spring(b.roll, 1.2 * bounce, 0.4, kRate_hz);
     smooth(b.heave, 0.012, kRate_hz), smooth(b.pitch, 0.012, kRate_hz);
   }
 

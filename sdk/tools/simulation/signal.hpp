@@ -54,4 +54,18 @@ inline void add_narrow_band(Signal& signal, Random random, double frequency_hz, 
   }
 }
 
+/// Replaces a motion by that of a mass on a damped spring whose base follows it: a number, or a vector each.
+template <class Value>
+void follow_by_spring(std::vector<Value>& base, double frequency_hz, double damping, double rate_hz) {
+  const double w = 2 * 3.14159265358979323846 * frequency_hz, dt = 1 / rate_hz;
+  Value at = base[0], before = base[0], velocity = 0 * base[0];
+  for (Value& target : base) {
+    const Value speed = (target - before) / dt;
+    before = target;
+    velocity += dt * (w * w * (target - at) + 2 * damping * w * (speed - velocity));
+    at += dt * velocity;
+    target = at;
+  }
+}
+
 }  // namespace odograph

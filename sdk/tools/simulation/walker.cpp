@@ -264,15 +264,8 @@ class Body {
   /// The arm as a damped spring between trunk and phone: it follows the trunk's motion with a delay and some overshoot.
   void hang() {
     Random random(seed_, 27);
-    const double w = 2 * kPi * random.uniform(3.2, 5.0), damping = random.uniform(0.45, 0.75), dt = 1 / kRate_hz;
-    Vector3d at = base_[0], velocity = Vector3d::Zero(), before = base_[0];
-    for (Vector3d& target : base_) {
-      const Vector3d speed = (target - before) / dt;
-      before = target;
-      velocity += dt * (w * w * (target - at) + 2 * damping * w * (speed - velocity));
-      at += dt * velocity;
-      target = at;
-    }
+    const double frequency_hz = random.uniform(3.2, 5.0);
+    follow_by_spring(base_, frequency_hz, random.uniform(0.45, 0.75), kRate_hz);
   }
 
   std::vector<Journey::Mode> modes() const {

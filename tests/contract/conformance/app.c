@@ -122,3 +122,13 @@ bool app_wait_events(app* self, uint32_t type, size_t count) {
   for (i = 0; i < 500 && app_events(self, type) < count; ++i) sleep_ms(10);
   return app_events(self, type) >= count;
 }
+
+void need_recordings(void) {
+  NEED(recorder_create);
+  NEED(recorder_write);
+  NEED(recorder_close);
+  NEED(recording_open);
+  NEED(recording_next);
+  NEED(recording_loss);
+  NEED(recording_close);
+}

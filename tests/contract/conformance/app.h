@@ -37,6 +37,8 @@ typedef struct app {
 
 /* Registers the suite's plugins or finds their folder; skips the case if neither is possible. */
 void need_plugins(void);
+/* Skips the case if the library cannot write and read recordings. */
+void need_recordings(void);
 /* Options with this config and the plugins of the suite. */
 odo_session_options app_options(const char* config, uint32_t run);
 /* A session whose callback receives all events. Ends the case if it cannot be created. */

@@ -7,23 +7,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-static void need_all(void) {
-  NEED(recorder_create);
-  NEED(recorder_write);
-  NEED(recorder_close);
-  NEED(recording_open);
-  NEED(recording_next);
-  NEED(recording_loss);
-  NEED(recording_close);
-}
-
 /* Ten barometer samples, numbered by their pressure; closed or not. */
 static odo_recorder* write_ten(const char* path, bool closed) {
   const odo_string name = string_of(path);
   odo_recorder* recorder = NULL;
   odo_barometer sample;
   int i;
-  need_all();
+  need_recordings();
   EXPECT(odo.recorder_create(&name, &recorder, NULL), ODO_OK);
   for (i = 0; i < 10; ++i) {
     put_barometer(&sample, T0 + i * MS);
@@ -159,7 +149,7 @@ static void refused_by_the_system(int unused) {
   odo_barometer sample;
   FILE* full;
   (void)unused;
-  need_all();
+  need_recordings();
   strcpy(folder, case_file("")), strcpy(nowhere, case_file("no_folder/walk.odo"));
   path = string_of(folder);
   EXPECT(odo.recording_open(&path, &recording, &error), ODO_E_IO);
@@ -192,7 +182,7 @@ static void no_recordings(int unused) {
   int32_t loss;
   size_t i;
   (void)unused;
-  need_all();
+  need_recordings();
   strcpy(missing, case_file("nowhere.odo")), strcpy(apart, case_file("no_folder/walk.odo"));
   nowhere = string_of(missing), no_folder = string_of(apart);
   EXPECT(odo.recording_open(&nowhere, &recording, &error), ODO_E_NOT_FOUND);
@@ -210,7 +200,7 @@ static void no_recordings(int unused) {
 
 static void null_is_allowed(int unused) {
   (void)unused;
-  need_all();
+  need_recordings();
   odo.recording_close(NULL);
   EXPECT(odo.recorder_close(NULL), ODO_OK);
   EXPECT(odo.recording_open(NULL, NULL, NULL), ODO_E_ARGUMENT);

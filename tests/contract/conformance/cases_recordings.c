@@ -17,13 +17,7 @@ static odo_recorder* create(const char* path) {
   odo_error error = {sizeof error, 0, ""};
   odo_recorder* recorder = NULL;
   int32_t status;
-  NEED(recorder_create);
-  NEED(recorder_write);
-  NEED(recorder_close);
-  NEED(recording_open);
-  NEED(recording_next);
-  NEED(recording_loss);
-  NEED(recording_close);
+  need_recordings();
   status = odo.recorder_create(&name, &recorder, &error);
   REQUIRE(status == ODO_OK && recorder, "odo_recorder_create = %s: %s", status_name(status), error.message);
   return recorder;

@@ -55,7 +55,7 @@ void Odometry::make_keyframe(const Frame& frame, MapTracking& map) {
   }
   std::sort(alive.begin(), alive.end());
   window_.triangulate();
-  failed_adjustments_ += adjust(window_, bias_c_, sigma(), p_.adjustment).failed;
+  adjust(window_, bias_c_, sigma(), p_.adjustment);
   drop_outliers();
   window_.update_depth_variance(sigma());
   window_.slide();

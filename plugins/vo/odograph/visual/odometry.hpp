@@ -55,8 +55,6 @@ class Odometry {
 
   /// Gyro bias estimated by the window, rad/s.
   const Eigen::Vector3d& gyro_bias_c() const { return bias_c_; }
-  /// Number of failed adjustments since the start; these windows stayed unadjusted.
-  uint64_t failed_adjustments() const { return failed_adjustments_; }
 
  private:
   /// Result of a frame: its motion and the next state.
@@ -134,7 +132,6 @@ class Odometry {
   State state_;
   int64_t last_ns_ = 0;  ///< of the latest frame
   unsigned group_ = 0;
-  uint64_t failed_adjustments_ = 0;
   cv::Mat smooth_;
 };
 

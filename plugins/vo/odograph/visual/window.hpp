@@ -68,7 +68,6 @@ class Window {
   const std::map<uint64_t, Landmark>& landmarks() const { return landmarks_; }
   const Keyframe& keyframe(uint32_t id) const { return keyframes_[id - keyframes_.front().id]; }
   bool slid() const { return slid_; }
-  size_t max_keyframes() const { return p_.window; }
 
  private:
   KeyframeParameters p_;
