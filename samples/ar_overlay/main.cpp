@@ -29,8 +29,11 @@ class App {
   /// The app lends the picture for the call only, so the library copies it.
   bool show(const cv::Mat& picture, odo_frame frame) {
     frame.format = picture.channels() == 1 ? ODO_FORMAT_GREY8 : ODO_FORMAT_RGB8;
-    cv::Mat rgb = picture;
-    if (picture.channels() == 3) cv::cvtColor(picture, rgb, cv::COLOR_BGR2RGB);
+    cv::Mat rgb;
+    if (picture.channels() == 3)
+      cv::cvtColor(picture, rgb, cv::COLOR_BGR2RGB);
+    else
+      rgb = picture;
     frame.width = static_cast<uint32_t>(rgb.cols), frame.height = static_cast<uint32_t>(rgb.rows);
     frame.planes[0].data = rgb.data;
     frame.planes[0].row_stride = static_cast<int64_t>(rgb.step);

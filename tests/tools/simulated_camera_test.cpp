@@ -70,6 +70,32 @@ TEST_SUITE("phone_camera") {
     }
   }
 
+  TEST_CASE("a colour picture has the grey of the grey one; the sky is blue and the leaves are green") {
+    Scenario scenario;
+    scenario.camera = plain();
+    scenario.camera.colour = true;
+    const World world(scenario, 3);
+    const SimCamera camera(scenario.camera, 1, 3);
+    View view(world, camera, scenario);
+    Eigen::Matrix3d upright;
+    upright << 0, 0, -1, 1, 0, 0, 0, -1, 0;
+    const cv::Mat light = view.render(Motion(1, {Vector3d(0, 0, -1.5)}, {Eigen::Quaterniond(upright)}), 0);
+    const cv::Mat grey = camera.develop(light, 0), colour = coloured(grey, view.tint());
+    double vivid = 0;
+    for (int y = 0; y < grey.rows; ++y)
+      for (int x = 0; x < grey.cols; ++x) {
+        const auto [b, g, r] = colour.at<cv::Vec3b>(y, x).val;
+        CHECK(std::abs(0.114 * b + 0.587 * g + 0.299 * r - grey.at<uint8_t>(y, x)) <= 1);
+        vivid += std::abs(r - b) > 15;
+      }
+    CHECK(vivid / static_cast<double>(grey.total()) > 0.2);
+    const Tint sky = sky_tint(0.5f, 190), leaves = surface_tint(TextureSet::kLeaves, 1);
+    CHECK((sky[0] > 0.1 && sky[1] < -0.1));
+    CHECK((leaves[0] < -0.1 && 0.114 * leaves[0] + 0.299 * leaves[1] < -0.02));  // less blue, more green than grey
+    scenario.camera.colour = false;
+    CHECK(View(world, camera, scenario).tint().empty());
+  }
+
   TEST_CASE("rows are exposed with a delay downwards, about the middle row") {
     Scenario::Camera c = plain();
     c.row_time_s = 1e-4;

@@ -15,12 +15,14 @@ struct SimArguments {
   uint64_t seed = 1;
   double first_m = 0;
   unsigned threads = 0;
+  bool colour = false;
 };
 
 int sim(const SimArguments& a) {
   auto scenario = read_scenario(a.scenario, a.camera_profile);
   if (!scenario) return std::fprintf(stderr, "%s\n", printable(scenario.failure().text).c_str()), kBadUsage;
   if (a.first_m > 0) scenario->walk_m = a.first_m;
+  scenario->camera.colour = a.colour;
   std::optional<Recording> walk;
   if (!a.walk.empty()) {
     auto recording = open_recording(a.walk);
@@ -62,18 +64,23 @@ void add_sim(CLI::App& app, int& status) {
   command->add_option("-o,--output", a->output, "recording to write (*.odo)")->required();
   command->add_option("--seed", a->seed, "seed of world, tremor and noise")->capture_default_str();
   command->add_option("--city", a->city,
-                      "write the surveyed buildings and known objects of the generated town as CityJSON");
+                      "CityJSON file to write, with the surveyed buildings and known objects of the generated town");
   auto* objects = command->add_option(
       "--objects", a->objects,
-      "folder for the surveyed objects along the route: objects.yaml and pictures, for fix/known_object");
+      "folder to write, with the surveyed objects along the route (objects.yaml and pictures) for fix/known_object");
   command
       ->add_option("--walk", a->walk,
-                   "a real walk (Indoor Location Competition trace): its own sensors, pictures rendered along it")
+                   "real walk (Indoor Location Competition trace) to retrace: its own sensor samples, pictures "
+                   "rendered along it")
       ->excludes(objects);
   command->add_option("--camera-profile", a->camera_profile,
-                      "a phone whose camera and IMU replace the scenario's `camera: {profile: ...}`");
-  command->add_option("--first", a->first_m, "only so many metres of the route");
-  command->add_option("--threads", a->threads, "0: one a core; the recording is the same for any number")
+                      "phone whose camera and IMU are simulated, instead of the scenario's `camera: {profile: ...}`");
+  command->add_flag("--colour", a->colour,
+                    "pictures in colour; their grey is that of the pictures without this option");
+  command->add_option("--first", a->first_m, "only the first part of the route, m");
+  command
+      ->add_option("--threads", a->threads,
+                   "number of threads; 0: one per core; the recording is the same for any number")
       ->capture_default_str();
   command->callback([a, &status] { status = sim(*a); });
 }

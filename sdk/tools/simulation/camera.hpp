@@ -9,6 +9,7 @@
 
 #include "sdk/tools/simulation/lens.hpp"
 #include "sdk/tools/simulation/motion.hpp"
+#include "sdk/tools/simulation/tint.hpp"
 #include "sdk/tools/simulation/world.hpp"
 
 namespace odograph {
@@ -70,6 +71,9 @@ class View {
   cv::Mat render(const Motion& phone, double t_s, double exposure_s);
   /// With the scenario's exposure.
   cv::Mat render(const Motion& phone, double t_s) { return render(phone, t_s, c_.camera.exposure_s); }
+  /// The tint of each pixel of the last frame, as coloured() takes it; empty without `camera.colour`. Motion blur does
+  /// not apply to it.
+  const cv::Mat& tint() const { return tint_; }
   /// Fraction of the last frame's pixels that show moving objects.
   double moving_part() const { return moving_part_; }
   /// Unoccluded fraction of a known object, 0 to 1, in steps of a 25th.
@@ -79,11 +83,12 @@ class View {
   void place_movers(double t_s);
   bool same_face(size_t a, size_t b) const;
   void look_along_row();
-  void shade_row(float* row, float* depth, uint16_t* instance);
+  void shade_row(float* row, float* depth, uint16_t* instance, Tint* tint);
   void cast_shadows(float* row);
-  void cast_reflections(float* row, const float* depth);
+  void cast_reflections(float* row, const float* depth, Tint* tint);
   float sky(const Eigen::Vector3f& ray) const;
   float surface_grey(const RTCRayHit& hit, float distance_before, bool* glass, Eigen::Vector3f* normal) const;
+  Tint tint_of(const RTCRayHit& hit, float grey) const;
   cv::Mat blurred(const cv::Mat& grey, const cv::Mat& depth, const Motion& phone, double t_s, double exposure_s) const;
 
   const World& world_;
@@ -93,7 +98,7 @@ class View {
   std::vector<RTCGeometry> movers_;
   std::vector<size_t> mesh_of_instance_;
   std::vector<Eigen::Isometry3f> place_of_instance_;
-  cv::Mat instance_of_pixel_;  // of the current frame
+  cv::Mat instance_of_pixel_, tint_;  // of the current frame
   double moving_part_ = 0;
   // Buffers of the current row: hits, sunlight, shadow rays, and reflected rays.
   std::vector<RTCRayHit> hits_, mirrors_;

@@ -54,27 +54,29 @@ void FrameMaker::make_batch(size_t first) {
   moving_parts_.resize(last);
   batch_.assign(last - first, Failure{ODO_E_DATA, "not rendered"});
   std::vector<Times> times(views_.size());
-  std::vector<cv::Mat> pictures(last - first);
-  const auto store = [&](size_t thread, size_t k, const cv::Mat& picture) {
+  std::vector<cv::Mat> pictures(last - first), tints(last - first);
+  const auto store = [&](size_t thread, size_t k) {
     const double start = now();
-    batch_[k - first] = encode(picture, c_.camera.jpeg_quality);
+    const cv::Mat &picture = pictures[k - first], &tint = tints[k - first];
+    batch_[k - first] = encode(tint.empty() ? picture : coloured(picture, tint), c_.camera.jpeg_quality);
     times[thread].encode_s += now() - start;
   };
   each(first, last, [&](size_t thread, size_t k) {
     const double start = now(), t = exposures_[k].t_s;
     const cv::Mat light = views_[thread]->render(journey_.phone, t, exposures_[k].duration_s);
+    tints[k - first] = views_[thread]->tint().clone();
     moving_parts_[k] = static_cast<float>(views_[thread]->moving_part());
     const double rendered = now();
     pictures[k - first] = camera_.develop(light, k, journey_.open_at(t));
     times[thread].render_s += rendered - start;
     times[thread].develop_s += now() - rendered;
-    if (!codec_) store(thread, k, pictures[k - first]);
+    if (!codec_) store(thread, k);
   });
   if (codec_) {
     const double start = now();
     for (cv::Mat& picture : pictures) picture = codec_->pass(picture);
     times[0].encode_s += now() - start;
-    each(first, last, [&](size_t thread, size_t k) { store(thread, k, pictures[k - first]); });
+    each(first, last, store);
   }
   for (const Times& t : times)
     times_.render_s += t.render_s, times_.develop_s += t.develop_s, times_.encode_s += t.encode_s;

@@ -85,6 +85,7 @@ struct Scenario {
       double breathing = 0, interval_s = 4, move_s = 0.3;
     } focus;
     double bit_rate = 0;  // of the video; 0: no compression except jpeg_quality
+    bool colour = false;  // not a key: `odograph sim --colour`
   } camera;
   struct Imu {
     double rate_hz = 200;

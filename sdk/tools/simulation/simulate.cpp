@@ -240,7 +240,7 @@ class Simulation {
     if (c_.camera.stabiliser.reported && camera_.lens().moves()) write_reported_lens(k);
     auto frame = make_message<odo_frame>(ODO_TYPE_FRAME, clock_ns(frames_[k].stamp_s));
     frame.header.flags = ODO_FRAME_EXPOSURE | ODO_FRAME_LINE_TIME;
-    frame.format = ODO_FORMAT_GREY8;
+    frame.format = c_.camera.colour ? ODO_FORMAT_RGB8 : ODO_FORMAT_GREY8;
     frame.width = static_cast<uint32_t>(c_.camera.width), frame.height = static_cast<uint32_t>(c_.camera.height);
     frame.exposure_ns = nanoseconds(frames_[k].exposure_s);
     frame.line_time_ns = nanoseconds(c_.camera.row_time_s * (1 + c_.camera.row_time_error));

@@ -104,6 +104,12 @@ float View::surface_grey(const RTCRayHit& hit, float before, bool* glass, Vector
   return texel.grey * surface.brightness;
 }
 
+Tint View::tint_of(const RTCRayHit& hit, float grey) const {
+  if (hit.hit.geomID == RTC_INVALID_GEOMETRY_ID) return sky_tint(-hit.ray.dir_z, grey);
+  const auto& surface = world_.meshes()[mesh_of_instance_[hit.hit.instID[0]]].surface(hit.hit.primID);
+  return surface_tint(surface.texture, surface.brightness);
+}
+
 /// Whether two rays of a row hit the same static face.
 bool View::same_face(size_t a, size_t b) const {
   const auto &ha = hits_[a].hit, &hb = hits_[b].hit;
@@ -164,7 +170,7 @@ void View::cast_shadows(float* row) {
     if (lit(x) && shadows_[x].tfar < 0) row[x] -= sunlight_[x];
 }
 
-void View::cast_reflections(float* row, const float* depth) {
+void View::cast_reflections(float* row, const float* depth, Tint* tint) {
   if (mirrors_.empty()) return;
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
@@ -177,11 +183,13 @@ void View::cast_reflections(float* row, const float* depth) {
     const bool nothing = hit.hit.geomID == RTC_INVALID_GEOMETRY_ID;
     const float seen =
         nothing ? std::min(255.0f, sky(direction(hit.ray))) : 0.7f * surface_grey(hit, depth[x], &glass, &normal);
-    row[x] = 0.55f * row[x] + 0.45f * seen;
+    const float own = 0.55f * row[x], reflected = 0.45f * seen;
+    row[x] = own + reflected;
+    if (tint) tint[x] = (own * tint[x] + reflected * tint_of(hit, seen)) / std::max(row[x], 1.0f);
   }
 }
 
-void View::shade_row(float* row, float* depth, uint16_t* instance) {
+void View::shade_row(float* row, float* depth, uint16_t* instance, Tint* tint) {
   look_along_row();
   mirrors_.clear(), glass_pixels_.clear();
   const Vector3f sun = world_.sun();
@@ -217,13 +225,15 @@ void View::shade_row(float* row, float* depth, uint16_t* instance) {
     aim(shadows_[x], point, sun);
   }
   if (shadows) cast_shadows(row);
-  cast_reflections(row, depth);
+  for (size_t x = 0; tint && x < hits_.size(); ++x) tint[x] = tint_of(hits_[x], row[x]);
+  cast_reflections(row, depth, tint);
 }
 
 cv::Mat View::render(const Motion& phone, double t_s, double exposure_s) {
   place_movers(t_s);
   cv::Mat grey(camera_.height(), camera_.width(), CV_32F), depth(grey.size(), CV_32F);
   instance_of_pixel_.create(grey.size(), CV_16U);
+  if (c_.camera.colour) tint_.create(grey.size(), CV_32FC2);
   for (int y = 0; y < camera_.height(); ++y) {
     const Eigen::Isometry3d T = camera_.pose(phone, t_s + camera_.row_offset_s(y));
     const Eigen::Matrix3f R = T.linear().cast<float>();
@@ -232,9 +242,11 @@ cv::Mat View::render(const Motion& phone, double t_s, double exposure_s) {
     const SimLens::State lens = camera_.lens().at(t_s + camera_.row_offset_s(y));
     for (int x = 0; x < camera_.width(); ++x)
       aim(hits_[static_cast<size_t>(x)], origin, R * (still ? camera_.ray(x, y) : camera_.ray(x, y, lens)));
-    shade_row(grey.ptr<float>(y), depth.ptr<float>(y), instance_of_pixel_.ptr<uint16_t>(y));
+    shade_row(grey.ptr<float>(y), depth.ptr<float>(y), instance_of_pixel_.ptr<uint16_t>(y),
+              tint_.empty() ? nullptr : tint_.ptr<Tint>(y));
   }
   moving_part_ = static_cast<double>(cv::countNonZero(instance_of_pixel_)) / static_cast<double>(grey.total());
+  if (!tint_.empty()) cv::GaussianBlur(tint_, tint_, {5, 5}, 1.2);  // a sensor resolves colour half as well as grey
   cv::Mat sharp;
   cv::GaussianBlur(grey, sharp, {3, 3}, 0.5);  // lens blur and antialiasing, because there is one ray per pixel
   return exposure_s > 0 ? blurred(sharp, depth, phone, t_s, exposure_s) : sharp;
