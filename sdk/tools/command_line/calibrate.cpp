@@ -237,14 +237,14 @@ int calibrate(const CalibrateArguments& a) {
 Result<bool> write_file(const fs::path& path, const std::string& text) { return write_whole_file(path, text); }
 
 void add_calibrate(CLI::App& app, int& status) {
-  auto* command =
-      app.add_subcommand("calibrate", "A camera's intrinsics from pictures of a board, and its camera-IMU extrinsics");
+  auto* command = app.add_subcommand(
+      "calibrate", "Calibrate a camera from pictures of a board, and camera-IMU extrinsics from a recording");
   auto a = std::make_shared<CalibrateArguments>();
-  command->add_option("pictures", a->inputs, "pictures, folders of them, a recording, a video");
+  command->add_option("pictures", a->inputs, "pictures, folders of pictures, a recording or a video");
   command->add_option("-o,--output", a->output, "folder for camera.yaml and calibration.html")->capture_default_str();
   a->options.add_lens(*command);
   a->options.add_board(*command);
-  command->add_option("--print", a->print, "write the board to this *.svg instead, to print it");
+  command->add_option("--print", a->print, "write the board as *.svg for printing, instead of calibrating");
   command->add_option("--most", a->most, "maximum number of pictures used; the most different ones are selected")
       ->capture_default_str()
       ->check(CLI::Range(3, 1000));
@@ -252,7 +252,7 @@ void add_calibrate(CLI::App& app, int& status) {
                       "a recording with IMU and much rotation: camera-IMU rotation, time offset, row time; without "
                       "pictures of a board also the lens, as far as it is observable");
   command->add_option("--camera", a->imu.camera, "with --imu: a camera.yaml to start from, instead of the recording's");
-  command->add_flag("--keep-lens", a->imu.keep_lens, "with --imu: keep the lens fixed");
+  command->add_flag("--keep-lens", a->imu.keep_lens, "with --imu: do not estimate the lens");
   command->add_flag("--json", a->json, "print one JSON object");
   command->callback([a, &status] { status = calibrate(*a); });
 }

@@ -40,7 +40,8 @@ void add_city(CLI::App& app, int& status) {
   checked->add_option("model", *files, "city models: CityJSON, CityJSONSeq or OBJ")->required();
   checked->callback([files, &status] { status = check(*files); });
   auto r = std::make_shared<CityScenario>();
-  auto* draw = city->add_subcommand("route", "Draw a route through a model's streets as a scenario for `odograph sim`");
+  auto* draw =
+      city->add_subcommand("route", "Write a random route through a model's streets as a scenario for `odograph sim`");
   draw->add_option("model", r->model, "city model: CityJSON or OBJ")->required();
   draw->add_option("-o,--output", r->output, "scenario file to write")->required();
   draw->add_option("--seed", r->seed, "seed of the random route")->capture_default_str();
@@ -50,7 +51,7 @@ void add_city(CLI::App& app, int& status) {
   draw->add_option("--lens", r->lens, "wide and narrow look up, forward looks ahead")
       ->capture_default_str()
       ->check(CLI::IsMember({"wide", "narrow", "forward"}));
-  draw->add_option("--carrier", r->carrier, "carrier of the camera")
+  draw->add_option("--carrier", r->carrier, "what carries the camera")
       ->capture_default_str()
       ->check(CLI::IsMember({"car", "walker"}));
   draw->callback([r, &status] {

@@ -285,27 +285,31 @@ int locate(const LocateArguments& a) {
 
 void add_city_locate(CLI::App& city, int& status) {
   auto a = std::make_shared<LocateArguments>();
-  auto* command =
-      city.add_subcommand("locate", "Place photographs in a city model by the line of its roofs against the sky");
+  auto* command = city.add_subcommand("locate", "Locate photographs in a city model by their skyline");
   command->add_option("pictures", a->pictures, "photographs, or folders of them (jpg, png)")->required();
   command->add_option("--model", a->model, "city model: CityJSON or CityGML")->required()->check(CLI::ExistingFile);
-  auto* near = command->add_option("--near", a->near, "LAT,LON: where they were taken, instead of what EXIF says");
-  command->add_option("--at", a->at, "the same as easting and northing in the model's own coordinates, m")
+  auto* near = command->add_option(
+      "--near", a->near, "LAT,LON in degrees: where the photographs were taken, instead of their EXIF position");
+  command->add_option("--at", a->at, "the same as easting and northing in the model's coordinates, m")
       ->expected(2)
       ->excludes(near);
   command->add_option("--model-at", a->model_at,
-                      "LAT,LON of the model's zero, where its reference system is not known");
-  command->add_option("--sigma", a->sigma_m, "standard deviation of that place, m; otherwise EXIF's, or 10")
+                      "LAT,LON of the model's origin, in degrees, if its reference system is unknown");
+  command->add_option("--sigma", a->sigma_m, "standard deviation of the position, m; default: EXIF's, or 10")
       ->check(CLI::Range(0.5, 100.0));
   command->add_option("--heading", a->heading_deg,
-                      "where they look, degrees from north to the east, instead of EXIF's");
-  command->add_option("--heading-sigma", a->heading_sigma_deg, "its standard deviation, degrees")
+                      "viewing direction, degrees clockwise from north, instead of EXIF's");
+  command->add_option("--heading-sigma", a->heading_sigma_deg, "standard deviation of the heading, degrees")
       ->capture_default_str()
       ->check(CLI::Range(0.5, 60.0));
-  command->add_flag("--any-heading", a->any_heading, "EXIF's heading is not to be believed: all are tried");
-  command->add_option("--lens", a->lens,
-                      "26mm (35 mm equivalent), 70deg (angle of the long side), 1500px or a camera.yaml");
-  command->add_option("-o,--output", a->output, "folder for table, map and drawn photographs")->capture_default_str();
+  command->add_flag("--any-heading", a->any_heading, "try all headings, whatever EXIF states");
+  command->add_option(
+      "--lens", a->lens,
+      "focal length as 26mm (35 mm equivalent) or 1500px, angle of view of the long side as 70deg, or a camera.yaml");
+  command
+      ->add_option("-o,--output", a->output,
+                   "folder for the table, the map and the photographs with the roofs drawn over them")
+      ->capture_default_str();
   command->add_flag("--json", a->json, "print the table as JSON");
   command->callback([a, &status] { status = locate(*a); });
 }

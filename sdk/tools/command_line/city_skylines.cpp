@@ -287,17 +287,17 @@ void add_city_skylines(CLI::App& city, int& status) {
   built->add_option("--spacing", a->places.spacing_m, "distance between places, m")
       ->capture_default_str()
       ->check(CLI::Range(0.1, 1000.0));
-  built->add_option("--eye", a->places.eye_m, "height above the ground, m")
+  built->add_option("--eye", a->places.eye_m, "height of the camera above the ground, m")
       ->capture_default_str()
       ->check(CLI::Range(0.0, 100.0));
-  built->add_option("--along", a->along, "only along a road: file of rows easting, northing");
+  built->add_option("--along", a->along, "only along a road: file with rows of easting and northing, m");
   built->callback([a, &status] { status = build(*a); });
   auto* asked =
-      city.add_subcommand("query", "Skylines out of a database: elevation, height and distance of 720 directions");
+      city.add_subcommand("query", "Print skylines of a database: elevation, height and distance in 720 directions");
   asked->add_option("database", a->database, "database written by `city build`")->required();
   asked->add_option("--at", a->at, "easting and northing in the model's reference system, m")->expected(2);
   asked->add_option("--to", a->to, "end of a road that starts at --at: easting and northing, m")->expected(2);
-  asked->add_option("--step", a->step_m, "distance between places of the road, m")
+  asked->add_option("--step", a->step_m, "distance between places along the road, m")
       ->capture_default_str()
       ->check(CLI::Range(0.01, 1000.0));
   asked->add_flag("--json", a->json, "print one JSON array");

@@ -143,16 +143,18 @@ int compare(const CompareArguments& a) {
 }  // namespace
 
 void add_compare(CLI::App& app, int& status) {
-  auto* command = app.add_subcommand("compare", "Several configs over several recordings, in a table and on one page");
+  auto* command =
+      app.add_subcommand("compare", "Compare several configs over several recordings, in a table and on a page");
   auto a = std::make_shared<CompareArguments>();
   command->add_option("configs", a->configs, "pipeline configs (YAML)")->required();
   command->add_option("-i,--input", a->recordings, "recordings, as `run` takes them")->required();
   command->add_option(
       "-o,--output", a->output,
-      "page to write, as of `run --report`, with all runs over one truth; with several recordings one for each");
+      "page to write (HTML), as by `run --report`, with all runs of a recording; one page per recording");
   command->add_option("--plugins", a->plugins, "folder to look for plugins in first");
-  command->add_option("--assets", a->assets, "folder of files that the configs name, where they are not beside them");
-  command->add_flag("--json", a->json, "print one JSON array, an entry for each run");
+  command->add_option("--assets", a->assets,
+                      "folder of files named by the configs, such as a city model, if they are not beside them");
+  command->add_flag("--json", a->json, "print one JSON array with an entry for each run");
   command->callback([a, &status] { status = compare(*a); });
 }
 

@@ -210,17 +210,17 @@ int convert(const ConvertArguments& a) {
 }  // namespace
 
 void add_convert(CLI::App& app, int& status) {
-  auto* command =
-      app.add_subcommand("convert",
-                         "Convert a recording to *.odo or an EuRoC/ASL folder, a track to TUM, KITTI, CSV, GPX, KML or "
-                         "GeoJSON, a run with "
-                         "its pictures to MCAP, COLMAP or transforms.json, Kalibr's camchain to camera.yaml");
+  auto* command = app.add_subcommand(
+      "convert",
+      "Convert a recording to *.odo or an EuRoC/ASL folder, a track to TUM, KITTI, CSV, GPX, KML or "
+      "GeoJSON, a run with its pictures to MCAP, COLMAP or transforms.json, or Kalibr's camchain to camera.yaml");
   auto a = std::make_shared<ConvertArguments>();
   command->add_option("input", a->input, "recording, track, or folder of a run")->required();
   command
-      ->add_option("output", a->output,
-                   "its extension selects the format: .odo .tum .kitti .csv .gpx .kml .geojson .mcap .colmap (a "
-                   "folder) transforms.json (images/ beside it) .yaml (of Kalibr's camchain); none: EuRoC/ASL folder")
+      ->add_option(
+          "output", a->output,
+          "its extension selects the format: .odo, .tum, .kitti, .csv, .gpx, .kml, .geojson, .mcap, .colmap (a "
+          "folder), transforms.json (with images/ beside it), .yaml (from Kalibr's camchain); none: EuRoC/ASL folder")
       ->required();
   command->add_option("--origin", a->origin,
                       "origin of the track's frame, for GPX, KML and GeoJSON: LATITUDE,LONGITUDE,HEIGHT (degrees, "
@@ -232,14 +232,13 @@ void add_convert(CLI::App& app, int& status) {
       ->check(CLI::NonNegativeNumber);
   command
       ->add_option("--jpeg", a->jpeg_quality,
-                   "recode pictures as JPEG of this quality, 0: as PNG, lossless; without it they are copied unchanged "
-                   "(a video's become PNG)")
+                   "re-encode pictures as JPEG of this quality; 0: as PNG, lossless; default: copy them unchanged "
+                   "(frames of a video become PNG)")
       ->check(CLI::Range(0, 100));
-  command
-      ->add_flag("--pgm", a->pgm, "recode pictures as grey PGM, which a program reads without a library (samples/walk)")
+  command->add_flag("--pgm", a->pgm, "re-encode pictures as grey PGM, which needs no library to read (samples/walk)")
       ->excludes("--jpeg");
   command->add_flag("--pictures-outside", a->reading.pictures_outside,
-                    "pictures may lie outside of the recording's folder");
+                    "read pictures outside of the recording's folder too");
   command->callback([a, &status] { status = convert(*a); });
 }
 

@@ -303,26 +303,28 @@ void add_eval(CLI::App& app, int& status) {
                    "truth: TUM, KITTI or EuRoC poses, a recording that has truth, or a walk with waypoints")
       ->required();
   command->add_option("--est", a->estimate, "track: TUM or KITTI poses, or the folder of a run")->required();
-  command->add_option("--align", a->alignment, "none, first, yaw, se3 or sim3")->capture_default_str();
+  command->add_option("--align", a->alignment, "alignment of the track with the truth: none, first, yaw, se3 or sim3")
+      ->capture_default_str();
   command->add_option("--max-diff", a->max_difference_s, "maximum time difference of a pair, s")->capture_default_str();
   command
       ->add_option("--offset", a->offset_s, "added to the times of the estimate, s, for a reference with another clock")
       ->check(CLI::Range(-4e9, 4e9));
-  command->add_option("--rpe-delta", a->rpe_delta, "interval of the relative error")
+  command->add_option("--rpe-delta", a->rpe_delta, "interval of the relative error (RPE)")
       ->capture_default_str()
       ->check(CLI::PositiveNumber);
-  command->add_option("--rpe-unit", a->rpe_unit, "frames or metres")
+  command->add_option("--rpe-unit", a->rpe_unit, "unit of --rpe-delta: frames or metres")
       ->capture_default_str()
       ->check(CLI::IsMember({"frames", "metres"}));
-  command->add_option("--window", a->window_m, "window of the scale ratio along the path, m")
+  command->add_option("--window", a->window_m, "length of a window of the scale ratio along the path, m")
       ->capture_default_str()
       ->check(CLI::PositiveNumber);
   command
       ->add_option("--align-first", a->align_first_m,
                    "waypoints: distance from the start over which the heading is fitted, m")
       ->capture_default_str();
-  command->add_flag("--true-lengths", a->true_lengths,
-                    "also with the true length of each frame's displacement: the error with a perfect scale source");
+  command->add_flag(
+      "--true-lengths", a->true_lengths,
+      "also print the errors with the true length of each frame's displacement, as with a perfect scale source");
   command
       ->add_option("--true-window", a->true_window_m,
                    "with --true-lengths: one factor per window of this path length, m; 0: per frame")

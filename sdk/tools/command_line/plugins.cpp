@@ -179,11 +179,11 @@ void add_plugins(CLI::App& app, int& status) {
   auto wish = std::make_shared<CheckWish>();
   auto* check_command = command->add_subcommand("check", "Test a plugin library, each case in its own process");
   check_command->add_option("file", wish->file, "plugin library");
-  check_command->add_option("--set", wish->set, "a parameter that has no good default, as NAME=VALUE");
+  check_command->add_option("--set", wish->set, "NAME=VALUE of a parameter without a usable default");
   check_command->add_option("--only", wish->only, "only cases whose id begins with this, such as events or step.late");
   check_command->add_option("--format", wish->format, "text, json or junit")
       ->check(CLI::IsMember({"text", "json", "junit"}));
-  check_command->add_option("-o,--output", wish->output, "file to write to instead of the terminal");
+  check_command->add_option("-o,--output", wish->output, "output file; default: the terminal");
   check_command->add_option("--statement", wish->statement,
                             "folder for the conformance statement, conformance.md, and its badge conformance.svg");
   check_command->add_option("--recording", wish->recording,

@@ -158,20 +158,21 @@ void add_run(CLI::App& app, int& status) {
           "folder for trajectory.tum, corrected.tum, vo.csv, steps.csv, scale.csv, fixes.csv, states.csv, summary.json")
       ->capture_default_str();
   command->add_option("--set", a->set,
-                      "PATH=VALUE overrides the config, such as walker.height=1.8m, or for a list's item "
-                      "absolute_fixers.fix/gnss.parameters.correlation=0s");
+                      "PATH=VALUE overrides a value of the config: walker.height=1.8m; in a list, the item is named by "
+                      "its plugin or number: absolute_fixers.fix/gnss.parameters.correlation=0s");
   command->add_option("--plugins", a->options.plugin_path, "folder to look for plugins in first");
   command->add_option("--assets", a->options.asset_path,
                       "folder of files named by the config, such as a city model, if they are not beside it");
   command->add_option("--state", a->options.state,
                       "file of the plugins' saved state (walker and device): read if it exists, written at the end");
   command->add_flag("--pictures-outside", a->reading.pictures_outside,
-                    "pictures may lie outside of the recording's folder");
+                    "read pictures outside of the recording's folder too");
   command->add_option("--faults", a->faults,
                       "YAML file of sensor faults to inject; keys: odograph config schema faults");
   command->add_option("--seed", a->options.seed, "seed of the plugins' random numbers")->capture_default_str();
-  command->add_flag("--report", a->report,
-                    "write report.html: one page with the track, the camera's pictures and charts over one time");
+  command->add_flag(
+      "--report", a->report,
+      "write report.html: one page with the track, the camera's pictures and charts over a common time axis");
   command->add_flag("--json", a->json, "print the summary as one JSON object");
   command->callback([a, &status] { status = run(*a); });
 }

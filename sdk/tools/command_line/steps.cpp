@@ -152,14 +152,15 @@ int steps(const StepsArguments& a) {
 }  // namespace
 
 void add_steps(CLI::App& app, int& status) {
-  auto* command =
-      app.add_subcommand("steps", "Modes, steps, lengths and the dead-reckoned path from the IMU of a recording");
+  auto* command = app.add_subcommand(
+      "steps", "Motion modes, steps, their lengths and the dead-reckoned path from the IMU of a recording");
   auto a = std::make_shared<StepsArguments>();
   command->add_option("recording", a->recording, "any recording with an IMU")->required();
   command->add_option(
       "-c,--config", a->config,
       "pipeline config with a step estimator; default: attitude/vqf and step/odograph, walker height 1.70 m");
-  command->add_option("--plot", a->plot, "write lengths over time, their distribution and the path as an HTML page");
+  command->add_option("--plot", a->plot,
+                      "page to write (HTML): step lengths over time, their distribution, and the path");
   command->add_flag("--each", a->each, "one line per step");
   command->add_flag("--json", a->json, "print one JSON object");
   command->callback([a, &status] { status = steps(*a); });

@@ -113,17 +113,18 @@ int view(ViewArguments& a) {
 }  // namespace
 
 void add_view(CLI::App& app, int& status) {
-  auto* command = app.add_subcommand("view", "Run a pipeline and watch it on a local page, which remains for playback");
+  auto* command = app.add_subcommand(
+      "view", "Run a pipeline and show it on a local web page, which is served for playback until Ctrl-C");
   auto a = std::make_shared<ViewArguments>();
   command->add_option("-c,--config", a->options.config, "pipeline config (YAML)")->required();
   command->add_option("-i,--input", a->input, "recording, as `run` takes it")->required();
   command->add_option("--port", a->port, "port of the page on this machine; 0: any free port")->capture_default_str();
-  command->add_flag("--once", a->once, "end after the run");
+  command->add_flag("--once", a->once, "exit after the run");
   command->add_option("--plugins", a->options.plugin_path, "folder to look for plugins in first");
   command->add_option("--assets", a->options.asset_path,
                       "folder of files named by the config, if they are not beside it");
   command->add_flag("--pictures-outside", a->reading.pictures_outside,
-                    "pictures may lie outside of the recording's folder");
+                    "read pictures outside of the recording's folder too");
   command->callback([a, &status] { status = view(*a); });
 }
 

@@ -10,11 +10,13 @@ void BoardOptions::add_board(CLI::App& command) {
       ->capture_default_str()
       ->check(CLI::IsMember({"charuco", "checkerboard"}));
   command.add_option("--squares", squares, "COLUMNSxROWS, counting squares, not inner corners")->capture_default_str();
-  command.add_option("--square", square, "side of a square, measured on the print")->capture_default_str();
-  command.add_option("--marker", marker, "side of a marker's black border (charuco)")->capture_default_str();
+  command.add_option("--square", square, "side of a square with its unit, measured on the print")
+      ->capture_default_str();
+  command.add_option("--marker", marker, "side of a marker's black border with its unit (charuco)")
+      ->capture_default_str();
   command
       .add_option("--family", family,
-                  "the markers (charuco): 36h11, 25h9, 16h5, which OpenCV calls DICT_APRILTAG_36h11 and so on")
+                  "family of the markers (charuco): 36h11, 25h9 or 16h5; OpenCV: DICT_APRILTAG_36h11 and so on")
       ->capture_default_str();
 }
 
