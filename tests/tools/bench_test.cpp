@@ -235,6 +235,21 @@ TEST_CASE("a plot has the lines and points of each row, skips missing numbers, a
 }
 
 TEST_CASE(
+    "a plot of distributions has a curve for each config, named by its file and overrides, of numbers without signs") {
+  Plot plot;
+  add_distributions(plot,
+                    {{{"config", "a/walk.yaml"}, {"_x", {-3, 1}}},
+                     {{"config", "a/walk.yaml?fix/gnss.sigma=1m"}, {"_x", 2}},
+                     {{"config", "a/walk.yaml"}, {"_x", 2}}},
+                    "_x");
+  REQUIRE(plot.series.size() == 2);
+  CHECK(plot.series[0].name == "walk.yaml");
+  CHECK(plot.series[0].points.front().first == 1);
+  CHECK(plot.series[0].points.back() == std::pair<double, double>{3, 1});
+  CHECK(plot.series[1].name == "walk.yaml?fix/gnss.sigma=1m");
+}
+
+TEST_CASE(
     "at most the given number of children run in parallel, each is reported when it ends, and none starts after the "
     "stop") {
   std::vector<size_t> ended;

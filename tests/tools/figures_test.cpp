@@ -266,6 +266,8 @@ TEST_CASE("a walk between buildings is scored after it has settled, and while th
   CHECK(f.median_m == doctest::Approx(2));
   CHECK(f.largest_m == doctest::Approx(12));
   CHECK(f.in_reflection_m == doctest::Approx(9));
+  REQUIRE(f.each_second_m.size() == 151);
+  CHECK(f.each_second_m[75] == doctest::Approx(9));
 }
 
 TEST_CASE("the gait figures of a sine match the sine") {
@@ -372,6 +374,10 @@ TEST_CASE("position errors are given by axis, and displacements by their length"
   const PositionErrors scaled = position_errors(truth, moved(truth, 1, {0, 0, 0}, 1.1));
   CHECK(scaled.displacement_m.size() == truth.size() - 1);
   CHECK(scaled.displacement_m[7] == doctest::Approx(0.01));
+  const auto along = errors_along_path(truth, moved(truth, 0, {1, -2, 5}), 3);
+  REQUIRE(along.size() == static_cast<size_t>(path_length(truth) / 3) + 1);
+  CHECK(along[2].first == doctest::Approx(6).epsilon(0.02));
+  CHECK(along[2].second == doctest::Approx(std::sqrt(5.0)));
 }
 
 TEST_CASE("a position is found by the distance walked") {

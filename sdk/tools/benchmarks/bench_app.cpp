@@ -16,10 +16,10 @@ struct StreamBenchmark : Benchmark {
       : Benchmark("stream", "Poses predicted ahead for an app, in simulated time; camera and IMU",
                   kConfigs | kSimulated | kRecordings, {"walk"}) {}
   void add_options(CLI::App& command) override {
-    command.add_option("--ahead", timing.ahead_ms, "ms ahead of the poll");
-    command.add_option("--frame-late", timing.late.frame_late_ms, "ms from a picture's time to its pose");
-    command.add_option("--imu-late", timing.late.imu_late_ms, "ms from a sample's time to its arrival");
-    command.add_option("--settle", settle_s, "seconds excluded at the start");
+    command.add_option("--ahead", timing.ahead_ms, "prediction time, ms");
+    command.add_option("--frame-late", timing.late.frame_late_ms, "delay from a picture's time to its pose, ms");
+    command.add_option("--imu-late", timing.late.imu_late_ms, "delay from a sample's time to its arrival, ms");
+    command.add_option("--settle", settle_s, "time excluded at the start, s");
   }
 
   Result<Json> measure_recording(const BenchCase& one, const Recording& recording) const override {
@@ -61,8 +61,8 @@ struct Anchors : Benchmark {
       : Benchmark("anchors", "Anchors on the screen and through a fix, in simulated time; camera, IMU and truth",
                   kConfigs | kSimulated | kRecordings, {"walk_marks"}) {}
   void add_options(CLI::App& command) override {
-    command.add_option("--settle", walk.settle_s, "seconds from the first position to the first anchor");
-    command.add_option("--ahead", walk.ahead_m, "m from the camera to a new anchor");
+    command.add_option("--settle", walk.settle_s, "time from the first position to the first anchor, s");
+    command.add_option("--ahead", walk.ahead_m, "distance from the camera to a new anchor, m");
   }
 
   Result<Json> measure_recording(const BenchCase& one, const Recording& recording) const override {
@@ -103,9 +103,9 @@ struct Consistency : Benchmark {
     command.add_option("--first", first_s, "length of the run from the start, s");
     command.add_option(
         "--marks", marks.sigma_m,
-        "give the session true positions with this error on each axis, m; the config has fix/waypoint with `use: all`");
-    command.add_option("--every", marks.every_s, "s between the positions of --marks");
-    command.add_option("--seed", sensor_seed, "of the errors of --marks and --sensors");
+        "push true positions with this error on each axis, m; needs a config with fix/waypoint and `use: all`");
+    command.add_option("--every", marks.every_s, "time between two positions of --marks, s");
+    command.add_option("--seed", sensor_seed, "seed of the errors of --marks and --sensors");
   }
 
   Result<Json> measure_recording(const BenchCase& one, const Recording& recording) const override {

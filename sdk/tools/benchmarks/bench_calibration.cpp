@@ -15,7 +15,7 @@ namespace odograph {
 namespace {
 
 struct Calibrate : Benchmark {
-  Calibrate() : Benchmark("calibrate", "Intrinsics from simulated boards against the truth", kSeeds) {
+  Calibrate() : Benchmark("calibrate", "Intrinsics calibrated from simulated boards, compared with the truth", kSeeds) {
     options.seeds = 5;
     variants = {"pinhole", "kannala_brandt"}, variant_label = "lens";
   }
@@ -82,7 +82,9 @@ constexpr double kFocalWrong = 1.02, kRowWrong = 0.6, kOffsetWrong_s = 0.1;
 
 struct CalibrateImu : Benchmark {
   CalibrateImu()
-      : Benchmark("calibrate-imu", "Mount, offset, row time found from recordings, against their stated values",
+      : Benchmark("calibrate-imu",
+                  "Camera-IMU rotation, time offset and row time calibrated from recordings, compared with their "
+                  "stated values",
                   kRecordings) {}
   void add_options(CLI::App& command) override {
     command.add_flag("--keep-lens", keep_lens, "start from the true lens and keep it");

@@ -33,11 +33,11 @@ void add_common(CLI::App& command, Benchmark& b) {
     command.add_option("--set", o.set, "PATH=VALUE in every config, such as walker.height=1.8m");
   }
   if (offers(kSeeds)) {
-    command.add_option("--seeds", o.seeds, "number of seeds for each")->check(CLI::Range(1, 1000));
+    command.add_option("--seeds", o.seeds, "number of seeds")->check(CLI::Range(1, 1000));
     command.add_option("--first-seed", o.first_seed, "the first seed");
   }
   if (offers(kQuick)) command.add_flag("--quick", o.quick, "only the beginning of each simulation");
-  if (offers(kPlot)) command.add_option("--plot", o.plot, "write the plot as SVG");
+  if (offers(kPlot)) command.add_option("--plot", o.plot, "plot to write (SVG)");
   if (!command.get_option_no_throw("--keep"))
     command.add_option("--keep", o.keep, "folder in which simulated recordings and rows are kept");
   command.add_option("--jobs", o.jobs, "number of parallel runs")->check(CLI::Range(1, 256));
@@ -194,6 +194,16 @@ void add_line(Plot& plot, const std::string& name, const Json& pairs, const std:
   for (const Json& pair : pairs)
     if (pair[1].is_number()) series.points.emplace_back(pair[0].get<double>(), pair[1].get<double>());
   if (!series.points.empty()) plot.series.push_back(std::move(series));
+}
+
+void add_distributions(Plot& plot, const Rows& rows, const std::string& key) {
+  for (const auto& [config, own] : groups_of(rows, "config"))
+    add_line(plot, config_name(config), distribution_of(numbers_at(own, key, true)));
+}
+
+std::string config_name(const Json& config) {
+  const auto name = config.get<std::string>();
+  return name.substr(name.rfind('/', name.find('?')) + 1);
 }
 
 void add_benchmark(CLI::App& parent, std::shared_ptr<Benchmark> benchmark, int& status) {

@@ -122,6 +122,10 @@ Result<Json> in_child(const std::function<Result<Json>()>& call);
 
 /// Adds a line through pairs of numbers to a plot, if there are any.
 void add_line(Plot& plot, const std::string& name, const Json& pairs, const std::string& style = "lines");
+/// Adds for each config the distribution of all its rows' numbers under a key, without their signs.
+void add_distributions(Plot& plot, const Rows& rows, const std::string& key);
+/// A config in the key of a plot: its file without folders, and its overrides.
+std::string config_name(const Json& config);
 
 /// Files of a folder whose names have this beginning and end, sorted.
 std::vector<std::string> files_in(const std::filesystem::path& folder, const std::string& begin,

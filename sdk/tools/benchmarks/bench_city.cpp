@@ -42,25 +42,32 @@ Json pairs_of(const Trajectory& track) {  // east, north
 
 struct City : Benchmark {
   City()
-      : Benchmark("bench",
-                  "Drives through the streets of city models, drawn and rendered by seeds: errors, fixes, integrity",
+      : Benchmark("bench", "Simulated drives through the streets of city models: errors, fixes, integrity",
                   kConfigs | kPlot, {"city_drive"}) {}
   void add_options(CLI::App& command) override {
-    command.add_option("model", models, "city models; each takes the place of fix/skyline's")
+    command.add_option("model", models, "city models; each replaces that of the config's fix/skyline")
         ->required()
         ->group(kCases);
-    command.add_option("--skylines", skylines,
-                       "database that takes the place of fix/skyline's; errors count from the first fix on");
-    command.add_option("--lens", lenses, "wide and narrow look up from a car, forward ahead from a walker's hand")
+    command.add_option(
+        "--skylines", skylines,
+        "skyline database that replaces that of the config's fix/skyline; errors count from the first fix on");
+    command
+        .add_option("--lens", lenses,
+                    "wide and narrow look up from a car's roof, forward looks ahead from a walker's hand")
         ->check(CLI::IsMember({"wide", "narrow", "forward"}));
-    command.add_option("--drives", options.seeds, "in each model")->check(CLI::Range(1, 1000))->group(kCases);
-    command.add_option("--first-seed", options.first_seed, "of route, sun, clouds and noise")->group(kCases);
-    command.add_option("--skies", skies, "each route under that many suns and clouds")->check(CLI::Range(1, 100));
-    command.add_option("--length", length_m, "of each drive, m");
-    command.add_option("--missing", errors.missing, "part of the buildings that the model lacks")
+    command.add_option("--drives", options.seeds, "number of drives in each model")
+        ->check(CLI::Range(1, 1000))
+        ->group(kCases);
+    command.add_option("--first-seed", options.first_seed, "first seed of route, sun, clouds and noise")->group(kCases);
+    command.add_option("--skies", skies, "number of suns and clouds for each route")->check(CLI::Range(1, 100));
+    command.add_option("--length", length_m, "length of each drive, m");
+    command.add_option("--missing", errors.missing, "fraction of the buildings that are missing in the model")
         ->check(CLI::Range(0.0, 0.9));
     command.add_option("--roofs", errors.roof_sigma_m, "standard deviation of each building's height in the model, m");
-    command.add_option("--figure", figure, "of --plot: after Gakne & O'Keefe 2018, Figures 9, 10 and 11")
+    command
+        .add_option("--figure", figure,
+                    "figure of --plot: scale errors, tracks or the distribution of errors (Gakne & O'Keefe 2018, "
+                    "Figures 9, 10, 11)")
         ->transform(CLI::CheckedTransformer(std::map<std::string, Figure>{
             {"scale", Figure::scale}, {"tracks", Figure::tracks}, {"errors", Figure::errors}}))
         ->group(kOutput);
@@ -155,18 +162,15 @@ struct City : Benchmark {
   /// The first drive's scale errors or tracks, or the distribution of all drives' errors.
   void draw(const Rows& rows, Plot& into) const override {
     if (figure == Figure::errors)
-      into = {.title = "Horizontal error", .x_label = "m", .y_label = "part of the frames", .series = {}};
+      into = {.title = "Horizontal error", .x_label = "m", .y_label = "fraction of the frames", .series = {}};
     else if (figure == Figure::scale)
       into = {.title = "Error of a frame's displacement", .x_label = "s", .y_label = "m", .series = {}};
     else
       into = {.title = "Tracks", .x_label = "east, m", .y_label = "north, m", .equal_axes = true, .series = {}};
     if (figure == Figure::tracks && !rows.empty()) add_line(into, "truth", rows.front()["_truth"]);
-    for (const auto& [config, own] : groups_of(rows, "config")) {
-      const auto file = config.get<std::string>();
-      add_line(into, file.substr(file.rfind('/', file.find('?')) + 1),
-               figure == Figure::errors ? Json(distribution_of(numbers_at(own, "_errors")))
-                                        : own.front()[figure == Figure::scale ? "_scale" : "_track"]);
-    }
+    if (figure == Figure::errors) return add_distributions(into, rows, "_errors");
+    for (const auto& [config, own] : groups_of(rows, "config"))
+      add_line(into, config_name(config), own.front()[figure == Figure::scale ? "_scale" : "_track"]);
   }
 
   /// Renders the drive unless it is cached; the model and its position replace those of the config.

@@ -14,8 +14,9 @@ namespace {
 struct Canyon : Benchmark {
   Canyon()
       : Benchmark("canyon", "Simulated walks with GNSS positions whose errors are correlated and jump",
-                  kConfigs | kSeeds | kByConfig) {
+                  kConfigs | kSeeds | kByConfig | kPlot) {
     options.seeds = 10;
+    plot = {.title = "Horizontal error", .x_label = "time, s", .y_label = "horizontal error, median, m"};
   }
   void add_options(CLI::App& command) override {
     command.add_option("--sigma", sigma_m, "standard deviation of each component, m");
@@ -36,10 +37,21 @@ struct Canyon : Benchmark {
   Result<Json> measure_replay(const BenchCase&, const Recording& recording, const RunResult& result) const override {
     const CanyonFigures f = canyon_figures(recording.true_states, result.track);
     const Format parts{.parts = {0.5, 1}};
-    return row_of({{"heading, 100 m", "deg", "heading_after_100_m_deg", 1, f.yaw_deg, parts},
-                   {"position", "m", "position_m", 1, f.median_m, parts},
-                   {"largest error", "m", "largest_m", 1, f.largest_m, parts},
-                   {"in reflection", "m", "largest_in_reflection_m", 1, f.in_reflection_m, parts}});
+    Json row = row_of({{"heading, 100 m", "deg", "heading_after_100_m_deg", 1, f.yaw_deg, parts},
+                       {"position", "m", "position_m", 1, f.median_m, parts},
+                       {"largest error", "m", "largest_m", 1, f.largest_m, parts},
+                       {"in reflection", "m", "largest_in_reflection_m", 1, f.in_reflection_m, parts}});
+    row["_each_second_m"] = f.each_second_m;
+    return row;
+  }
+
+  void draw(const Rows& rows, Plot& into) const override {
+    for (const auto& [config, own] : groups_of(rows, "config")) {
+      Json medians = Json::array();
+      const auto walks = [&](size_t s) { return numbers_at(own, "_each_second_m/" + std::to_string(s)); };
+      for (size_t s = 0; walks(s).size() == own.size(); ++s) medians.push_back({s, percentile(walks(s), 0.5)});
+      add_line(into, config_name(config), medians);
+    }
   }
 
   std::string heading(const Rows&) const override {
@@ -59,7 +71,8 @@ struct KnownObjects : Benchmark {
   void add_options(CLI::App& command) override {
     command.add_option("--scenes", scenes, "number of scenes for each distance, obliqueness and object");
     command.add_option("--look-alikes", lookalike_frames, "number of frames with look-alikes");
-    command.add_option("--kind", only, "only this kind of look-alike, by its row index")->check(CLI::Range(0, 7));
+    command.add_option("--kind", only, "only this kind of look-alike, by its row in the table, from 0")
+        ->check(CLI::Range(0, 7));
     command.add_option("--seed", seed, "seed of pictures, positions and light");
     command.add_option("--keep", folder, "folder for sample frames");
   }

@@ -15,7 +15,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kWalkers[] = {"W1", "M1", "W2"};
-constexpr double kStart_m = 12;
+constexpr double kStart_m = 12, kPlotted_m = 2;
 
 /// The places evaluated in the paper, with its results: real walkers W1, M1, W2, adaptive and fixed step length, m.
 struct Place {
@@ -45,10 +45,13 @@ struct Walk700 : Benchmark {
   Walk700()
       : Benchmark("walk700",
                   "The 0.7 km walk of Antigny et al. 2019, simulated: their Table 5, adaptive beside fixed step length",
-                  kConfigs | kQuick | kSimulated, {"antigny2019", "antigny2019_fixed_step", "phone_walk_camera"}) {
+                  kConfigs | kQuick | kPlot | kSimulated,
+                  {"antigny2019", "antigny2019_fixed_step", "phone_walk_camera"}) {
     options.scenarios.clear();
     for (const char* walker : kWalkers) options.scenarios.push_back(text("samples/scenarios/walk700_%s.yaml", walker));
     quick_m = 120;
+    plot = {
+        .title = "Horizontal error", .x_label = "distance walked, m", .y_label = "horizontal error, m", .log_y = true};
   }
 
   Result<bool> complete(BenchCase& one) const override {
@@ -72,11 +75,16 @@ struct Walk700 : Benchmark {
       return Json{{"mean_m", e.mean_m}, {"error_m", e.error_m}, {"error_percent", e.error_percent}};
     };
     const Start start = start_of(*config_of(one.run));
-    const Json by_path =
-        errors(start == Start::surveyed ? result.track : aligned_at_start(truth, result.track, kStart_m));
-    Json row = start == Start::by_pose ? errors(aligned_by_pose(truth, result.track, kStart_m)) : by_path;
+    const Trajectory by_path =
+        start == Start::surveyed ? result.track : aligned_at_start(truth, result.track, kStart_m);
+    const Trajectory track = start == Start::by_pose ? aligned_by_pose(truth, result.track, kStart_m) : by_path;
+    Json row = errors(track);
     for (const WalkedPlace& place : places) row["walked_m"].push_back(place.walked_m);
-    row["by_path"] = by_path;
+    row["by_path"] = errors(by_path);
+    const std::string run = text("%s, %s, seed %d", config_name(one.labels["config"]).c_str(),
+                                 one.labels["walker"].get<std::string>().c_str(), one.labels["seed"].get<int>());
+    for (const auto& [at_m, error_m] : errors_along_path(truth, track, kPlotted_m))
+      if (at_m > kStart_m) row["_lines"][run].push_back({at_m, error_m});
     row["fixes"] = result.accepted().size();
     return row;
   }
@@ -131,7 +139,7 @@ struct Drive : Benchmark {
                   {"gakne2018_vo", "gakne2018", "monocular", "city_drive"}) {
     options.scenarios = {"samples/scenarios/drive_downtown.yaml"};
     quick_m = 300;
-    plot = {.title = "Horizontal error", .x_label = "m", .y_label = "part of the frames"};
+    plot = {.title = "Horizontal error", .x_label = "m", .y_label = "fraction of the frames"};
   }
   void add_options(CLI::App& command) override {
     command.add_option("--missing", missing, "fraction of buildings missing in the city model, chosen by the seed")
@@ -196,10 +204,7 @@ struct Drive : Benchmark {
     return out;
   }
 
-  void draw(const Rows& rows, Plot& into) const override {
-    for (const auto& [config, own] : groups_of(rows, "config"))
-      add_line(into, config, distribution_of(numbers_at(own, "_horizontal_m")));
-  }
+  void draw(const Rows& rows, Plot& into) const override { add_distributions(into, rows, "_horizontal_m"); }
 
   double start_m = 50, missing = 0;
 };

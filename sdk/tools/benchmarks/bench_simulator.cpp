@@ -16,13 +16,13 @@ namespace odograph {
 namespace {
 
 struct Allan : Benchmark {
-  Allan() : Benchmark("allan", "The simulated IMU at rest: its Allan deviation beside the scenario's", kPlot) {
+  Allan() : Benchmark("allan", "Allan deviation of the simulated IMU at rest, compared with the specified one", kPlot) {
     plot = {.title = "Allan deviation at rest", .x_label = "log10 s", .y_label = "log10 (rad/s or m/s^2)"};
   }
   void add_options(CLI::App& command) override {
-    command.add_option("--scenario", scenario, "whose IMU");
+    command.add_option("--scenario", scenario, "scenario with the IMU");
     command.add_option("--seed", seed, "seed of bias and noise");
-    command.add_option("--hours", hours, "how long")->check(CLI::Range(0.1, 24.0));
+    command.add_option("--hours", hours, "duration, h")->check(CLI::Range(0.1, 24.0));
   }
 
   Result<std::vector<BenchCase>> recordings() override {
@@ -39,7 +39,7 @@ struct Allan : Benchmark {
                                {"simulated", p.simulated},
                                {"asked_for", p.expected},
                                {"ratio", p.simulated / p.expected}});
-      row["_lines"][sensor + ", asked for"].push_back({std::log10(p.averaging_s), std::log10(p.expected)});
+      row["_lines"][sensor + ", specified"].push_back({std::log10(p.averaging_s), std::log10(p.expected)});
       row["_points"][sensor + ", simulated"].push_back({std::log10(p.averaging_s), std::log10(p.simulated)});
     }
     return row;
@@ -58,7 +58,7 @@ struct Allan : Benchmark {
                         {{"sensor", "sensor"}},
                         {{"averaging", "s", "point/averaging_s"},
                          {"", "simulated", "simulated"},
-                         {"", "asked for", "asked_for"},
+                         {"", "specified", "asked_for"},
                          {"", "ratio", "point/ratio", 3}}},
                        lines)};
   }
@@ -161,9 +161,9 @@ constexpr double kWindows_s[] = {4, 8};
 
 struct Tracks : Benchmark {
   Tracks()
-      : Benchmark("tracks", "How corners can be followed through recordings: lengths of tracks, inliers, flow",
+      : Benchmark("tracks", "Tracking of corners through recordings: track lengths, inliers, flow",
                   kConfigs | kPlot | kRecordings, {"monocular_odograph"}) {
-    plot = {.title = "Corners still followed", .x_label = "frames", .y_label = "part"};
+    plot = {.title = "Corners still tracked", .x_label = "frames", .y_label = "fraction"};
   }
   void add_options(CLI::App& command) override {
     command.add_option("--frames", frames, "number of frames of each recording");

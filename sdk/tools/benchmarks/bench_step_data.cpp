@@ -132,7 +132,7 @@ std::string adaptive_against_fixed(const Rows& all) {
        {"better", "% of walks", "better", 0},
        {"distance", "%", "distance_percent", 1},
        {"", "fixed %", "_fixed_percent", 1},
-       {"", "his own %", "_own_percent", 1}}};
+       {"", "own fixed %", "_own_percent", 1}}};
   return table_text(table, lines);
 }
 
@@ -167,7 +167,7 @@ std::string table_by(const Rows& rows, const std::string& by) {
                    {"floors", "", "floors", 0},
                    {"wrong", "", "wrong_floors", 0},
                    {"number", "right %", "floor_right", 1},
-                   {"", "said %", "floor_probability", 1}};
+                   {"", "stated %", "floor_probability", 1}};
   return table_text(table, lines);
 }
 

@@ -46,7 +46,7 @@ struct Steps : Benchmark {
                     "Indoor Location Competition, *.odo")
         ->group(kCases);
     command.add_flag("--each", each, "with --data: one line per walk")->group(kOutput);
-    command.add_flag("--confusion", confusion, "print the confusion of modes")->group(kOutput);
+    command.add_flag("--confusion", confusion, "print how long each true mode was classified as which")->group(kOutput);
   }
 
   Result<std::vector<BenchCase>> recordings() override {
@@ -149,11 +149,13 @@ std::string leg_errors_text(const Rows& rows) {
 struct Walks : Benchmark {
   Walks()
       : Benchmark("walks", "Distance and position errors over a folder of walks with waypoints",
-                  kConfigs | kFolder | kByConfig) {}
+                  kConfigs | kFolder | kByConfig | kPlot) {
+    plot = {.title = "Distance error", .x_label = "distance error, %", .y_label = "fraction of the walks"};
+  }
   void add_options(CLI::App& command) override {
     command.add_option("--align-first", align_first_m, "the heading is fitted over this distance from the start, m");
     command.add_flag("--each", each, "one line per walk")->group(kOutput);
-    command.add_flag("--oracles", oracles, "remaining errors with true headings, or true lengths, of the legs")
+    command.add_flag("--oracles", oracles, "remaining errors with the true heading, or the true length, of each leg")
         ->group(kOutput);
   }
 
@@ -204,6 +206,8 @@ struct Walks : Benchmark {
     }
     return out;
   }
+
+  void draw(const Rows& rows, Plot& into) const override { add_distributions(into, rows, "_distance_percent"); }
 
   double align_first_m = 10;
   bool each = false, oracles = false;

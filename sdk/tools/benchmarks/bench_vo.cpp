@@ -121,13 +121,17 @@ struct Vo : Benchmark {
   void add_options(CLI::App& command) override {
     command.add_option("--reference", reference, "TUM poses to measure against, instead of the recording's truth")
         ->check(CLI::ExistingFile);
-    command.add_option("--reference-frame", reference_frame, "frame of those poses: camera, or body (the IMU)")
+    command
+        .add_option("--reference-frame", reference_frame,
+                    "frame of the poses of --reference: camera, or body (the IMU)")
         ->check(CLI::IsMember({"camera", "body"}));
     command.add_flag("--stress", stress, "use the stress_*.yaml beside the scenario instead")->group(kCases);
     command.add_option("--sensor-seed", sensor_seed, "seed of the faults' random numbers");
     command.add_option("--cut", cut_s, "start this long after the first frame, s")->check(CLI::NonNegativeNumber);
-    command.add_option("--gap", gap, "FROM:FOR in seconds after the first frame: frames are missing");
-    command.add_option("--dark", dark, "FROM:FOR in seconds after the first frame: frames are black");
+    command.add_option("--gap", gap,
+                       "FROM:FOR, s: frames are missing for this long, from this time after the first one");
+    command.add_option("--dark", dark,
+                       "FROM:FOR, s: frames are black for this long, from this time after the first one");
   }
 
   Result<std::vector<BenchCase>> recordings() override {

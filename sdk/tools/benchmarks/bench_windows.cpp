@@ -14,15 +14,16 @@ namespace {
 struct Windows : Benchmark {
   Windows()
       : Benchmark("windows", "A visual-inertial odometry started at every second of recordings with a truth",
-                  kConfigs | kSimulated | kRecordings | kSensors, {"inertial_odograph"}) {
+                  kConfigs | kSimulated | kRecordings | kSensors | kPlot, {"inertial_odograph"}) {
     read.true_states = false;
+    plot = {.title = "Scale of each window", .x_label = "start of the window, s", .y_label = "error of the scale, %"};
     below = "median";
   }
   void add_options(CLI::App& command) override {
     command.add_option("--from", from_s, "start of the first window after the first frame, s");
     command.add_option("--until", until_s,
                        "start of the last window after the first frame, s; default: the last possible");
-    command.add_option("--every", every_s, "s between the starts of two windows")->check(CLI::PositiveNumber);
+    command.add_option("--every", every_s, "time between the starts of two windows, s")->check(CLI::PositiveNumber);
     command.add_option("--length", length_s, "length of a window, s; 0: to the recording's end");
     command.add_option("--sensor-seed", sensor_seed, "seed of the faults' random numbers");
     command.add_option("--only", only, "faults of --sensors by name, instead of all");
@@ -61,6 +62,13 @@ struct Windows : Benchmark {
     }
     Json row = row_of(figures_of(windows));
     row["windows_each"] = listed;
+    const std::string config = config_name(one.labels["config"]);
+    for (const Json& w : listed) {
+      row["_points"]["error, " + config].push_back({w["from_s"], w["scale_percent"]});
+      for (const int sign : {1, -1})
+        row["_lines"][text("%+d stated sigmas, %s", 3 * sign, config.c_str())].push_back(
+            {w["from_s"], 3 * sign * number_at(w, "sigma_percent")});
+    }
     return row;
   }
 

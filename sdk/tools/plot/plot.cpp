@@ -22,9 +22,11 @@ std::string script(const Plot& plot, const std::string& output) {
   std::ostringstream s;
   s << "set terminal svg size 800," << (plot.equal_axes ? 640 : 360)
     << " dynamic background rgb 'white' font 'sans-serif,13'\n"
-    << "set output " << quoted(output) << "\nset grid\nset key outside below noenhanced\nset xlabel "
-    << quoted(plot.x_label) << "\nset ylabel " << quoted(plot.y_label) << '\n';
+    << "set output " << quoted(output) << "\nset grid\nset key outside above Left reverse noenhanced\n"
+    << "do for [i=1:8] { set linetype i lw 1.5 }\nset xlabel " << quoted(plot.x_label) << "\nset ylabel "
+    << quoted(plot.y_label) << '\n';
   if (plot.equal_axes) s << "set size ratio -1\n";
+  if (plot.log_y) s << "set logscale y\n";
   if (plot.y_down) s << "set yrange [] reverse\n";
   for (size_t i = 0; i < plot.series.size(); ++i) {
     s << "$d" << i << " << EOD\n";

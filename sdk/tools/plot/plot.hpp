@@ -17,7 +17,7 @@ struct PlotSeries {
 
 struct Plot {
   std::string title, x_label, y_label;
-  bool equal_axes = false, y_down = false;
+  bool equal_axes = false, y_down = false, log_y = false;
   std::vector<PlotSeries> series;
 };
 
