@@ -68,6 +68,22 @@ struct SeenEdge {
     const float nx = x + t * dx, ny = y + t * dy, most = kSlack * std::max(h, h - dz);
     return most * most < tangent * tangent * (nx * nx + ny * ny);
   }
+  /// Calls `with` for each direction: its number, and height and distance of the edge there.
+  template <class With>
+  void for_each_direction(const With& with) const {
+    const Directions& directions = Directions::get();
+    for (int j = first; j <= last; ++j) {
+      const auto k = static_cast<size_t>(j < 0 ? j + kN : j >= kN ? j - kN : j);
+      // The ray (c, s) meets the edge at from + t (to - from), at the distance r.
+      const float c = directions.north[k], s = directions.east[k];
+      const float det = c * dy - s * dx;
+      if (std::abs(det) < 1e-7f) continue;
+      const float t = (s * x - c * y) / det;
+      if (t < 0 || t > 1) continue;
+      const float r = c * (x + t * dx) + s * (y + t * dy);
+      if (r > 1e-3f) with(k, h - t * dz, r);
+    }
+  }
 };
 
 /// The highest edge in each direction, updated edge by edge.
@@ -86,6 +102,8 @@ class Envelope {
   }
 
   float lowest() const { return lowest_; }
+  /// Tangents of the elevations.
+  const std::array<float, kN>& highest() const { return highest_; }
   /// Whether all of these blocks of directions are above this tangent.
   bool hides(float tangent, int block, int blocks) const {
     while (blocks > 0 && tangent < lowest_of_[static_cast<size_t>(block)])
@@ -99,24 +117,13 @@ class Envelope {
     return least > 0 && e.is_below(least);
   }
   void add(const SeenEdge& e, int number) {
-    const Directions& directions = Directions::get();
     bool higher = false;
-    for (int j = e.first; j <= e.last; ++j) {
-      const auto k = static_cast<size_t>(j < 0 ? j + kN : j >= kN ? j - kN : j);
-      // The ray (c, s) meets the edge at from + t (to - from), at the distance r.
-      const float c = directions.north[k], s = directions.east[k];
-      const float det = c * e.dy - s * e.dx;
-      if (std::abs(det) < 1e-7f) continue;
-      const float t = (s * e.x - c * e.y) / det;
-      if (t < 0 || t > 1) continue;
-      const float r = c * (e.x + t * e.dx) + s * (e.y + t * e.dy);
-      if (r <= 1e-3f) continue;
-      const float h = e.h - t * e.dz;
-      if (h <= highest_[k] * r) continue;
+    e.for_each_direction([&](size_t k, float h, float r) {
+      if (h <= highest_[k] * r) return;
       highest_[k] = h / r, out_.height_m[k] = h, out_.distance_m[k] = r;
       higher = true;
       if (edge_indices_) (*edge_indices_)[k] = number;
-    }
+    });
     if (!higher) return;
     for (int b = e.first_block(); b <= e.last_block(); ++b) {
       const auto block = static_cast<size_t>(b % kBlocks);
@@ -187,7 +194,8 @@ void City::select_near_edges(const Eigen::Vector3d& p_n, double radius_m, double
     if (up <= min_tan * (distance - radius_m)) continue;
     const Eigen::Vector3f from = (e.from - p_n).cast<float>(), along = (e.to - e.from).cast<float>();
     near_.push_back({from.x(), from.y(), from.z(), along.x(), along.y(), along.z(),
-                     static_cast<float>(up / std::max(distance - radius_m, 0.1)), static_cast<int>(i), 0, kBlocks});
+                     static_cast<float>(up / std::max(distance - radius_m, 0.1)), static_cast<int>(i), 0, kBlocks,
+                     e.object == Edge::kGround});
     if (distance <= 1.01 * radius_m) continue;
     // Max change of the azimuth of its points for places within the radius.
     const double turned = std::asin(radius_m / distance) + kStep_rad;
@@ -210,12 +218,6 @@ void City::horizon(const Eigen::Vector3d& p_n, Horizon& out, EdgeIndices& edge_i
     if (winner >= 0) winner = near_[static_cast<size_t>(winner)].number;
 }
 
-void City::quick_horizon(const Eigen::Vector3d& p_n, Horizon& out, EdgeIndices& edge_indices) const {
-  envelope(visible_, p_n, out, &edge_indices, Sector::all());
-  for (int& winner : edge_indices)
-    if (winner >= 0) winner = visible_[static_cast<size_t>(winner)].number;
-}
-
 void City::select_edges(const Eigen::Vector3d& p_n, double radius_m, double min_tan, double lower_m,
                         const Spend& spend) {
   if (spend) spend(kEdgeWork * edges_.size());
@@ -236,23 +238,86 @@ void City::select_edges(const Eigen::Vector3d& p_n, double radius_m, double min_
     if (seen[i]) visible_.push_back(near_[i]);
 }
 
-void City::envelope(const std::vector<Near>& edges, const Eigen::Vector3d& p_n, Horizon& out, EdgeIndices* edge_indices,
-                    const Sector& sector) const {
-  Envelope envelope(sector, out, edge_indices);
+/// Calls `visit` for each edge that may not be hidden, the highest first, with roofs raised by `raised_m`.
+template <class Hiding, class Visit>
+void City::visit_edges(const std::vector<Near>& edges, const Eigen::Vector3d& p_n, double raised_m,
+                       const Hiding& hiding, const Visit& visit) const {
   const Eigen::Vector3f shift = (p_n - around_).cast<float>();
-  const bool bounded = (p_n - around_).head<2>().norm() <= radius_m_ && p_n.z() - around_.z() <= lower_m_;
+  const bool bounded =
+      (p_n - around_).head<2>().norm() <= radius_m_ && p_n.z() - around_.z() + std::max(0.0, raised_m) <= lower_m_;
+  const auto up = static_cast<float>(raised_m);
   for (size_t i = 0; i < edges.size(); ++i) {
     const Near& e = edges[i];
     if (bounded) {
       const float highest_here = e.bound * kSlack;
-      if (highest_here < envelope.lowest()) break;
-      if (envelope.hides(highest_here, e.first_block, e.blocks)) continue;
+      if (highest_here < hiding.lowest()) break;
+      if (hiding.hides(highest_here, e.first_block, e.blocks)) continue;
     }
-    SeenEdge seen{e.x - shift.x(), e.y - shift.y(), shift.z() - e.z, e.dx, e.dy, e.dz};
-    if (!seen.find_directions() || envelope.hides(seen)) continue;
-    envelope.add(seen, static_cast<int>(i));
+    SeenEdge seen{e.x - shift.x(), e.y - shift.y(), shift.z() - e.z + (e.ground ? 0 : up), e.dx, e.dy, e.dz};
+    if (seen.find_directions() && !hiding.hides(seen)) visit(seen, i);
   }
+}
+
+void City::envelope(const std::vector<Near>& edges, const Eigen::Vector3d& p_n, Horizon& out, EdgeIndices* edge_indices,
+                    const Sector& sector) const {
+  Envelope envelope(sector, out, edge_indices);
+  visit_edges(edges, p_n, 0, envelope, [&](const SeenEdge& e, size_t i) { envelope.add(e, static_cast<int>(i)); });
   envelope.put_elevations();
+}
+
+void City::trace_roofs(const std::vector<Near>& edges, const Eigen::Vector3d& p_n, double spread_m,
+                       const Sector& sector, RoofTops& out) const {
+  Horizon lowered;  // the skyline if all roofs are lower: whatever is below it even if higher is never seen
+  EdgeIndices winners;
+  Envelope lowest(sector, lowered, &winners);
+  visit_edges(edges, p_n, -spread_m, lowest, [&](const SeenEdge& e, size_t i) { lowest.add(e, static_cast<int>(i)); });
+  out.count.fill(0);
+  const auto put = [&](size_t k, RoofTop top) {
+    auto& tops = out.of[k];
+    uint8_t& count = out.count[k];
+    RoofTop* at =
+        std::find_if(tops.data(), tops.data() + count, [&](const RoofTop& t) { return t.object == top.object; });
+    if (at == tops.data() + count) {
+      if (count < RoofTop::kMost) {
+        tops[count++] = top;
+        return;
+      }
+      at = std::min_element(tops.begin(), tops.end(), [](const RoofTop& a, const RoofTop& b) {
+        return a.height_m * b.distance_m < b.height_m * a.distance_m;
+      });
+    }
+    if (top.height_m * at->distance_m > at->height_m * top.distance_m) *at = top;
+  };
+  for (size_t k = 0; k < winners.size(); ++k)
+    if (winners[k] >= 0 && edges[static_cast<size_t>(winners[k])].ground)
+      put(k, {Edge::kGround, winners[k], lowered.height_m[k], lowered.distance_m[k]});
+  const auto up = static_cast<float>(spread_m);
+  visit_edges(edges, p_n, spread_m, lowest, [&](const SeenEdge& raised, size_t i) {
+    if (edges[i].ground) return;
+    const Edge& edge = edges_[static_cast<size_t>(edges[i].number)];
+    const int object = edge.object == Edge::kUnknown ? Edge::kGround - 1 - edges[i].number : edge.object;
+    raised.for_each_direction([&](size_t k, float h, float r) {
+      if (h <= lowest.highest()[k] * r) return;
+      put(k, {object, static_cast<int>(i), h - up, r});
+      if (edge.also >= 0) put(k, {edge.also, static_cast<int>(i), h - up, r});
+    });
+  });
+}
+
+void City::select_roofs(const Eigen::Vector3d& p_n, double radius_m, double min_tan, double lower_m, double spread_m) {
+  select_near_edges(p_n, radius_m, min_tan, lower_m + spread_m);
+  std::vector<char> seen(near_.size(), 0);
+  RoofTops there;
+  const int reach = kParameters.roof_lattice;
+  for (int a = -reach; a <= reach; ++a)
+    for (int b = -reach; b <= reach; ++b) {
+      trace_roofs(near_, p_n + Eigen::Vector3d(a, b, 0) * (radius_m / reach), spread_m, Sector::all(), there);
+      for (size_t k = 0; k < there.of.size(); ++k)
+        for (uint8_t m = 0; m < there.count[k]; ++m) seen[static_cast<size_t>(there.of[k][m].edge)] = 1;
+    }
+  visible_.clear();
+  for (size_t i = 0; i < near_.size(); ++i)
+    if (seen[i]) visible_.push_back(near_[i]);
 }
 
 }  // namespace odograph::skyline

@@ -13,6 +13,7 @@ namespace odograph::skyline {
 struct HorizonParameters {
   double same_rad = 0.035;  ///< two degrees between neighbours: more is a wall's edge instead of a roof's slope
   int lattice = 2;          ///< places to each side from which visible edges are collected
+  int roof_lattice = 1;     ///< the same for roofs, of which more are collected
 };
 
 /// The skyline around a place: eq. (2) of Gakne & O'Keefe 2018, N = 720 directions from north to the east, each in the
@@ -42,6 +43,19 @@ struct Sector {
 /// is clamped to the edge's ends against rounding. False, with undefined output, where the place is on the edge's line.
 bool trace_edge(const float from_n[3], const float to_n[3], const float p_n[3], int first, int end, Horizon& out);
 
+/// The highest point of one object in one direction from a place.
+struct RoofTop {
+  static constexpr int kMost = 6;  ///< of a direction
+  int object;                      ///< Edge::object; of an edge without one: below Edge::kGround, for each edge another
+  int edge;
+  float height_m, distance_m;  ///< above the place; horizontal
+};
+/// Of each direction: the objects that can be the skyline there, in no order.
+struct RoofTops {
+  std::array<std::array<RoofTop, RoofTop::kMost>, Horizon::kDirections> of;
+  std::array<uint8_t, Horizon::kDirections> count;
+};
+
 /// Computes skylines of a city model from any place.
 class City {
  public:
@@ -68,8 +82,13 @@ class City {
   void quick_horizon(const Eigen::Vector3d& p_n, Horizon& out, const Sector& sector = Sector::all()) const {
     envelope(visible_, p_n, out, nullptr, sector);
   }
-  /// The same with the number of the edge that is highest in each direction.
-  void quick_horizon(const Eigen::Vector3d& p_n, Horizon& out, EdgeIndices& edge_indices) const;
+  /// Selects the edges for roof_tops() from places within the radius.
+  void select_roofs(const Eigen::Vector3d& p_n, double radius_m, double min_tan, double lower_m, double spread_m);
+  /// The objects that can be the skyline from a place if each object's roofs are up to `spread_m` higher or lower than
+  /// in the model, of the edges that select_roofs() selected with the same spread.
+  void roof_tops(const Eigen::Vector3d& p_n, double spread_m, const Sector& sector, RoofTops& out) const {
+    trace_roofs(visible_, p_n, spread_m, sector, out);
+  }
 
  private:
   static constexpr uint64_t kEdgeWork = 8;  // mean number of directions per edge, measured
@@ -78,6 +97,7 @@ class City {
     float bound;                  // max tangent of its elevation within the radius
     int number;                   // among all edges
     int16_t first_block, blocks;  // of directions that it can occupy within the radius; all where it is near
+    bool ground;
   };
   static uint64_t work_of(const std::vector<Near>& edges, const Sector& sector) {
     // An edge outside the sector still costs a third of the work: the test for that.
@@ -87,6 +107,11 @@ class City {
   }
   void envelope(const std::vector<Near>& edges, const Eigen::Vector3d& p_n, Horizon& out, EdgeIndices* edge_indices,
                 const Sector& sector) const;
+  template <class Hiding, class Visit>
+  void visit_edges(const std::vector<Near>& edges, const Eigen::Vector3d& p_n, double raised_m, const Hiding& hiding,
+                   const Visit& visit) const;
+  void trace_roofs(const std::vector<Near>& edges, const Eigen::Vector3d& p_n, double spread_m, const Sector& sector,
+                   RoofTops& out) const;
 
   std::vector<Edge> edges_;
   std::vector<Near> near_, visible_;

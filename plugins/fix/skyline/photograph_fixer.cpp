@@ -31,40 +31,27 @@ PhotographFixer::Outcome PhotographFixer::estimate_pose(Picture picture, const P
   std::vector<PhotographLevel> levels = {{prior_up_c, prior.tilt_sigma_rad, 0}};
   if (prior.tilt_sigma_rad > p_.level_rad)
     levels = levels_of(lines_of(picture.grey, picture.lens, p_.level.lines), prior_up_c, p_.level);
-  Outcome found[2];  // from the sky in colour and in grey
-  for (Outcome& outcome : found)
-    outcome.no_sky = true, outcome.gain = -1e300, outcome.why = "no sky is visible above roofs";
+  matcher_.clear();
+  bool sky_seen = false;
   const Chroma chroma = picture.chroma;
   for (const PhotographLevel& level : levels) {
     PhotographPrior held = prior;
     held.q_n_c = (prior.q_n_c * Eigen::Quaterniond::FromTwoVectors(level.up_c, prior_up_c)).normalized();
     held.tilt_sigma_rad = level.sigma_rad;
+    // Colour shows more of the sky, but a colour cast misleads.
     for (const bool in_colour : {true, false}) {
       if (in_colour && chroma.empty()) continue;
       picture.chroma = in_colour ? chroma : Chroma{};
       const auto& edges = sky_detector_.find(picture, held.q_n_c.conjugate(), false);
       if (edges.empty()) continue;
-      auto match = matcher_.match(edges, held);
-      Outcome& outcome = found[in_colour ? 0 : 1];
-      const double gain = matcher_.gain();
-      if (gain < outcome.gain) continue;
-      outcome = {std::move(match), matcher_.tried(), gain, matcher_.why(), gain < -1e8, matcher_.other()};
+      sky_seen = true;
+      matcher_.add(edges, held);
     }
   }
-  return combined(std::move(found[0]), std::move(found[1]));
-}
-
-/// Colour shows more of the sky, but a colour cast misleads. The segmentation whose edge fits better is used, and its
-/// place is rejected where the other does not lead to it.
-PhotographFixer::Outcome PhotographFixer::combined(Outcome colour, Outcome grey) const {
-  Outcome& best = colour.gain > grey.gain ? colour : grey;
-  const Outcome& other = colour.gain > grey.gain ? grey : colour;
-  const std::optional<Match>& there = other.match ? other.match : other.tried;
-  if (best.match && there && (best.match->p_n - there->p_n).head<2>().norm() > p_.agree_m) {
-    best.tried = std::exchange(best.match, std::nullopt);
-    best.why = "the sky in colour and in grey lead to different places";
-  }
-  return std::move(best);
+  if (!sky_seen) return {.why = "no sky is visible above roofs", .no_sky = true};
+  auto match = matcher_.match();
+  return {std::move(match), matcher_.tried(),       matcher_.gain(),
+          matcher_.why(),   matcher_.gain() < -1e8, matcher_.other()};
 }
 
 }  // namespace odograph::skyline

@@ -18,13 +18,12 @@ class PhotographFixer {
   struct Parameters {
     int widest_px = 1280;      ///< larger pictures are reduced: a tenth of a degree per pixel suffices for roofs
     double level_rad = 0.052;  ///< sigma of the prior's inclination above which it is estimated: 3 degrees
-    double agree_m = 4;        ///< max distance between the places by the sky in colour and in grey; judgement
     PhotographLevelParameters level;
   };
   struct Outcome {
-    std::optional<Match> match;
-    std::optional<Match> tried;  ///< the rejected match, for tests and tools
-    double gain = 0;
+    std::optional<Match> match = std::nullopt;
+    std::optional<Match> tried = std::nullopt;  ///< the rejected match, for tests and tools
+    double gain = -1e9;
     std::string why;      ///< reason for no match
     bool no_sky = false;  ///< whether that is the reason
     double other = 1;     ///< probability that the camera is elsewhere
@@ -37,8 +36,6 @@ class PhotographFixer {
   const Ground& ground() const { return ground_; }
 
  private:
-  Outcome combined(Outcome colour, Outcome grey) const;
-
   Parameters p_;
   Ground ground_;
   PhotographMatcher matcher_;

@@ -30,10 +30,15 @@ Eigen::Vector3d PhotographMatcher::place_of(const Guess& guess) const {
   return p;
 }
 
+void PhotographMatcher::select_roofs(const Eigen::Vector3d& p_n, double radius_m) {
+  city_.select_roofs(p_n, radius_m, 0.03, 4, p_.spread_sigmas * p_.roofs.building_m);
+}
+
 /// Computes the model's roof line at a guess's place; the fit treats the guess's `up` to first order.
-void PhotographMatcher::render_skyline(const Guess& guess) {
-  city_.quick_horizon(place_of(guess), horizon_, edge_indices_);
-  line_.set(horizon_, edge_indices_, city_.edges(), p_.roofs);
+void PhotographMatcher::render_skyline(const Guess& guess, double reach_rad) {
+  const Sector sector = fit_.sector(guess.yaw - reach_rad, guess.yaw + reach_rad);
+  city_.roof_tops(place_of(guess), p_.spread_sigmas * p_.roofs.building_m, sector, tops_);
+  line_.set(tops_);
 }
 
 double PhotographMatcher::cost_of_prior(const Guess& g) const {
@@ -46,8 +51,7 @@ double PhotographMatcher::cost_of_prior(const Guess& g) const {
 
 /// The likeliest headings of the current place: a single one is too often wrong.
 void PhotographMatcher::search_place(const Candidate& at) {
-  const double yaw_reach = std::min(p_.sigmas * prior_.yaw_sigma_rad, std::numbers::pi);
-  const int yaws = static_cast<int>(std::ceil(yaw_reach / p_.yaw_step_rad));
+  const int yaws = static_cast<int>(std::ceil(yaw_reach() / p_.yaw_step_rad));
   const int pitches =
       static_cast<int>(std::min(1.5 * prior_.tilt_sigma_rad, 12 * kDegree) / p_.pitch_step_rad);  // else one
   std::vector<Candidate> headings;
@@ -64,7 +68,7 @@ void PhotographMatcher::search_place(const Candidate& at) {
     }
     headings.push_back(turned);
   }
-  std::sort(headings.begin(), headings.end(), [](const auto& x, const auto& y) { return x.cost < y.cost; });
+  std::sort(headings.begin(), headings.end(), is_likelier);
   const size_t before = candidates_.size();
   for (const Candidate& h : headings) {
     if (candidates_.size() == before + p_.headings) break;
@@ -78,7 +82,7 @@ void PhotographMatcher::search_place(const Candidate& at) {
 /// The heading, inclination and height that fit a place best, by a pattern search.
 void PhotographMatcher::align(Candidate& at) {
   at.cost = cost_of(at.guess);
-  for (double size = 1; size > 0.1; size *= 0.4)
+  for (double size = 1; size > p_.align_deg; size *= 0.4)
     for (bool better = true; better;) {
       better = false;
       for (int k = 0; k < 8; ++k) {
@@ -96,15 +100,17 @@ void PhotographMatcher::align(Candidate& at) {
 }
 
 /// The same including the position.
-void PhotographMatcher::move(Candidate& at) {
-  for (double size = 0.8; size > 0.15; size *= 0.5)
+void PhotographMatcher::move(Candidate& at, double from_m, double to_m) {
+  for (double size = from_m; size > 0.9 * to_m; size *= 0.5)
     for (bool better = true; better;) {
       better = false;
-      for (int k = 0; k < 4; ++k) {
+      for (int k = 0; k < 8; ++k) {
         Candidate there = at;
-        (k / 2 ? there.guess.east : there.guess.north) += k % 2 ? -size : size;
+        const double by = k < 4 ? size : 0.7 * size,
+                     turn = k * 0.5 * std::numbers::pi + (k < 4 ? 0 : 0.25 * std::numbers::pi);
+        there.guess.north += by * std::cos(turn), there.guess.east += by * std::sin(turn);
         if (apart(there.guess, {}) > p_.max_m + 2 || is_built(there.guess)) continue;
-        render_skyline(there.guess);
+        render_skyline(there.guess, p_.aligned_rad);
         align(there);
         if (there.cost < at.cost - 1e-3) at = there, better = true;
       }
@@ -123,18 +129,18 @@ void PhotographMatcher::search() {
     for (int tb = -tiles; tb <= tiles; ++tb) {
       const Guess middle{.north = ta * tile_m, .east = tb * tile_m};
       if (apart(middle, {}) > radius + tile_m) continue;
-      city_.select_edges(place_of(middle), 0.71 * tile_m + 1, 0.03, 4);
+      select_roofs(place_of(middle), 0.71 * tile_m + 1);
       for (int a = -reach; a <= reach; ++a)
         for (int b = -reach; b <= reach; ++b) {
           Candidate at{{.north = middle.north + a * step, .east = middle.east + b * step}, 0, step * step};
           if (apart(at.guess, {}) > radius || is_built(at.guess)) continue;
-          render_skyline(at.guess);
+          render_skyline(at.guess, yaw_reach() + p_.turned_rad);
           at.line = lines_.size();
           lines_.push_back(line_);
           search_place(at);
         }
     }
-  std::sort(candidates_.begin(), candidates_.end(), [](const auto& x, const auto& y) { return x.cost < y.cost; });
+  std::sort(candidates_.begin(), candidates_.end(), is_likelier);
 }
 
 /// A finer lattice around the best place.
@@ -146,7 +152,7 @@ std::vector<PhotographMatcher::Candidate> PhotographMatcher::surroundings_of(con
       Candidate at = best;
       at.guess.north += a * p_.fine_step_m, at.guess.east += b * p_.fine_step_m;
       if (apart(at.guess, best.guess) > p_.fine_m || is_built(at.guess)) continue;
-      render_skyline(at.guess);
+      render_skyline(at.guess, p_.aligned_rad);
       align(at);
       at.area_m2 = p_.fine_step_m * p_.fine_step_m;
       all.push_back(at);
@@ -154,40 +160,10 @@ std::vector<PhotographMatcher::Candidate> PhotographMatcher::surroundings_of(con
   return all;
 }
 
-/// Probabilities of the surroundings and of all other places that were evaluated, by a power of their likelihoods
-/// (Wedderburn 1974): the less of the line fits at the best place, the less the model's errors are those assumed, and
-/// the less a difference of likelihoods means.
-PhotographMatcher::Spread PhotographMatcher::spread_of(const Candidate& best) {
-  auto places = surroundings_of(best);
-  for (const Candidate& c : candidates_)
-    if (apart(c.guess, best.guess) > p_.fine_m) places.push_back(c);
-  const double fits = std::clamp(1 - best.cost / fit_.no_match_cost(), 0.1, 1.0);
-  Spread s{.power = std::min(1.0, p_.trust * fits * fits * fits)};
-  const auto weight = [&](const Candidate& c) {
-    return c.area_m2 * std::exp(s.power * std::min(0.0, best.cost - c.cost));
-  };
-  const auto offset = [&](const Candidate& c) {
-    return Eigen::Vector2d(c.guess.north - best.guess.north, c.guess.east - best.guess.east);
-  };
-  for (const Candidate& c : places) {
-    const double yaw = std::remainder(c.guess.yaw - best.guess.yaw, 2 * std::numbers::pi);
-    s.all += weight(c), s.turned += weight(c) * yaw * yaw;
-    s.covariance += weight(c) * offset(c) * offset(c).transpose();
-  }
-  // Spread about the best place, which is the estimate, not about the mean.
-  const double cell = p_.fine_step_m * p_.fine_step_m / 12;
-  s.covariance = s.covariance / s.all + (cell + p_.min_sigma_m * p_.min_sigma_m) * Eigen::Matrix2d::Identity();
-  s.turned /= s.all;
-  const Eigen::Matrix2d information = s.covariance.inverse();
-  for (const Candidate& c : places)
-    if (offset(c).dot(information * offset(c)) > kThreeSigma2) s.others += weight(c);
-  return s;
-}
-
 /// Variance of the heading at the best place, from the fit one degree aside.
 double PhotographMatcher::own_yaw_variance(const Candidate& best) {
   Candidate aside = best;
-  render_skyline(best.guess);
+  render_skyline(best.guess, p_.aligned_rad);
   double curvature = 0;
   for (const double by : {-1.0, 1.0}) {
     aside.guess.yaw = best.guess.yaw + by * kDegree;
@@ -196,69 +172,10 @@ double PhotographMatcher::own_yaw_variance(const Candidate& best) {
   return 1 / std::max(curvature, 1 / (5 * kDegree * 5 * kDegree));
 }
 
-/// Covariance, and the probability that the camera is beyond three of its sigmas or not in the model at all. False,
-/// with the reason, where either is too large.
-bool PhotographMatcher::accept(const Candidate& best, Match& match) {
-  const Spread spread = spread_of(best);
-  match.covariance = spread.covariance;
-  const double worst_m = std::sqrt(Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(match.covariance).eigenvalues()[1]);
-  const double own = own_yaw_variance(best) / spread.power;
-  fit_.cost(line_, best.guess);
-  match.agreement = fit_.agreement();
-  // Likelihood that the model has nothing of the picture, in the same measure: over the prior's area and the ratio of
-  // the prior's headings to the place's. A right place has most of the line in the model.
-  const double headings = std::max(1.0, prior_.yaw_sigma_rad / std::sqrt(own + spread.turned));
-  const double share = (p_.modelled_power + 1) * std::pow(std::max(match.agreement, 1e-6), p_.modelled_power);
-  const double none = p_.unmodelled / share * 2 * std::numbers::pi * prior_.sigma_m * prior_.sigma_m * headings *
-                      std::exp(std::min(50.0, spread.power * (best.cost - fit_.no_match_cost())));
-  other_ = (spread.others + none) / (spread.all + none);
-  match.second_best_ratio = other_;
-  const double doubt = std::sqrt(match.covariance.trace() / 2) / p_.roof_distance_m;
-  match.yaw_sigma_rad = std::sqrt(spread.turned + own + doubt * doubt);
-  match.height_sigma_m = prior_.height_sigma_m;
-  if (none > spread.others && other_ > p_.max_other)
-    why_ = format_text("only %.0f %% of the sky's edge coincides with a roof of the model: that may be chance",
-                       100 * match.agreement);
-  else if (other_ > p_.max_other)
-    why_ = format_text("it fits elsewhere too: the best place is right with %.0f %%", 100 * (1 - other_));
-  else if (worst_m > p_.max_sigma_m)
-    why_ = format_text("the visible roofs determine the place only to %.1f m; %.1f m are required", worst_m,
-                       p_.max_sigma_m);
-  return why_.empty();
-}
-
-bool PhotographMatcher::describe(const Candidate& best, Match& match) {
-  match.p_n = place_of(best.guess) - Eigen::Vector3d(0, 0, best.guess.up);
-  match.q_n_c = best.guess.rotation() * prior_.q_n_c;
-  render_skyline(best.guess);
-  const auto highest = static_cast<size_t>(std::max_element(horizon_.elevation.begin(), horizon_.elevation.end()) -
-                                           horizon_.elevation.begin());
-  const double h = static_cast<double>(horizon_.height_m[highest]);
-  if (h <= 0) return false;
-  const double elevation = static_cast<double>(horizon_.elevation[highest]);
-  const double azimuth = (static_cast<double>(highest) + 0.5) * kDegree / 2, r = h / std::tan(elevation);
-  match.slant_distance_m = h / std::sin(elevation);
-  match.landmark_n = place_of(best.guess) + Eigen::Vector3d(r * std::cos(azimuth), r * std::sin(azimuth), -h);
-  return true;
-}
-
-std::optional<Match> PhotographMatcher::match(const std::vector<SkyEdge>& edges, const PhotographPrior& prior) {
-  prior_ = prior;
-  gain_ = -1e9, other_ = 1;
-  why_.clear(), tried_.reset();
-  if (const size_t closed = closed_edges(edges); closed < p_.min_edges) {
-    why_ = format_text("roofs end against the sky in %.0f degrees of the picture only, %.0f are wanted",
-                       0.5 * static_cast<double>(closed), 0.5 * static_cast<double>(p_.min_edges));
-    return std::nullopt;
-  }
-  fit_.set(edges, prior.q_n_c);
-  const Eigen::Vector3d axis = prior.q_n_c * Eigen::Vector3d::UnitZ();
-  pitch_azimuth_ = std::atan2(axis.y(), axis.x());
-  const auto ground = ground_.at(prior.p_n.head<2>());
-  terrain_ = ground && ground->terrain;
-  if (ground && !terrain_) prior_.height_sigma_m = std::hypot(prior.height_sigma_m, p_.feet_sigma_m);
-  search();
-  // Refine the candidates that may be correct by the coarse loss.
+/// Coarse candidates refined to places, each the best of its surroundings; the likeliest first. A narrow line has too
+/// small a basin of attraction for the lattice, so the line's sigma decreases from stage to stage.
+std::vector<PhotographMatcher::Candidate> PhotographMatcher::refined_modes() {
+  fit_.set_line(p_.medium_rad);
   std::vector<Candidate> best(
       candidates_.begin(), candidates_.begin() + static_cast<std::ptrdiff_t>(std::min(p_.refined, candidates_.size())));
   for (Candidate& c : best) line_ = lines_[c.line], align(c);
@@ -267,33 +184,158 @@ std::optional<Match> PhotographMatcher::match(const std::vector<SkyEdge>& edges,
   double last = 0;
   for (const Candidate& c : best) last = std::max(last, c.cost);
   for (size_t i = best.size(); i < candidates_.size(); ++i) candidates_[i].cost = std::max(candidates_[i].cost, last);
-  std::sort(best.begin(), best.end(), [](const auto& x, const auto& y) { return x.cost < y.cost; });
+  std::sort(best.begin(), best.end(), is_likelier);
   std::vector<Candidate> modes;
   for (const Candidate& c : best) {
     if (modes.size() == p_.modes) break;
-    if (std::none_of(modes.begin(), modes.end(), [&](const Candidate& m) { return apart(m.guess, c.guess) < 2; }))
+    if (std::none_of(modes.begin(), modes.end(),
+                     [&](const Candidate& m) { return apart(m.guess, c.guess) < p_.mode_m; }))
       modes.push_back(c);
   }
-  for (Candidate& m : modes) {
-    city_.select_edges(place_of(m.guess), 8, 0.03, 4);
-    render_skyline(m.guess), align(m), move(m);
+  const auto refine = [&](Candidate& m, double from_m, double to_m) {
+    select_roofs(place_of(m.guess), p_.around_m);
+    render_skyline(m.guess, p_.aligned_rad), align(m), move(m, from_m, to_m);
+  };
+  for (Candidate& m : modes) m.unrefined = m.cost, refine(m, p_.move_m, p_.moved_m);
+  std::sort(modes.begin(), modes.end(), is_likelier);
+  fit_.set_line(p_.roofs.line_rad);
+  for (size_t i = 0; i < modes.size(); ++i)
+    refine(modes[i], p_.sharp_move_m, i < p_.sharp ? p_.sharp_moved_m : p_.sharp_move_m);
+  // The others would have gained too if they had been refined: by the median factor of those that were.
+  const double no_match = fit_.no_match_cost();
+  std::vector<double> factors;
+  for (const Candidate& m : modes) factors.push_back((no_match - m.cost) / std::max(1.0, no_match - m.unrefined));
+  const auto middle = factors.begin() + static_cast<std::ptrdiff_t>(factors.size() / 2);
+  std::nth_element(factors.begin(), middle, factors.end());
+  if (middle != factors.end())
+    for (Candidate& c : candidates_) c.cost -= std::max(0.0, *middle - 1) * std::max(0.0, no_match - c.cost);
+  std::sort(modes.begin(), modes.end(), is_likelier);
+  return modes;
+}
+
+bool PhotographMatcher::describe(const Candidate& best, Match& match) {
+  match.p_n = place_of(best.guess) - Eigen::Vector3d(0, 0, best.guess.up);
+  match.q_n_c = best.guess.rotation() * prior_.q_n_c;
+  match.height_sigma_m = prior_.height_sigma_m;
+  render_skyline(best.guess, p_.aligned_rad);
+  fit_.cost(line_, best.guess);
+  match.agreement = fit_.agreement();
+  size_t direction = 0;
+  const RoofLine::Layer* const highest = line_.highest(direction);
+  if (!highest || highest->elevation <= 0) return false;
+  const double e = static_cast<double>(highest->elevation);
+  const double azimuth = (static_cast<double>(direction) + 0.5) * kDegree / 2;
+  const double r = std::cos(e) * std::cos(e) / static_cast<double>(highest->per_m), h = r * std::tan(e);
+  match.slant_distance_m = h / std::sin(e);
+  match.landmark_n = place_of(best.guess) + Eigen::Vector3d(r * std::cos(azimuth), r * std::sin(azimuth), -h);
+  return true;
+}
+
+void PhotographMatcher::clear() {
+  attempts_.clear();
+  why_ = "nothing was searched";
+}
+
+void PhotographMatcher::add(const std::vector<SkyEdge>& edges, const PhotographPrior& prior) {
+  prior_ = prior;
+  if (const size_t closed = closed_edges(edges); closed < p_.min_edges) {
+    why_ = format_text("roofs end against the sky in %.0f degrees of the picture only, %.0f are wanted",
+                       0.5 * static_cast<double>(closed), 0.5 * static_cast<double>(p_.min_edges));
+    return;
   }
-  candidates_.insert(candidates_.end(), modes.begin(), modes.end());
-  std::sort(modes.begin(), modes.end(), [](const auto& x, const auto& y) { return x.cost < y.cost; });
-  if (modes.empty()) {
-    why_ = "nothing was searched";
-    return std::nullopt;
-  }
-  gain_ = fit_.no_match_cost() - modes.front().cost;
-  city_.select_edges(place_of(modes.front().guess), 8, 0.03, 4);
-  Match match;
-  if (!describe(modes.front(), match)) {
+  fit_.set(edges, prior.q_n_c);
+  const Eigen::Vector3d axis = prior.q_n_c * Eigen::Vector3d::UnitZ();
+  pitch_azimuth_ = std::atan2(axis.y(), axis.x());
+  const auto ground = ground_.at(prior.p_n.head<2>());
+  terrain_ = ground && ground->terrain;
+  if (ground && !terrain_) prior_.height_sigma_m = std::hypot(prior.height_sigma_m, p_.feet_sigma_m);
+  fit_.set_line(p_.coarse_rad);
+  search();
+  const auto modes = refined_modes();
+  if (modes.empty()) return;
+  const Candidate best = modes.front();
+  select_roofs(place_of(best.guess), p_.around_m);
+  Attempt attempt;
+  if (!describe(best, attempt.match)) {
     why_ = "the model has no roof in view there";
-    return std::nullopt;
+    return;
   }
-  const bool good = accept(modes.front(), match);
+  attempt.own_yaw_variance = own_yaw_variance(best);
+  const double no_match = attempt.possible_gain = fit_.no_match_cost();
+  const auto put = [&](const Candidate& c) {
+    attempt.places.push_back({c.guess.north, c.guess.east, pitch_azimuth_ + c.guess.yaw, no_match - c.cost, c.area_m2});
+  };
+  put(best);
+  attempt.places.front().area_m2 = 0;  // the lattice has its area
+  for (const Candidate& c : surroundings_of(best)) put(c);
+  for (const std::vector<Candidate>& others : {candidates_, modes})
+    for (const Candidate& c : others)
+      if (apart(c.guess, best.guess) > p_.fine_m) put(c);
+  attempts_.push_back(std::move(attempt));
+}
+
+/// Covariance, and the probability that the camera is beyond three of its sigmas or not in the model at all, over the
+/// places of all attempts, by a power of their likelihoods (Wedderburn 1974): the model's errors are not those assumed.
+void PhotographMatcher::weigh(const Attempt& best, Match& match) {
+  const Place& at = best.places.front();
+  const auto weight = [&](const Attempt& of, const Place& c) {
+    // A sky with fewer edges has less to gain, and skies' likelihoods are hardly comparable.
+    const double gain = of.places.front().gain * std::max(1.0, best.possible_gain / of.possible_gain);
+    const double less = p_.sky_power * std::max(0.0, at.gain - gain) + of.places.front().gain - c.gain;
+    return c.area_m2 * std::exp(-p_.power * std::max(0.0, less));
+  };
+  const auto offset = [&](const Place& c) { return Eigen::Vector2d(c.north - at.north, c.east - at.east); };
+  // Spread about the best place, which is the estimate, not about the mean.
+  double all = 0, turned = 0, others = 0;
+  match.covariance.setZero();
+  for (const Attempt& attempt : attempts_)
+    for (const Place& c : attempt.places) {
+      const double yaw = std::remainder(c.yaw - at.yaw, 2 * std::numbers::pi);
+      all += weight(attempt, c), turned += weight(attempt, c) * yaw * yaw;
+      match.covariance += weight(attempt, c) * offset(c) * offset(c).transpose();
+    }
+  const double cell = p_.fine_step_m * p_.fine_step_m / 12;
+  match.covariance = match.covariance / all + (cell + p_.min_sigma_m * p_.min_sigma_m) * Eigen::Matrix2d::Identity();
+  turned /= all;
+  const Eigen::Matrix2d information = match.covariance.inverse();
+  for (const Attempt& attempt : attempts_)
+    for (const Place& c : attempt.places)
+      if (offset(c).dot(information * offset(c)) > kThreeSigma2) others += weight(attempt, c);
+  // Likelihood that the model has nothing of the picture, in the same measure: over the prior's area and the ratio of
+  // the prior's headings to the place's. A right place has most of the line in the model.
+  const double own = best.own_yaw_variance / p_.power;
+  const double headings = std::max(1.0, prior_.yaw_sigma_rad / std::sqrt(own + turned));
+  const double share = (p_.modelled_power + 1) * std::pow(std::max(match.agreement, 1e-6), p_.modelled_power);
+  const double none = p_.unmodelled / share * 2 * std::numbers::pi * prior_.sigma_m * prior_.sigma_m * headings *
+                      std::exp(std::min(50.0, -p_.power * at.gain));
+  other_ = (others + none) / (all + none);
+  chance_ = none > others;
+  match.second_best_ratio = other_;
+  const double doubt = std::sqrt(match.covariance.trace() / 2) / p_.roof_distance_m;
+  match.yaw_sigma_rad = std::sqrt(turned + own + doubt * doubt);
+}
+
+std::optional<Match> PhotographMatcher::match() {
+  tried_.reset(), gain_ = -1e9, other_ = 1;
+  if (attempts_.empty()) return std::nullopt;
+  why_.clear();
+  const Attempt& best = *std::max_element(attempts_.begin(), attempts_.end(), [](const Attempt& x, const Attempt& y) {
+    return x.places.front().gain < y.places.front().gain;
+  });
+  gain_ = best.places.front().gain;
+  Match match = best.match;
+  weigh(best, match);
+  const double worst_m = std::sqrt(Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(match.covariance).eigenvalues()[1]);
+  if (chance_ && other_ > p_.max_other)
+    why_ = format_text("only %.0f %% of the sky's edge coincides with a roof of the model: that may be chance",
+                       100 * match.agreement);
+  else if (other_ > p_.max_other)
+    why_ = format_text("it fits elsewhere too: the best place is right with %.0f %%", 100 * (1 - other_));
+  else if (worst_m > p_.max_sigma_m)
+    why_ = format_text("the visible roofs determine the place only to %.1f m; %.1f m are required", worst_m,
+                       p_.max_sigma_m);
   tried_ = match;
-  if (!good) return std::nullopt;
+  if (!why_.empty()) return std::nullopt;
   return match;
 }
 

@@ -16,32 +16,43 @@ constexpr double kVotedSigmas = 3;
 
 }  // namespace
 
-void RoofLine::set(const Horizon& horizon, const City::EdgeIndices& edge_indices, const std::vector<Edge>& edges,
-                   const RoofErrorParameters& p) {
-  std::array<int, kDirections> known;  // object of the model by local number
-  objects = 0;
-  int last = Edge::kGround, last_number = -1;
+void RoofLine::set(const RoofTops& tops) {
+  std::vector<int> known;  // object of the model by local number
+  layers.clear();
   for (size_t j = 0; j < kDirections; ++j) {
-    elevation[j] = horizon.elevation[j];
-    const double r = static_cast<double>(horizon.distance_m[j]), c = std::cos(static_cast<double>(elevation[j]));
-    per_m[j] = r > 0 ? static_cast<float>(c * c / std::max(r, 1.0)) : 0.0f;
-    const double detail = p.detail_m * static_cast<double>(per_m[j]);
-    const double variance = p.line_rad * p.line_rad + detail * detail;
-    inverse_sigma[j] = static_cast<float>(1 / std::sqrt(variance));
-    width[j] = static_cast<float>(0.5 * std::log(variance / (p.line_rad * p.line_rad)));
-    const int winner = edge_indices[j], of = winner < 0 ? Edge::kGround : edges[static_cast<size_t>(winner)].object;
-    if (of == Edge::kGround) {
-      object[j] = -1;
-      continue;
+    first[j] = static_cast<uint32_t>(layers.size());
+    for (uint8_t k = 0; k < tops.count[j]; ++k) {
+      const RoofTop& top = tops.of[j][k];
+      const double r = static_cast<double>(top.distance_m), e = std::atan2(static_cast<double>(top.height_m), r);
+      const double per_m = std::cos(e) * std::cos(e) / std::max(r, 1.0);
+      int number = -1;
+      if (top.object != Edge::kGround) {
+        const auto at = std::find(known.rbegin(), known.rend(), top.object);
+        number = static_cast<int>(known.rend() - at) - 1;
+        if (number < 0) number = static_cast<int>(known.size()), known.push_back(top.object);
+      }
+      layers.push_back({static_cast<float>(e), 0, static_cast<float>(per_m), number});
     }
-    if (of != last || of == Edge::kUnknown) {
-      const int* const end = known.data() + objects;
-      const int* const at = of == Edge::kUnknown ? end : std::find<const int*>(known.data(), end, of);
-      last = of, last_number = static_cast<int>(at - known.data());
-      if (at == end) known[static_cast<size_t>(objects++)] = of;
-    }
-    object[j] = static_cast<int16_t>(last_number);
   }
+  first[kDirections] = static_cast<uint32_t>(layers.size());
+  objects = static_cast<int>(known.size());
+  // The slope along an edge, from its next direction or its last one.
+  for (size_t j = 0; j + 1 < kDirections; ++j)
+    for (uint8_t k = 0; k < tops.count[j]; ++k)
+      for (uint8_t m = 0; m < tops.count[j + 1]; ++m)
+        if (tops.of[j][k].edge == tops.of[j + 1][m].edge && tops.of[j][k].object == tops.of[j + 1][m].object) {
+          Layer &a = layers[first[j] + k], &b = layers[first[j + 1] + m];
+          a.slope = b.slope = (b.elevation - a.elevation) * static_cast<float>(kSteps);
+        }
+}
+
+const RoofLine::Layer* RoofLine::highest(size_t& direction) const {
+  const auto lower = [](const Layer& a, const Layer& b) { return a.elevation < b.elevation; };
+  const auto at = std::max_element(layers.begin(), layers.end(), lower);
+  if (at == layers.end()) return nullptr;
+  const auto index = static_cast<uint32_t>(at - layers.begin());
+  direction = static_cast<size_t>(std::upper_bound(first.begin(), first.end(), index) - first.begin()) - 1;
+  return &*at;
 }
 
 void RoofLineFit::set(const std::vector<SkyEdge>& edges, const Eigen::Quaterniond& q_n_c) {
@@ -57,47 +68,70 @@ void RoofLineFit::set(const std::vector<SkyEdge>& edges, const Eigen::Quaternion
     ray.open = e.open, ray.above = e.above;
     rays_.push_back(ray);
   }
+  double north = 0, east = 0;
+  for (const Ray& ray : rays_) north += ray.cosine, east += ray.sine;
+  middle_ = std::atan2(east, north), half_width_ = 0;
+  for (const Ray& ray : rays_)
+    half_width_ = std::max(half_width_, std::abs(std::remainder(ray.azimuth - middle_, 2 * std::numbers::pi)));
 }
 
-/// The model's direction of a ray, and the change of its elevation by the guess's inclination.
-int RoofLineFit::direction_of(const Ray& ray, const Guess& g, double& tilt) const {
+/// The model's direction of a ray, the ray's azimuth from its middle, rad, and the change of the ray's elevation by the
+/// guess's inclination.
+size_t RoofLineFit::direction_of(const Ray& ray, const Guess& g, double& tilt, double& aside) const {
   tilt = g.tilt_east * ray.cosine - g.tilt_north * ray.sine;
   const double round = g.yaw + ray.slope * (g.tilt_north * ray.cosine + g.tilt_east * ray.sine);
-  return static_cast<int>((ray.azimuth + round) * kSteps + 4 * kN) % kN;
+  const double at = (ray.azimuth + round) * kSteps + 4 * kN;
+  const int whole = static_cast<int>(at);
+  aside = (at - whole - 0.5) / kSteps;
+  return static_cast<size_t>(whole % kN);
 }
 
 /// Height error of an object's roofs, m, positive where they are higher than in the model: the value for which most of
-/// its directions vote (Hough 1962), refined by iterative reweighting. A mean would lie between the roof and a tree in
-/// front of it.
-double RoofLineFit::offset_of(int first, double& information) const {
+/// its directions vote (Hough 1962). A roof above the line contradicts it, one below may have another behind it. An
+/// object that is contradicted at every height is absent.
+void RoofLineFit::vote(Object& object) const {
   constexpr int kBins = 2 * kHalfBins + 1;
   const double bin_m = kVotedSigmas * p_.building_m / kHalfBins;
-  std::array<double, kBins + 2> votes{};
-  for (int i = first; i >= 0; i = residuals_[static_cast<size_t>(i)].next) {
+  std::array<float, kBins + 3> agree{}, contradict{};  // contradict[k]: by heights from bin k on
+  for (int i = object.first; i >= 0; i = residuals_[static_cast<size_t>(i)].next) {
     const Residual& r = residuals_[static_cast<size_t>(i)];
-    const double at = r.per_m > 0 ? -r.value / (r.per_m * bin_m) : kBins;
-    if (std::abs(at) <= kHalfBins) votes[static_cast<size_t>(std::lround(at) + kHalfBins + 1)] += r.weight;
+    const Ray& ray = rays_[static_cast<size_t>(r.ray)];
+    if (ray.above) continue;
+    const double at = std::clamp(r.offset / bin_m, -kHalfBins - 1.0, kHalfBins + 2.0);
+    const auto k = static_cast<size_t>(std::lround(at) + kHalfBins + 1);
+    const auto w = static_cast<float>(ray.weight);
+    if (!ray.open && at >= -kHalfBins) agree[k] += w;
+    if (k + 2 < contradict.size()) contradict[k + 2] += w;
   }
-  double offset = 0, max_score = -1e300;
+  double max_score = -1e300, against = contradict[0];
   for (int k = 0; k < kBins; ++k) {
     const auto m = static_cast<size_t>(k);
+    against += static_cast<double>(contradict[m + 1]);
     const double there = (k - kHalfBins) * bin_m, unlikely = there / p_.building_m;
-    const double score =
-        (0.5 * votes[m] + votes[m + 1] + 0.5 * votes[m + 2]) * p_.above_loss / correlated_ - 0.5 * unlikely * unlikely;
-    if (score > max_score) max_score = score, offset = there;
+    const double votes = static_cast<double>(0.5f * agree[m] + agree[m + 1] + 0.5f * agree[m + 2]);
+    const double score = (votes * p_.above_loss - against * p_.below_loss) / correlated_ - 0.5 * unlikely * unlikely;
+    if (score > max_score) max_score = score, object.offset = there;
   }
+  object.absent = max_score < -p_.absent_loss;
+}
+
+/// The same by iterative reweighting of the directions in which the object is the skyline.
+void RoofLineFit::refine(Object& object) const {
   for (const double tolerance : {2.0, 1.0}) {
     double a = 1 / (p_.building_m * p_.building_m), b = 0;
-    for (int i = first; i >= 0; i = residuals_[static_cast<size_t>(i)].next) {
+    for (int i = object.first; i >= 0; i = residuals_[static_cast<size_t>(i)].next) {
       const Residual& r = residuals_[static_cast<size_t>(i)];
-      const double scale = r.inverse_sigma / tolerance, x = (r.value + r.per_m * offset) * scale;
-      if (loss(x, r.width, most(r.value)) >= most(r.value)) continue;
-      const double w = r.weight * 3 / (2 + x * x) * scale * scale * r.per_m / correlated_;
-      a += w * r.per_m, b -= w * r.value;
+      const Ray& ray = rays_[static_cast<size_t>(r.ray)];
+      if (!r.top) continue;
+      const double per_m = static_cast<double>(r.layer->per_m), value = r.value + per_m * object.offset;
+      if ((value > 0 && ray.above) || (value < 0 && ray.open)) continue;
+      const double scale = r.accuracy.inverse / tolerance, x = value * scale;
+      if (loss(x, r.accuracy.width, most(value)) >= most(value)) continue;
+      const double w = ray.weight * 3 / (2 + x * x) * scale * scale * per_m / correlated_;
+      a += w * per_m, b -= w * r.value;
     }
-    offset = b / a, information = a;
+    object.offset = b / a, object.information = a;
   }
-  return offset;
 }
 
 double RoofLineFit::no_match_cost() const {
@@ -120,42 +154,71 @@ double RoofLineFit::divided() const {
 
 double RoofLineFit::cost(const RoofLine& model, const Guess& g, size_t stride) {
   correlated_ = std::max(1.0, p_.correlated / static_cast<double>(stride));
-  const auto each = static_cast<double>(stride);
   residuals_.clear(), directions_.clear();
-  first_.assign(static_cast<size_t>(model.objects), -1);
-  agreeing_ = edge_weight_ = 0;
+  objects_.assign(static_cast<size_t>(model.objects), {});
   for (size_t i = 0; i < rays_.size(); i += stride) {
     const Ray& ray = rays_[i];
-    double tilt = 0;
-    const auto j = static_cast<size_t>(direction_of(ray, g, tilt));
-    const double per_m = static_cast<double>(model.per_m[j]);
-    const double value = static_cast<double>(model.elevation[j]) - ray.elevation - tilt - per_m * g.up;
-    if ((value > 0 && ray.above) || (value < 0 && ray.open)) continue;
-    const bool edge = !ray.open && !ray.above;
-    const double sigma = static_cast<double>(model.inverse_sigma[j]), width = static_cast<double>(model.width[j]);
-    directions_.push_back({0, each * ray.weight * (value > 0 ? p_.run_below : p_.run_above)});
-    if (model.object[j] < 0) {
-      directions_.back().known = ray.weight * loss(value * sigma, width, most(value)) / correlated_;
-      if (edge) edge_weight_ += ray.weight, agreeing_ += agrees(value, sigma) ? ray.weight : 0;
-      continue;
+    double tilt = 0, aside = 0;
+    const size_t j = direction_of(ray, g, tilt, aside);
+    const int number = static_cast<int>(i);
+    directions_.push_back({number, static_cast<int>(residuals_.size()), -ray.elevation - tilt, 0, 0});
+    for (uint32_t k = model.first[j]; k < model.first[j + 1]; ++k) {
+      const RoofLine::Layer& layer = model.layers[k];
+      const double per_m = static_cast<double>(layer.per_m);
+      const double value = static_cast<double>(layer.elevation) + static_cast<double>(layer.slope) * aside -
+                           ray.elevation - tilt - per_m * g.up;
+      int* const first = layer.object < 0 ? nullptr : &objects_[static_cast<size_t>(layer.object)].first;
+      residuals_.push_back({&layer, value, -value / per_m, number, first ? *first : -1, false, {}});
+      if (first) *first = static_cast<int>(residuals_.size()) - 1;
     }
-    int& first = first_[static_cast<size_t>(model.object[j])];
-    residuals_.push_back({value, per_m, sigma, width, ray.weight, edge, directions_.size() - 1, first});
-    first = static_cast<int>(residuals_.size()) - 1;
+  }
+  for (Object& object : objects_)
+    if (object.first >= 0) vote(object);
+  // The highest present layer of each direction.
+  const auto value_of = [&](const Residual& r) {
+    const int object = r.layer->object;
+    return object < 0 ? r.value
+                      : r.value + static_cast<double>(r.layer->per_m) * objects_[static_cast<size_t>(object)].offset;
+  };
+  for (size_t d = 0; d < directions_.size(); ++d) {
+    const size_t end = d + 1 < directions_.size() ? static_cast<size_t>(directions_[d + 1].first) : residuals_.size();
+    double highest = directions_[d].level;
+    Residual* top = nullptr;
+    for (auto k = static_cast<size_t>(directions_[d].first); k < end; ++k) {
+      Residual& r = residuals_[k];
+      if (r.layer->object >= 0 && objects_[static_cast<size_t>(r.layer->object)].absent) continue;
+      if (const double value = value_of(r); value > highest) highest = value, top = &r;
+    }
+    directions_[d].top = top ? static_cast<int>(top - residuals_.data()) : -1;
+    if (top) top->top = true, top->accuracy = accuracy_of(static_cast<double>(top->layer->per_m));
+    if (top && top->layer->object >= 0) objects_[static_cast<size_t>(top->layer->object)].seen = true;
   }
   double heights = 0;
-  for (const int first : first_) {
-    if (first < 0) continue;
-    double information = 1;
-    const double offset = offset_of(first, information);
-    for (int i = first; i >= 0; i = residuals_[static_cast<size_t>(i)].next) {
-      const Residual& r = residuals_[static_cast<size_t>(i)];
-      const double x = (r.value + r.per_m * offset) * r.inverse_sigma;
-      directions_[r.direction].known = r.weight * loss(x, r.width, most(r.value)) / correlated_;
-      if (r.edge) edge_weight_ += r.weight, agreeing_ += agrees(x / r.inverse_sigma, r.inverse_sigma) ? r.weight : 0;
+  for (Object& object : objects_) {
+    if (object.first < 0) continue;
+    if (object.absent) {
+      heights += p_.absent_loss;
+      continue;
     }
-    heights += 0.5 * offset * offset / (p_.building_m * p_.building_m);
-    heights += 0.5 * std::log(information * p_.building_m * p_.building_m);  // Occam's factor
+    if (object.seen) refine(object);
+    // A roof that another hides may have any height below it.
+    if (!object.seen && object.offset > 0) continue;
+    heights += 0.5 * object.offset * object.offset / (p_.building_m * p_.building_m);
+    if (object.seen) heights += 0.5 * std::log(object.information * p_.building_m * p_.building_m);  // Occam's factor
+  }
+  agreeing_ = edge_weight_ = 0;
+  const auto each = static_cast<double>(stride);
+  for (Direction& d : directions_) {
+    const Ray& ray = rays_[static_cast<size_t>(d.ray)];
+    const Residual* top = d.top < 0 ? nullptr : &residuals_[static_cast<size_t>(d.top)];
+    const double value = top ? value_of(*top) : d.level;
+    if ((value > 0 && ray.above) || (value < 0 && ray.open)) continue;
+    const double inverse = top ? top->accuracy.inverse : 1 / line_rad_;
+    d.known = ray.weight *
+              loss(value * inverse, top ? top->accuracy.width : std::log(line_rad_ / p_.reference_rad), most(value)) /
+              correlated_;
+    d.unknown = each * ray.weight * (value > 0 ? p_.run_below : p_.run_above);
+    if (!ray.open && !ray.above) edge_weight_ += ray.weight, agreeing_ += agrees(value, inverse) ? ray.weight : 0;
   }
   return divided() + heights;
 }

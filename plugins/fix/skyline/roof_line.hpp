@@ -20,8 +20,9 @@ namespace odograph::skyline {
 /// of Delft and Linz (`odograph city bench-photographs`).
 struct RoofErrorParameters {
   static constexpr double kDegree = std::numbers::pi / 180;
-  double line_rad = 0.15 * kDegree;  ///< sigma of a direction of the observed line
-  double detail_m = 0.05;            ///< sigma of a roof's form: eaves, chimneys, dormers
+  double line_rad = 0.05 * kDegree;       ///< sigma of a direction of the observed line
+  double reference_rad = 0.15 * kDegree;  ///< sigma to which above_loss and below_loss refer
+  double detail_m = 0.02;                 ///< sigma of a roof's form: eaves, chimneys, dormers
   double building_m =
       1.5;  ///< sigma of a building's height in a LoD1 or LoD2 model (Kaartinen et al. 2005: 0.3 to 3 m by method)
   double above_loss = 3.5;            ///< max cost of a direction where something is above the model: trees, new houses
@@ -30,33 +31,44 @@ struct RoofErrorParameters {
   /// Cost of a run of directions with an object that the model lacks (a new house, a tree), for its free ends and
   /// height; and cost per direction, higher where sky is visible instead of the model's roof.
   double run_loss = 6, run_above = 0.6, run_below = 0.7;
-  double correlated = 5;  ///< neighbouring directions with a common error: two and a half degrees
+  double absent_loss = 2.2;  ///< cost of a building of the model that is not there: a tenth
+  double correlated = 5;     ///< neighbouring directions with a common error: two and a half degrees
 };
 
-/// The model's skyline from a place, with the object of each direction.
+/// The model's roofs against the sky from a place: of each direction all objects that can be the skyline there, since
+/// a house that is lower than in the model shows those behind it.
 struct RoofLine {
   static constexpr int kDirections = Horizon::kDirections;
-  std::array<float, kDirections> elevation{};      ///< rad
-  std::array<float, kDirections> per_m{};          ///< derivative of the elevation by the roof's height, rad/m
-  std::array<float, kDirections> inverse_sigma{};  ///< 1/rad, without the building's height error
-  std::array<float, kDirections> width{};          ///< logarithm of the sigma over the line's
-  std::array<int16_t, kDirections> object{};       ///< local number from 0; -1: none
+  struct Layer {
+    float elevation;  ///< rad
+    float slope;      ///< derivative of the elevation by the azimuth
+    float per_m;      ///< derivative of the elevation by the roof's height, rad/m
+    int object;       ///< local number from 0; -1: ground
+  };
+  std::vector<Layer> layers;                    ///< by direction,
+  std::array<uint32_t, kDirections + 1> first;  ///< from this one
   int objects = 0;
 
-  /// `edge_indices`: indices into `edges`.
-  void set(const Horizon& horizon, const City::EdgeIndices& edge_indices, const std::vector<Edge>& edges,
-           const RoofErrorParameters& parameters);
+  void set(const RoofTops& tops);
+  /// The highest layer of all directions with the heights as in the model; none where there is no roof.
+  const Layer* highest(size_t& direction) const;
 };
 
 /// A picture's skyline and its fit to roof lines: a negative log-likelihood.
 class RoofLineFit {
  public:
-  explicit RoofLineFit(const RoofErrorParameters& parameters) : p_(parameters) {}
+  explicit RoofLineFit(const RoofErrorParameters& parameters) : p_(parameters), line_rad_(parameters.line_rad) {}
   void set(const std::vector<SkyEdge>& edges, const Eigen::Quaterniond& q_n_c);
   size_t directions() const { return rays_.size(); }
   /// Cost with the best-fitting height of each building and the cost of that freedom. `stride`: use every n-th
   /// direction only, for a search.
   double cost(const RoofLine& model, const Guess& guess, size_t stride = 1);
+  /// The directions of the model that the picture can have at headings from `from_rad` to `to_rad` of the guess.
+  Sector sector(double from_rad, double to_rad) const {
+    return Sector::between(middle_ - half_width_ + from_rad, middle_ + half_width_ + to_rad);
+  }
+  /// Sigma of a direction of the line for the next costs, rad.
+  void set_line(double sigma_rad) { line_rad_ = sigma_rad; }
   /// Cost if nothing fitted: the reference for cost(), higher for a picture with many roofs.
   double no_match_cost() const;
   /// After cost(): fraction of the directions with a roof's edge that agree.
@@ -67,16 +79,35 @@ class RoofLineFit {
     double azimuth, elevation, slope, cosine, sine, weight;
     bool open, above;
   };
+  /// 1/rad, and the logarithm of the sigma over the line's.
+  struct Accuracy {
+    double inverse, width;
+  };
+  Accuracy accuracy_of(double per_m) const {
+    const double detail = p_.detail_m * per_m, variance = line_rad_ * line_rad_ + detail * detail;
+    return {1 / std::sqrt(variance), 0.5 * std::log(variance / (p_.reference_rad * p_.reference_rad))};
+  }
   struct Residual {
-    double value, per_m, inverse_sigma, width, weight;
-    bool edge;         // both sides visible
-    size_t direction;  // of directions_
-    int next;          // next residual of the same object
+    const RoofLine::Layer* layer;
+    double value;       // model minus picture, rad
+    double offset;      // change of the roof's height that makes it 0, m
+    int ray, next;      // next residual of the same object
+    bool top;           // the skyline of its direction
+    Accuracy accuracy;  // of a top
   };
   struct Direction {
+    int ray, first;         // its first residual; one for each layer
+    double level;           // the horizon minus the picture, rad
     double known, unknown;  // cost as the model's roof, and as an object that the model lacks
+    int top = -1;           // residual
   };
-  int direction_of(const Ray& ray, const Guess& guess, double& tilt) const;
+  struct Object {
+    int first = -1;     // residual
+    double offset = 0;  // of its roofs from the model, m
+    double information = 0;
+    bool absent = false, seen = false;
+  };
+  size_t direction_of(const Ray& ray, const Guess& guess, double& tilt, double& aside) const;
   /// Negative logarithm of Student's density with two degrees of freedom, at most `most`: some roofs match the model to
   /// centimetres, others do not. `width` normalises the density.
   double loss(double x, double width, double most) const {
@@ -86,14 +117,17 @@ class RoofLineFit {
   bool agrees(double value, double inverse_sigma) const {
     return std::abs(value) < std::max(p_.agrees_rad, 2 / inverse_sigma);
   }
-  double offset_of(int first, double& information) const;
+  void vote(Object& object) const;
+  void refine(Object& object) const;
   double divided() const;
 
   RoofErrorParameters p_;
+  double line_rad_;
   std::vector<Ray> rays_;
+  double middle_ = 0, half_width_ = 0;  // azimuths of the rays
   std::vector<Residual> residuals_;
-  std::vector<Direction> directions_;  // with information
-  std::vector<int> first_;             // first residual of each object
+  std::vector<Direction> directions_;
+  std::vector<Object> objects_;
   double agreeing_ = 0, edge_weight_ = 0;
   double correlated_ = 1;  // evaluated directions with a common error
 };
