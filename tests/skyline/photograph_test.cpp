@@ -123,7 +123,7 @@ TEST_CASE("a photograph of seventy degrees is placed though each roof is wrong, 
   CHECK(beyond == 0);
 }
 
-TEST_CASE("the less of a photograph's line the model has, the wider its sigmas") {
+TEST_CASE("a photograph with trees has wider sigmas") {
   const Vector3d place(-6, 1.5, -1.6);
   const Quaterniond q = camera(0.5, 10 * kDegree);
   const auto model = a_crossing({});
@@ -143,8 +143,10 @@ TEST_CASE("the less of a photograph's line the model has, the wider its sigmas")
     REQUIRE(matcher.tried());
     const double now_m = std::sqrt(matcher.tried()->covariance.trace() / 2);
     CHECK((matcher.tried()->p_n - place).head<2>().norm() < 3 * now_m);
-    CHECK(now_m > sigma_m);
-    sigma_m = now_m;
+    if (tree_part == 0)
+      sigma_m = now_m;
+    else
+      CHECK(now_m > 1.1 * sigma_m);
   }
 }
 
@@ -180,7 +182,7 @@ TEST_CASE("a photograph whose skies lead to two places is not placed") {
   const auto model = a_crossing({});
   City city(model);
   const Ground ground(model);
-  const Quaterniond q = camera(105 * kDegree, 10 * kDegree);
+  const Quaterniond q = camera(-10 * kDegree, 10 * kDegree);
   const Vector3d here(-6, 1.5, -1.6), there(3, 1.5, -1.6), between(-1.5, 1.5, -1.6);
   PhotographMatcher matcher(city, ground);
   matcher.clear();
