@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
 """The modules' rules, read from the includes: permitted dependencies, no cycles between folders, operations forbidden to
-libraries; and the maximum sizes of files, functions and classes."""
+libraries; the order of random numbers; and the maximum sizes of files, functions and classes."""
 import collections
 import json
 import os
@@ -42,6 +42,7 @@ SYSTEM_FILES = {PLUGIN_HOST + name for name in (
 SYSTEM_FILES |= {"sdk/tools/" + name for name in (
     "console/console.cpp", "replay/marked_run.cpp", "replay/picture_source.cpp", "replay/run_files.cpp", "validator/child.cpp", "validator/entry_cases.cpp",
     "validator/fault_cases.cpp", "validator/life_cases.cpp", "validator/plugin_driver.cpp")}
+DRAW = re.compile(r"\brandom_?\.(uniform|normal|next)\(")
 LOUD = re.compile(r"std::(cout|cerr|exit|getenv)|(?<!sn)(?<!vsn)printf *\(|[^a-z_]getenv *\(")
 
 wrong = []
@@ -235,6 +236,34 @@ def check_system_rule():
             wrong.append(f"the rule of operating systems refuses '{line}'")
 
 
+def check_draws(path, text):
+    """Random numbers drawn in two arguments of one call: GCC evaluates them from right to left on x86-64 and from left to right on arm64,
+    as clang does everywhere, so that a seed would stand for another recording. In braces the order is the written one."""
+    code, open_brackets = without_comments(text), []
+    for i, c in enumerate(code):
+        if c in "([{":
+            open_brackets.append((c, [i + 1]))
+        elif c == "," and open_brackets:
+            open_brackets[-1][1].append(i + 1)
+        elif c in ")]}" and open_brackets:
+            bracket, starts = open_brackets.pop()
+            drawn = sum(bool(DRAW.search(code[a:b])) for a, b in zip(starts, starts[1:] + [i + 1]))
+            if bracket == "(" and drawn > 1:
+                wrong.append(f"{path}: {' '.join(code[starts[0]:i].split())}: two arguments draw random numbers, in an order that is not defined")
+
+
+def check_draw_rule():
+    """The rule itself, as the system's."""
+    rejected = ("f(random.normal(), random_.uniform(0, 1))", "Vector3d(0, g(random.next()), 2 * random.normal())")
+    for line in rejected + ("Vector3d{random.normal(), random.normal()}", "f(random.normal(), x)", "f({random.normal(), random.normal()}, 3)"):
+        before = len(wrong)
+        check_draws("", line)
+        found = len(wrong) > before
+        del wrong[before:]
+        if found != (line in rejected):
+            wrong.append(f"the rule of random numbers is wrong about '{line}'")
+
+
 edges = collections.defaultdict(set)
 for path, text in sources("abi", "sdk", "plugins", "samples"):
     for other in included(path, text):
@@ -248,6 +277,7 @@ for path, text in sources("abi", "sdk", "plugins", "samples"):
         wrong += [f"{path} includes <{name}>: sdk/math sees itself, Eigen and the standard library"
                   for name in re.findall(r"#include <([^>]+)>", text) if not re.fullmatch(r"Eigen/\w+|[a-z_]+", name)]
     check_system(path, text)
+    check_draws(path, text)
     if path.startswith(("sdk/host/", "sdk/math/")) and HEAVY.search(text):
         wrong.append(f"{path}: the host uses a heavy library")
     if path.startswith(("sdk/host/", "sdk/math/", "plugins/")) and path not in ENVIRONMENT:
@@ -256,6 +286,7 @@ for path, text in sources("abi", "sdk", "plugins", "samples"):
                 wrong.append(f"{path}:{number}: a library writes to the terminal, ends the program or reads its environment")
 check_cycles(edges)
 check_system_rule()
+check_draw_rule()
 check_lengths()
 if has_ctags():
     check_functions()

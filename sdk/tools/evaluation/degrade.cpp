@@ -228,11 +228,20 @@ void shift_gnss(Recording& recording, double from_s, double to_s, double east_m)
   }
 }
 
+namespace {
+
+Eigen::Vector2d normal2(Random& random, double sigma) {
+  const double y = random.normal(), x = random.normal();
+  return sigma * Eigen::Vector2d(x, y);
+}
+
+}  // namespace
+
 void add_gnss_velocities(Recording& recording, double sigma_mps, uint64_t seed) {
   constexpr size_t kHalf = 100;  // states, at 200 Hz
   const double keep = std::exp(-0.5);
   Random random(seed, 41);
-  Eigen::Vector2d error = sigma_mps * Eigen::Vector2d(random.normal(), random.normal());
+  Eigen::Vector2d error = normal2(random, sigma_mps);
   const auto& truth = recording.true_states;
   size_t at = 0;
   for (RecordedMessage& m : recording.messages) {
@@ -242,7 +251,7 @@ void add_gnss_velocities(Recording& recording, double sigma_mps, uint64_t seed) 
     const auto &from = truth[at > kHalf ? at - kHalf : 0], &to = truth[std::min(truth.size() - 1, at + kHalf)];
     const double dt_s = seconds(to.t_ns - from.t_ns);
     const double kick = sigma_mps * std::sqrt(1 - keep * keep);
-    error = keep * error + kick * Eigen::Vector2d(random.normal(), random.normal());
+    error = keep * error + normal2(random, kick);
     const Eigen::Vector2d velocity = (to.p - from.p).head<2>() / std::max(0.1, dt_s) + error;
     gnss.header.flags |= ODO_GNSS_VELOCITY;
     gnss.velocity_n[0] = velocity.x(), gnss.velocity_n[1] = velocity.y();

@@ -45,7 +45,8 @@ GaitSeries gait_series(const Scenario& scenario, uint64_t seed) {
   for (double t = walk.steps.front().t_start_s; t < walk.phone.duration_s(); t += 1 / kGaitRate_hz) {
     const auto s = walk.phone.at(t);
     const auto noise = [&](double sigma) {
-      return Eigen::Vector3d(sigma * random.normal(), sigma * random.normal(), sigma * random.normal());
+      const double z = random.normal(), y = random.normal(), x = random.normal();
+      return Eigen::Vector3d(sigma * x, sigma * y, sigma * z);
     };
     series.acceleration.push_back(
         (s.specific_force_b() + noise(scenario.imu.accel_noise * std::sqrt(kGaitRate_hz))).norm());

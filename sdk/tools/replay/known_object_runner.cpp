@@ -84,9 +84,10 @@ std::vector<TimedFix> run_scene(Fixer& fixer, const std::vector<WallPicture>& hu
   shot.light = random.uniform(0.35, 0.95), shot.slope = random.uniform(0, 0.3), shot.noise = random.uniform(1, 4);
   shot.shadow = random.uniform() < 0.3 ? random.uniform(0.5, 0.9) : 1.0;
   shot.exposure_s = random.uniform(2e-3, 12e-3);
-  const Vector3d position_error = position_sigma_m * Vector3d(random.normal(), random.normal(), 0.3 * random.normal());
-  const double yaw_error = 3 * kDegree * random.normal();
-  const Vector3d tilt_error(0.6 * kDegree * random.normal(), 0.6 * kDegree * random.normal(), yaw_error);
+  const double down = random.normal(), east = random.normal(), north = random.normal();
+  const Vector3d position_error = position_sigma_m * Vector3d(north, east, 0.3 * down);
+  const double yaw_error = 3 * kDegree * random.normal(), pitch = random.normal(), roll = random.normal();
+  const Vector3d tilt_error(0.6 * kDegree * roll, 0.6 * kDegree * pitch, yaw_error);
   const Eigen::AngleAxisd wrong(tilt_error.norm(), tilt_error.normalized());
   fixer.begin(lens);
   std::vector<TimedFix> fixes;
@@ -150,7 +151,8 @@ void show_lookalike(Fixer& fixer, const std::vector<cv::Mat>& originals, size_t 
   const bool standing = scene % 49 < 7;  // the plugin states smaller covariances when standing
   const int count = standing ? kStandingFrames : kWalkingFrames;
   const double nearest = std::max(2.0, 1.2 * target.width_m);
-  Viewpoint v = viewpoint(random, random.uniform(nearest, 12), random.uniform(0, 55) * kDegree, !standing);
+  const double oblique_rad = random.uniform(0, 55) * kDegree, distance_m = random.uniform(nearest, 12);
+  Viewpoint v = viewpoint(random, distance_m, oblique_rad, !standing);
   const auto hung = make_look_alike(kind, target, originals[which], seed, random, v, scene);
   row.frames += static_cast<uint64_t>(count);
   for (const TimedFix& t : run_scene(fixer, hung, v, count, scene, random, 1.0, scene < 42 ? keep : "")) {

@@ -140,7 +140,8 @@ void World::plant(const std::vector<Scenario::World::Planted>& planted, uint64_t
     const double crown = std::clamp(0.28 * height, 0.9, 2.4);
     m.add_box(foot, {0.3, 0.3, height - crown}, 0, Set::kLeaves, 0.6f);
     for (const double part : {0.95, 0.7}) {
-      const Vector3d aside(random.normal() * 0.3 * crown, random.normal() * 0.3 * crown, -part * height);
+      const double east = random.normal(), north = random.normal();
+      const Vector3d aside(north * 0.3 * crown, east * 0.3 * crown, -part * height);
       m.add_ball(foot + aside, crown, Set::kLeaves, random.next());
     }
   }

@@ -25,13 +25,17 @@ void World::build_hall(uint64_t seed) {
   m.add_quad(a + Vector3d(north, 0, 0), {0, east, 0}, down, 4);
   Random random(seed, 63);
   for (int k = 0; k < static_cast<int>(north * east / 30); ++k) {
-    const Vector3d p(random.uniform(low.x(), high.x()), random.uniform(low.y(), high.y()), 0);
+    const double y = random.uniform(low.y(), high.y()), x = random.uniform(low.x(), high.x());
+    const Vector3d p(x, y, 0);
     if (!is_free(legs, p, 1.2)) continue;
-    if (k % 3 == 0)
+    if (k % 3 == 0) {
       m.add_box(p, {0.5, 0.5, 3.4}, random.uniform(0, 1.5), 1, 1.0f);
-    else
-      m.add_box(p, {random.uniform(0.5, 1.5), random.uniform(0.5, 1.0), random.uniform(0.5, 1.6)}, random.uniform(0, 3),
-                Set::kCloth, static_cast<float>(random.uniform(0.5, 1.6)));
+      continue;
+    }
+    const auto tone = static_cast<float>(random.uniform(0.5, 1.6));
+    const double heading = random.uniform(0, 3);
+    m.add_box(p, {random.uniform(0.5, 1.5), random.uniform(0.5, 1.0), random.uniform(0.5, 1.6)}, heading, Set::kCloth,
+              tone);
   }
 }
 

@@ -37,9 +37,13 @@ cv::Mat wall_picture(uint64_t seed) {
   Random random(seed, 21);
   cv::Mat wall(1024, 2048, CV_8U, cv::Scalar(random.uniform(90, 170)));
   for (int k = 0; k < 500; ++k) {
-    const cv::Point a(static_cast<int>(random.uniform(0, 2048)), static_cast<int>(random.uniform(0, 1024)));
-    const cv::Point b = a + cv::Point(static_cast<int>(random.uniform(4, 70)), static_cast<int>(random.uniform(4, 90)));
-    cv::rectangle(wall, a, b, random.uniform(40, 230), random.uniform() < 0.5 ? cv::FILLED : 2);
+    const auto point = [&](double x0, double x1, double y0, double y1) {
+      const double y = random.uniform(y0, y1), x = random.uniform(x0, x1);
+      return cv::Point(static_cast<int>(x), static_cast<int>(y));
+    };
+    const cv::Point a = point(0, 2048, 0, 1024), b = a + point(4, 70, 4, 90);
+    const int thickness = random.uniform() < 0.5 ? cv::FILLED : 2;
+    cv::rectangle(wall, a, b, random.uniform(40, 230), thickness);
   }
   for (uint8_t& p : cv::Mat_<uint8_t>(wall)) p = cv::saturate_cast<uint8_t>(p + 10 * random.normal());
   return wall;
@@ -73,7 +77,8 @@ Viewpoint viewpoint(Random& random, double distance_m, double oblique_rad, bool 
   v.p_n = kMiddle + distance_m * Vector3d(-std::cos(oblique_rad), side * std::sin(oblique_rad), 0);
   v.p_n.z() = -random.uniform(1.2, 1.7);
   const double spread = 0.12 * distance_m;
-  const Vector3d target = kMiddle + Vector3d(0, random.uniform(-spread, spread), random.uniform(-spread, spread));
+  const double z = random.uniform(-spread, spread), y = random.uniform(-spread, spread);
+  const Vector3d target = kMiddle + Vector3d(0, y, z);
   const Vector3d forward = (target - v.p_n).normalized();
   const Vector3d right = Vector3d::UnitZ().cross(forward).normalized();
   v.R_n_c << right, forward.cross(right), forward;

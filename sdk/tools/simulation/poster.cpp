@@ -35,17 +35,26 @@ void draw_text(cv::Mat& picture, Random& random, const cv::Rect& box) {
 void draw_plan(cv::Mat& picture, Random& random, const cv::Rect& box) {
   cv::Mat inside = picture(box);
   inside.setTo(random.uniform(200, 245));
-  const auto point = [&] {
-    return cv::Point(whole(random.uniform(0, box.width)), whole(random.uniform(0, box.height)));
+  const auto point = [&](double x0, double x1, double y0, double y1) {
+    const double y = random.uniform(y0, y1), x = random.uniform(x0, x1);
+    return cv::Point(whole(x), whole(y));
   };
+  const auto anywhere = [&] { return point(0, box.width, 0, box.height); };
   for (int k = 0; k < 14; ++k) {
-    const cv::Point a = point(), b = a + cv::Point(whole(random.uniform(20, 90)), whole(random.uniform(20, 70)));
+    const cv::Point a = anywhere(), b = a + point(20, 90, 20, 70);
     cv::rectangle(inside, a, b, random.uniform(120, 215), cv::FILLED);
   }
-  for (int k = 0; k < 9; ++k)
-    cv::line(inside, point(), point(), random.uniform(20, 160), 1 + whole(random.uniform(0, 7)), cv::LINE_AA);
-  for (int k = 0; k < 8; ++k)
-    cv::circle(inside, point(), whole(random.uniform(4, 14)), random.uniform(0, 110), cv::FILLED, cv::LINE_AA);
+  for (int k = 0; k < 9; ++k) {
+    const int thickness = 1 + whole(random.uniform(0, 7));
+    const double grey = random.uniform(20, 160);
+    const cv::Point b = anywhere(), a = anywhere();
+    cv::line(inside, a, b, grey, thickness, cv::LINE_AA);
+  }
+  for (int k = 0; k < 8; ++k) {
+    const double grey = random.uniform(0, 110);
+    const int radius = whole(random.uniform(4, 14));
+    cv::circle(inside, anywhere(), radius, grey, cv::FILLED, cv::LINE_AA);
+  }
 }
 
 void draw_photograph(cv::Mat& picture, Random& random, const cv::Rect& box) {

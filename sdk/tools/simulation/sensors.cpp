@@ -13,7 +13,8 @@ namespace {
 using Eigen::Vector3d;
 
 Vector3d normal3(Random& random, double sigma) {
-  return sigma * Vector3d(random.normal(), random.normal(), random.normal());
+  const double z = random.normal(), y = random.normal(), x = random.normal();
+  return sigma * Vector3d(x, y, z);
 }
 
 Eigen::Matrix3d normal33(Random& random, double sigma) {

@@ -57,7 +57,8 @@ void World::build_street(const Scenario& c, uint64_t seed) {
   place(c.world.trees, edge - 1.2, [&](const Vector3d& p, double) {
     const double height = random.uniform(2.2, 3.5);
     m.add_box(p, {0.3, 0.3, height}, random.uniform(0, 3), Set::kLeaves, 0.7f);
-    m.add_ball(p - Vector3d(0, 0, height + 1.2), random.uniform(1.3, 2.4), Set::kLeaves, random.next());
+    const uint64_t leaves = random.next();
+    m.add_ball(p - Vector3d(0, 0, height + 1.2), random.uniform(1.3, 2.4), Set::kLeaves, leaves);
   });
   place(c.world.parked_cars, edge - 3.0, [&](const Vector3d& p, double heading) {
     const auto tone = static_cast<float>(random.uniform(0.4, 1.6));
@@ -147,7 +148,8 @@ void World::build_background(const Scenario& c, uint64_t seed) {
   for (double north = low.x() - kMargin; north < high.x() + kMargin; north += kBlock)
     for (double east = low.y() - kMargin; east < high.y() + kMargin; east += kBlock) {
       const double width = random.uniform(18, 34), depth = random.uniform(18, 34);
-      const Vector3d corner(north + random.uniform(0, 12), east + random.uniform(0, 12), 0);
+      const double y = east + random.uniform(0, 12), x = north + random.uniform(0, 12);
+      const Vector3d corner(x, y, 0);
       const double tall = c.world.house_height_m * std::exp(std::clamp(0.6 * random.normal(), -1.0, 1.1));
       const auto facade = static_cast<uint32_t>(random.next() % Set::kFacades);
       const auto tone = static_cast<float>(random.uniform(0.8, 1.15));

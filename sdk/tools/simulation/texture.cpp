@@ -30,6 +30,11 @@ cv::Mat noise(Random& random, int coarsest, int finest, double amplitude, double
   return sum;
 }
 
+cv::Point point(Random& random, double x0, double x1, double y0, double y1) {
+  const double y = random.uniform(y0, y1), x = random.uniform(x0, x1);
+  return {static_cast<int>(x), static_cast<int>(y)};
+}
+
 void draw_bricks(cv::Mat& picture, Random& random) {
   for (int row = 0; row < 128; ++row)
     for (int k = 0; k < 42; ++k) {
@@ -67,7 +72,7 @@ void draw_signs(cv::Mat& picture, Random& random) {
   static const char* const kWords[] = {"CAFE",   "HOTEL", "BANK", "BOOKS", "PHARMACIE",
                                        "BAKERY", "TAXI",  "24 h", "METRO"};
   for (int k = 0; k < 3; ++k) {
-    const cv::Point at(static_cast<int>(random.uniform(0, 700)), static_cast<int>(random.uniform(60, 1000)));
+    const cv::Point at = point(random, 0, 700, 60, 1000);
     const double back = random.uniform(20, 230);
     cv::rectangle(picture, cv::Rect(at.x, at.y - 44, 280, 56) & cv::Rect(0, 0, kSize, kSize), back, cv::FILLED);
     cv::putText(picture, kWords[random.next() % std::size(kWords)], at + cv::Point(12, 0), cv::FONT_HERSHEY_DUPLEX, 1.5,
@@ -77,7 +82,8 @@ void draw_signs(cv::Mat& picture, Random& random) {
 
 Texture facade(uint64_t seed, bool regular) {
   Random random(seed, 7);
-  cv::Mat picture = noise(random, 4, 512, 14, 0.72) + random.uniform(105, 175);
+  const double grey_level = random.uniform(105, 175);
+  cv::Mat picture = noise(random, 4, 512, 14, 0.72) + grey_level;
   cv::Mat glass(kSize, kSize, CV_8U, cv::Scalar(0)), grey;
   if (!regular) draw_bricks(picture, random);
   draw_windows(picture, glass, random, regular);
@@ -132,12 +138,12 @@ Texture glass_front(uint64_t seed) {
 /// Asphalt: stone grains, patches, cracks.
 Texture asphalt(uint64_t seed) {
   Random random(seed, 7);
-  cv::Mat picture = noise(random, 4, 32, 9, 0.8) + noise(random, 128, 512, 16, 1.1) + 88, grey;
+  const cv::Mat grains = noise(random, 128, 512, 16, 1.1), patches = noise(random, 4, 32, 9, 0.8);
+  cv::Mat picture = patches + grains + 88, grey;
   for (int k = 0; k < 5; ++k) {
-    cv::Point at(static_cast<int>(random.uniform(0, kSize)), static_cast<int>(random.uniform(0, kSize)));
+    cv::Point at = point(random, 0, kSize, 0, kSize);
     for (int i = 0; i < 30; ++i) {
-      const cv::Point next =
-          at + cv::Point(static_cast<int>(random.uniform(-25, 30)), static_cast<int>(random.uniform(-8, 24)));
+      const cv::Point next = at + point(random, -25, 30, -8, 24);
       cv::line(picture, at, next, random.uniform(30, 55), 2);
       at = next;
     }

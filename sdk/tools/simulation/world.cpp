@@ -157,11 +157,14 @@ void World::add_movers(const Scenario& c, uint64_t seed) {
       const double right = random.uniform(-1, 1) * (most - kElbow_m);
       return right + std::copysign(kElbow_m, right);
     };
-    for (int k = number(c.world.pedestrians); k > 0; --k)
-      send(people + random.next() % 4, aside(std::min(edge - 1, 4.5)), random.uniform(1.0, 1.7));
-    for (int k = number(c.world.cars); k > 0 && !c.is_indoors() && edge > 5; --k)
-      send(cars + random.next() % 2, (random.uniform() < 0.5 ? -1 : 1) * std::min(edge - 5.2, 3.0),
-           random.uniform(5, 11));
+    for (int k = number(c.world.pedestrians); k > 0; --k) {
+      const double speed = random.uniform(1.0, 1.7), right = aside(std::min(edge - 1, 4.5));
+      send(people + random.next() % 4, right, speed);
+    }
+    for (int k = number(c.world.cars); k > 0 && !c.is_indoors() && edge > 5; --k) {
+      const double speed = random.uniform(5, 11), side = random.uniform() < 0.5 ? -1 : 1;
+      send(cars + random.next() % 2, side * std::min(edge - 5.2, 3.0), speed);
+    }
   }
   add_rivers();
 }
