@@ -285,22 +285,31 @@ void PhotographMatcher::weigh(const Attempt& best, Match& match) {
     return c.area_m2 * std::exp(-p_.power * std::max(0.0, less));
   };
   const auto offset = [&](const Place& c) { return Eigen::Vector2d(c.north - at.north, c.east - at.east); };
-  // Spread about the best place, which is the estimate, not about the mean.
+  const auto for_each = [&](const auto& with) {
+    for (const Attempt& attempt : attempts_)
+      for (const Place& c : attempt.places) with(weight(attempt, c), offset(c), c);
+  };
   double all = 0, turned = 0, others = 0;
-  match.covariance.setZero();
-  for (const Attempt& attempt : attempts_)
-    for (const Place& c : attempt.places) {
+  for_each([&](double w, const Eigen::Vector2d&, const Place&) { all += w; });
+  // Spread about the best place, which is the estimate, not about the mean: of the places around it, or of all where
+  // that leaves too many out.
+  const double floor = p_.fine_step_m * p_.fine_step_m / 12 + p_.min_sigma_m * p_.min_sigma_m;
+  for (const double radius_m : {p_.mode_radius_m, 1e9}) {
+    double within = 0;
+    match.covariance.setZero(), turned = others = 0;
+    for_each([&](double w, const Eigen::Vector2d& d, const Place& c) {
+      if (d.norm() >= radius_m) return;
       const double yaw = std::remainder(c.yaw - at.yaw, 2 * std::numbers::pi);
-      all += weight(attempt, c), turned += weight(attempt, c) * yaw * yaw;
-      match.covariance += weight(attempt, c) * offset(c) * offset(c).transpose();
-    }
-  const double cell = p_.fine_step_m * p_.fine_step_m / 12;
-  match.covariance = match.covariance / all + (cell + p_.min_sigma_m * p_.min_sigma_m) * Eigen::Matrix2d::Identity();
-  turned /= all;
-  const Eigen::Matrix2d information = match.covariance.inverse();
-  for (const Attempt& attempt : attempts_)
-    for (const Place& c : attempt.places)
-      if (offset(c).dot(information * offset(c)) > kThreeSigma2) others += weight(attempt, c);
+      within += w, turned += w * yaw * yaw, match.covariance += w * d * d.transpose();
+    });
+    turned /= within;
+    match.covariance = match.covariance / within + floor * Eigen::Matrix2d::Identity();
+    const Eigen::Matrix2d information = match.covariance.inverse();
+    for_each([&](double w, const Eigen::Vector2d& d, const Place&) {
+      if (d.dot(information * d) > kThreeSigma2) others += w;
+    });
+    if (others <= p_.max_other * all) break;
+  }
   // Likelihood that the model has nothing of the picture, in the same measure: over the prior's area and the ratio of
   // the prior's headings to the place's. A right place has most of the line in the model.
   const double own = best.own_yaw_variance / p_.power;
