@@ -278,7 +278,7 @@ void City::trace_roofs(const std::vector<Near>& edges, const Eigen::Vector3d& p_
     RoofTop* at =
         std::find_if(tops.data(), tops.data() + count, [&](const RoofTop& t) { return t.object == top.object; });
     if (at == tops.data() + count) {
-      if (count < RoofTop::kMost) {
+      if (count < RoofTop::kMax) {
         tops[count++] = top;
         return;
       }

@@ -45,14 +45,14 @@ bool trace_edge(const float from_n[3], const float to_n[3], const float p_n[3], 
 
 /// The highest point of one object in one direction from a place.
 struct RoofTop {
-  static constexpr int kMost = 6;  ///< of a direction
-  int object;                      ///< Edge::object; of an edge without one: below Edge::kGround, for each edge another
+  static constexpr int kMax = 6;  ///< of a direction
+  int object;                     ///< Edge::object; of an edge without one: below Edge::kGround, for each edge another
   int edge;
   float height_m, distance_m;  ///< above the place; horizontal
 };
 /// Of each direction: the objects that can be the skyline there, in no order.
 struct RoofTops {
-  std::array<std::array<RoofTop, RoofTop::kMost>, Horizon::kDirections> of;
+  std::array<std::array<RoofTop, RoofTop::kMax>, Horizon::kDirections> of;
   std::array<uint8_t, Horizon::kDirections> count;
 };
 

@@ -82,7 +82,7 @@ void PhotographMatcher::search_place(const Candidate& at) {
 /// The heading, inclination and height that fit a place best, by a pattern search.
 void PhotographMatcher::align(Candidate& at) {
   at.cost = cost_of(at.guess);
-  for (double size = 1; size > p_.align_deg; size *= 0.4)
+  for (double size = 1; size > p_.refinement.align_deg; size *= 0.4)
     for (bool better = true; better;) {
       better = false;
       for (int k = 0; k < 8; ++k) {
@@ -107,10 +107,10 @@ void PhotographMatcher::move(Candidate& at, double from_m, double to_m) {
       for (int k = 0; k < 8; ++k) {
         Candidate there = at;
         const double by = k < 4 ? size : 0.7 * size,
-                     turn = k * 0.5 * std::numbers::pi + (k < 4 ? 0 : 0.25 * std::numbers::pi);
-        there.guess.north += by * std::cos(turn), there.guess.east += by * std::sin(turn);
+                     azimuth = k * 0.5 * std::numbers::pi + (k < 4 ? 0 : 0.25 * std::numbers::pi);
+        there.guess.north += by * std::cos(azimuth), there.guess.east += by * std::sin(azimuth);
         if (apart(there.guess, {}) > p_.max_m + 2 || is_built(there.guess)) continue;
-        render_skyline(there.guess, p_.aligned_rad);
+        render_skyline(there.guess, p_.refinement.aligned_rad);
         align(there);
         if (there.cost < at.cost - 1e-3) at = there, better = true;
       }
@@ -152,7 +152,7 @@ std::vector<PhotographMatcher::Candidate> PhotographMatcher::surroundings_of(con
       Candidate at = best;
       at.guess.north += a * p_.fine_step_m, at.guess.east += b * p_.fine_step_m;
       if (apart(at.guess, best.guess) > p_.fine_m || is_built(at.guess)) continue;
-      render_skyline(at.guess, p_.aligned_rad);
+      render_skyline(at.guess, p_.refinement.aligned_rad);
       align(at);
       at.area_m2 = p_.fine_step_m * p_.fine_step_m;
       all.push_back(at);
@@ -163,7 +163,7 @@ std::vector<PhotographMatcher::Candidate> PhotographMatcher::surroundings_of(con
 /// Variance of the heading at the best place, from the fit one degree aside.
 double PhotographMatcher::own_yaw_variance(const Candidate& best) {
   Candidate aside = best;
-  render_skyline(best.guess, p_.aligned_rad);
+  render_skyline(best.guess, p_.refinement.aligned_rad);
   double curvature = 0;
   for (const double by : {-1.0, 1.0}) {
     aside.guess.yaw = best.guess.yaw + by * kDegree;
@@ -175,9 +175,10 @@ double PhotographMatcher::own_yaw_variance(const Candidate& best) {
 /// Coarse candidates refined to places, each the best of its surroundings; the likeliest first. A narrow line has too
 /// small a basin of attraction for the lattice, so the line's sigma decreases from stage to stage.
 std::vector<PhotographMatcher::Candidate> PhotographMatcher::refined_modes() {
-  fit_.set_line(p_.medium_rad);
+  fit_.set_line(p_.refinement.medium_rad);
   std::vector<Candidate> best(
-      candidates_.begin(), candidates_.begin() + static_cast<std::ptrdiff_t>(std::min(p_.refined, candidates_.size())));
+      candidates_.begin(),
+      candidates_.begin() + static_cast<std::ptrdiff_t>(std::min(p_.refinement.refined, candidates_.size())));
   for (Candidate& c : best) line_ = lines_[c.line], align(c);
   std::copy(best.begin(), best.end(), candidates_.begin());
   // Candidates that are not refined are at most as likely as the worst refined one.
@@ -187,20 +188,21 @@ std::vector<PhotographMatcher::Candidate> PhotographMatcher::refined_modes() {
   std::sort(best.begin(), best.end(), is_likelier);
   std::vector<Candidate> modes;
   for (const Candidate& c : best) {
-    if (modes.size() == p_.modes) break;
+    if (modes.size() == p_.refinement.modes) break;
     if (std::none_of(modes.begin(), modes.end(),
-                     [&](const Candidate& m) { return apart(m.guess, c.guess) < p_.mode_m; }))
+                     [&](const Candidate& m) { return apart(m.guess, c.guess) < p_.refinement.mode_m; }))
       modes.push_back(c);
   }
   const auto refine = [&](Candidate& m, double from_m, double to_m) {
-    select_roofs(place_of(m.guess), p_.around_m);
-    render_skyline(m.guess, p_.aligned_rad), align(m), move(m, from_m, to_m);
+    select_roofs(place_of(m.guess), p_.refinement.around_m);
+    render_skyline(m.guess, p_.refinement.aligned_rad), align(m), move(m, from_m, to_m);
   };
-  for (Candidate& m : modes) m.unrefined = m.cost, refine(m, p_.move_m, p_.moved_m);
+  for (Candidate& m : modes) m.unrefined = m.cost, refine(m, p_.refinement.move_m, p_.refinement.moved_m);
   std::sort(modes.begin(), modes.end(), is_likelier);
   fit_.set_line(p_.roofs.line_rad);
   for (size_t i = 0; i < modes.size(); ++i)
-    refine(modes[i], p_.sharp_move_m, i < p_.sharp ? p_.sharp_moved_m : p_.sharp_move_m);
+    refine(modes[i], p_.refinement.sharp_move_m,
+           i < p_.refinement.sharp ? p_.refinement.sharp_moved_m : p_.refinement.sharp_move_m);
   // The others would have gained too if they had been refined: by the median factor of those that were.
   const double no_match = fit_.no_match_cost();
   std::vector<double> factors;
@@ -217,7 +219,7 @@ bool PhotographMatcher::describe(const Candidate& best, Match& match) {
   match.p_n = place_of(best.guess) - Eigen::Vector3d(0, 0, best.guess.up);
   match.q_n_c = best.guess.rotation() * prior_.q_n_c;
   match.height_sigma_m = prior_.height_sigma_m;
-  render_skyline(best.guess, p_.aligned_rad);
+  render_skyline(best.guess, p_.refinement.aligned_rad);
   fit_.cost(line_, best.guess);
   match.agreement = fit_.agreement();
   size_t direction = 0;
@@ -254,7 +256,7 @@ void PhotographMatcher::add(const std::vector<SkyEdge>& edges, const PhotographP
   const auto modes = refined_modes();
   if (modes.empty()) return;
   const Candidate best = modes.front();
-  select_roofs(place_of(best.guess), p_.around_m);
+  select_roofs(place_of(best.guess), p_.refinement.around_m);
   Attempt attempt;
   if (!describe(best, attempt.match)) {
     why_ = "the model has no roof in view there";
@@ -276,7 +278,7 @@ void PhotographMatcher::add(const std::vector<SkyEdge>& edges, const PhotographP
 
 /// Covariance, and the probability that the camera is beyond three of its sigmas or not in the model at all, over the
 /// places of all attempts, by a power of their likelihoods (Wedderburn 1974): the model's errors are not those assumed.
-void PhotographMatcher::weigh(const Attempt& best, Match& match) {
+void PhotographMatcher::estimate_uncertainty(const Attempt& best, Match& match) {
   const Place& at = best.places.front();
   const auto weight = [&](const Attempt& of, const Place& c) {
     // A sky with fewer edges has less to gain, and skies' likelihoods are hardly comparable.
@@ -294,11 +296,11 @@ void PhotographMatcher::weigh(const Attempt& best, Match& match) {
   // Spread about the best place, which is the estimate, not about the mean: of the places around it, or of all where
   // that leaves too many out.
   const double floor = p_.fine_step_m * p_.fine_step_m / 12 + p_.min_sigma_m * p_.min_sigma_m;
-  for (const double radius_m : {p_.mode_radius_m, 1e9}) {
+  for (const double radius_m : {p_.fine_m, 1e9}) {
     double within = 0;
     match.covariance.setZero(), turned = others = 0;
     for_each([&](double w, const Eigen::Vector2d& d, const Place& c) {
-      if (d.norm() >= radius_m) return;
+      if (d.norm() > radius_m) return;
       const double yaw = std::remainder(c.yaw - at.yaw, 2 * std::numbers::pi);
       within += w, turned += w * yaw * yaw, match.covariance += w * d * d.transpose();
     });
@@ -333,7 +335,7 @@ std::optional<Match> PhotographMatcher::match() {
   });
   gain_ = best.places.front().gain;
   Match match = best.match;
-  weigh(best, match);
+  estimate_uncertainty(best, match);
   const double worst_m = std::sqrt(Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(match.covariance).eigenvalues()[1]);
   if (chance_ && other_ > p_.max_other)
     why_ = format_text("only %.0f %% of the sky's edge coincides with a roof of the model: that may be chance",

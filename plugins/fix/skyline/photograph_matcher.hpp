@@ -13,6 +13,21 @@
 
 namespace odograph::skyline {
 
+/// Refinement of the likeliest places in heading, inclination and heights, then also in position, first with a wide
+/// sigma of the line, which has a wide basin of attraction. Chosen empirically on rendered pictures of Delft and Linz.
+struct PhotographRefinementParameters {
+  static constexpr double kDegree = std::numbers::pi / 180;
+  double aligned_rad = 15 * kDegree, align_deg = 0.03;  ///< max change and smallest step of the heading
+  double medium_rad = 0.3 * kDegree;                    ///< the wide sigma
+  size_t refined = 250;                                 ///< number of places refined in heading,
+  size_t modes = 40;                                    ///< in position with the wide sigma,
+  size_t sharp = 15;                                    ///< and with the line's own
+  double mode_m = 2;                                    ///< min distance of places refined in position
+  double move_m = 0.8, moved_m = 0.2;                   ///< first and last step of the position with the wide sigma,
+  double sharp_move_m = 0.4, sharp_moved_m = 0.05;      ///< and with the line's own
+  double around_m = 8;                                  ///< radius for which roofs are selected together
+};
+
 /// Parameters of matching one photograph. Unless a source is named, chosen empirically on rendered pictures of Delft
 /// and Linz (docs/accuracy/city.md).
 struct PhotographParameters {
@@ -34,22 +49,13 @@ struct PhotographParameters {
   double tile_m = 12;                     ///< half the side of a tile, for which visible edges are selected together
   double coarse_rad = 0.6 * kDegree;      ///< sigma of a direction of the line on the lattice, which is too coarse for
                                           ///< the line's own: its optimum lies between two places
-  // The refinement: heading, inclination and heights of the likeliest places, then also the position of the best ones,
-  // first with a wide sigma of the line, which has a wide basin of attraction.
-  double spread_sigmas = 2;  ///< range of the buildings' heights in sigmas, for which roofs are visible
-  double aligned_rad = 15 * kDegree, align_deg = 0.03;  ///< max change and smallest step of the heading
-  double medium_rad = 0.3 * kDegree;                    ///< the wide sigma
-  size_t refined = 250, modes = 40, sharp = 15;  ///< number of places in heading only, in position with the wide sigma,
-  double mode_m = 2;                             ///< at least so far apart, and with the line's own
-  double move_m = 0.8, moved_m = 0.2;            ///< first and last step of the position with the wide sigma,
-  double sharp_move_m = 0.4, sharp_moved_m = 0.05;  ///< and with the line's own
-  double around_m = 8;                              ///< radius for which roofs are selected together
-  double fine_m = 3.5, fine_step_m = 0.5;           ///< of the lattice around the best place, for its covariance
+  double spread_sigmas = 2;               ///< range of the buildings' heights in sigmas, for which roofs are visible
+  PhotographRefinementParameters refinement;
+  double fine_m = 6, fine_step_m = 0.75;  ///< of the lattice around the best place, for its covariance
   // Requirements for a match.
   size_t min_edges = 40;      ///< directions with a roof's edge: 20 degrees
   double max_sigma_m = 4;     ///< of the position along its worst axis
   double min_sigma_m = 0.5;   ///< of north and of east: no model's corners are more accurate (CityGML 2.0, LOD3: 0.5 m)
-  double mode_radius_m = 6;   ///< of the places that form the covariance unless too many are left out
   double max_other = 0.05;    ///< total probability of places beyond three sigmas and of no place
   double unmodelled = 0.05;   ///< odds, before the picture is seen, that the model has nothing of it; judgement
   double power = 0.5;         ///< of the likelihoods, since the model's errors are not those assumed
@@ -135,7 +141,7 @@ class PhotographMatcher {
   std::vector<Candidate> surroundings_of(const Candidate& best);
   double own_yaw_variance(const Candidate& best);
   bool describe(const Candidate& best, Match& match);
-  void weigh(const Attempt& best, Match& match);
+  void estimate_uncertainty(const Attempt& best, Match& match);
 
   PhotographParameters p_;
   City& city_;

@@ -152,8 +152,8 @@ double RoofLineFit::divided() const {
   return std::min(known, unknown);
 }
 
-double RoofLineFit::cost(const RoofLine& model, const Guess& g, size_t stride) {
-  correlated_ = std::max(1.0, p_.correlated / static_cast<double>(stride));
+/// The residuals of all layers in the picture's directions.
+void RoofLineFit::compare(const RoofLine& model, const Guess& g, size_t stride) {
   residuals_.clear(), directions_.clear();
   objects_.assign(static_cast<size_t>(model.objects), {});
   for (size_t i = 0; i < rays_.size(); i += stride) {
@@ -172,14 +172,17 @@ double RoofLineFit::cost(const RoofLine& model, const Guess& g, size_t stride) {
       if (first) *first = static_cast<int>(residuals_.size()) - 1;
     }
   }
-  for (Object& object : objects_)
-    if (object.first >= 0) vote(object);
-  // The highest present layer of each direction.
-  const auto value_of = [&](const Residual& r) {
-    const int object = r.layer->object;
-    return object < 0 ? r.value
-                      : r.value + static_cast<double>(r.layer->per_m) * objects_[static_cast<size_t>(object)].offset;
-  };
+}
+
+/// A residual with the height of its object, rad.
+double RoofLineFit::value_of(const Residual& r) const {
+  const int object = r.layer->object;
+  return object < 0 ? r.value
+                    : r.value + static_cast<double>(r.layer->per_m) * objects_[static_cast<size_t>(object)].offset;
+}
+
+/// Finds the highest present layer of each direction.
+void RoofLineFit::find_tops() {
   for (size_t d = 0; d < directions_.size(); ++d) {
     const size_t end = d + 1 < directions_.size() ? static_cast<size_t>(directions_[d + 1].first) : residuals_.size();
     double highest = directions_[d].level;
@@ -193,32 +196,44 @@ double RoofLineFit::cost(const RoofLine& model, const Guess& g, size_t stride) {
     if (top) top->top = true, top->accuracy = accuracy_of(static_cast<double>(top->layer->per_m));
     if (top && top->layer->object >= 0) objects_[static_cast<size_t>(top->layer->object)].seen = true;
   }
-  double heights = 0;
+}
+
+/// Refines the heights of the objects in view; their cost.
+double RoofLineFit::cost_of_heights() {
+  double cost = 0;
   for (Object& object : objects_) {
     if (object.first < 0) continue;
     if (object.absent) {
-      heights += p_.absent_loss;
+      cost += p_.absent_loss;
       continue;
     }
     if (object.seen) refine(object);
     // A roof that another hides may have any height below it.
     if (!object.seen && object.offset > 0) continue;
-    heights += 0.5 * object.offset * object.offset / (p_.building_m * p_.building_m);
-    if (object.seen) heights += 0.5 * std::log(object.information * p_.building_m * p_.building_m);  // Occam's factor
+    cost += 0.5 * object.offset * object.offset / (p_.building_m * p_.building_m);
+    if (object.seen) cost += 0.5 * std::log(object.information * p_.building_m * p_.building_m);  // Occam's factor
   }
+  return cost;
+}
+
+double RoofLineFit::cost(const RoofLine& model, const Guess& g, size_t stride) {
+  correlated_ = std::max(1.0, p_.correlated / static_cast<double>(stride));
+  compare(model, g, stride);
+  for (Object& object : objects_)
+    if (object.first >= 0) vote(object);
+  find_tops();
+  const double heights = cost_of_heights();
   agreeing_ = edge_weight_ = 0;
-  const auto each = static_cast<double>(stride);
   for (Direction& d : directions_) {
     const Ray& ray = rays_[static_cast<size_t>(d.ray)];
     const Residual* top = d.top < 0 ? nullptr : &residuals_[static_cast<size_t>(d.top)];
     const double value = top ? value_of(*top) : d.level;
     if ((value > 0 && ray.above) || (value < 0 && ray.open)) continue;
-    const double inverse = top ? top->accuracy.inverse : 1 / line_rad_;
-    d.known = ray.weight *
-              loss(value * inverse, top ? top->accuracy.width : std::log(line_rad_ / p_.reference_rad), most(value)) /
-              correlated_;
-    d.unknown = each * ray.weight * (value > 0 ? p_.run_below : p_.run_above);
-    if (!ray.open && !ray.above) edge_weight_ += ray.weight, agreeing_ += agrees(value, inverse) ? ray.weight : 0;
+    const Accuracy accuracy = top ? top->accuracy : accuracy_of(0);
+    d.known = ray.weight * loss(value * accuracy.inverse, accuracy.width, most(value)) / correlated_;
+    d.unknown = static_cast<double>(stride) * ray.weight * (value > 0 ? p_.run_below : p_.run_above);
+    if (!ray.open && !ray.above)
+      edge_weight_ += ray.weight, agreeing_ += agrees(value, accuracy.inverse) ? ray.weight : 0;
   }
   return divided() + heights;
 }

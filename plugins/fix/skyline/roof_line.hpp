@@ -117,6 +117,10 @@ class RoofLineFit {
   bool agrees(double value, double inverse_sigma) const {
     return std::abs(value) < std::max(p_.agrees_rad, 2 / inverse_sigma);
   }
+  void compare(const RoofLine& model, const Guess& guess, size_t stride);
+  void find_tops();
+  double value_of(const Residual& residual) const;
+  double cost_of_heights();
   void vote(Object& object) const;
   void refine(Object& object) const;
   double divided() const;
