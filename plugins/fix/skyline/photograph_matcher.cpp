@@ -203,14 +203,15 @@ std::vector<PhotographMatcher::Candidate> PhotographMatcher::refined_modes() {
   for (size_t i = 0; i < modes.size(); ++i)
     refine(modes[i], p_.refinement.sharp_move_m,
            i < p_.refinement.sharp ? p_.refinement.sharp_moved_m : p_.refinement.sharp_move_m);
-  // The others would have gained too if they had been refined: by the median factor of those that were.
+  // The others would have gained too if they had been refined: at least by the factor that nearly all of those gained.
   const double no_match = fit_.no_match_cost();
   std::vector<double> factors;
   for (const Candidate& m : modes) factors.push_back((no_match - m.cost) / std::max(1.0, no_match - m.unrefined));
-  const auto middle = factors.begin() + static_cast<std::ptrdiff_t>(factors.size() / 2);
-  std::nth_element(factors.begin(), middle, factors.end());
-  if (middle != factors.end())
-    for (Candidate& c : candidates_) c.cost -= std::max(0.0, *middle - 1) * std::max(0.0, no_match - c.cost);
+  const auto at = factors.begin() +
+                  static_cast<std::ptrdiff_t>(p_.refinement.gained_quantile * static_cast<double>(factors.size()));
+  std::nth_element(factors.begin(), at, factors.end());
+  if (at != factors.end())
+    for (Candidate& c : candidates_) c.cost -= std::max(0.0, *at - 1) * std::max(0.0, no_match - c.cost);
   std::sort(modes.begin(), modes.end(), is_likelier);
   return modes;
 }
@@ -296,7 +297,7 @@ void PhotographMatcher::estimate_uncertainty(const Attempt& best, Match& match) 
   // Spread about the best place, which is the estimate, not about the mean: of the places around it, or of all where
   // that leaves too many out.
   const double floor = p_.fine_step_m * p_.fine_step_m / 12 + p_.min_sigma_m * p_.min_sigma_m;
-  for (const double radius_m : {p_.fine_m, 1e9}) {
+  for (const double radius_m : {p_.mode_radius_m, 1e9}) {
     double within = 0;
     match.covariance.setZero(), turned = others = 0;
     for_each([&](double w, const Eigen::Vector2d& d, const Place& c) {

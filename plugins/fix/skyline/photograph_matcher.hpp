@@ -25,6 +25,7 @@ struct PhotographRefinementParameters {
   double mode_m = 2;                                    ///< min distance of places refined in position
   double move_m = 0.8, moved_m = 0.2;                   ///< first and last step of the position with the wide sigma,
   double sharp_move_m = 0.4, sharp_moved_m = 0.05;      ///< and with the line's own
+  double gained_quantile = 0.1;                         ///< of the factors by which those gained, for all others
   double around_m = 8;                                  ///< radius for which roofs are selected together
 };
 
@@ -51,11 +52,12 @@ struct PhotographParameters {
                                           ///< the line's own: its optimum lies between two places
   double spread_sigmas = 2;               ///< range of the buildings' heights in sigmas, for which roofs are visible
   PhotographRefinementParameters refinement;
-  double fine_m = 6, fine_step_m = 0.75;  ///< of the lattice around the best place, for its covariance
+  double fine_m = 3.5, fine_step_m = 0.5;  ///< of the lattice around the best place, for its covariance
   // Requirements for a match.
   size_t min_edges = 40;      ///< directions with a roof's edge: 20 degrees
   double max_sigma_m = 4;     ///< of the position along its worst axis
   double min_sigma_m = 0.5;   ///< of north and of east: no model's corners are more accurate (CityGML 2.0, LOD3: 0.5 m)
+  double mode_radius_m = 6;   ///< of the places that form the covariance unless too many are left out
   double max_other = 0.05;    ///< total probability of places beyond three sigmas and of no place
   double unmodelled = 0.05;   ///< odds, before the picture is seen, that the model has nothing of it; judgement
   double power = 0.5;         ///< of the likelihoods, since the model's errors are not those assumed
