@@ -166,7 +166,7 @@ TEST_CASE("a house that is lower than in the model shows those behind it") {
   const double cost = fit.cost(line, {});
   CHECK(fit.agreement() > 0.95);
   CHECK(cost < 0.5 * fit.no_match_cost());
-  // A house may be missing, but not at any price.
+  // The height error has its price: the hidden house alone fits better.
   City without({model.begin() + 2, model.end()});
   without.select_roofs(place, 2, 0.03, 4, 3);
   without.roof_tops(place, 3, Sector::all(), tops);
