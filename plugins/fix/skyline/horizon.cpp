@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 
 namespace odograph::skyline {
 namespace {
@@ -181,10 +182,18 @@ bool trace_edge(const float from_n[3], const float to_n[3], const float p_n[3], 
 }
 
 void City::select_near_edges(const Eigen::Vector3d& p_n, double radius_m, double min_tan, double lower_m) {
-  near_.clear();
+  std::vector<int> all(edges_.size());
+  std::iota(all.begin(), all.end(), 0);
+  near_ = near_of(all, p_n, radius_m, min_tan, lower_m);
+}
+
+/// Those of the edges that can appear above the elevation, the highest first.
+std::vector<City::Near> City::near_of(const std::vector<int>& numbers, const Eigen::Vector3d& p_n, double radius_m,
+                                      double min_tan, double lower_m) {
+  std::vector<Near> near;
   around_ = p_n, radius_m_ = radius_m, lower_m_ = lower_m;
-  for (size_t i = 0; i < edges_.size(); ++i) {
-    const Edge& e = edges_[i];
+  for (const int i : numbers) {
+    const Edge& e = edges_[static_cast<size_t>(i)];
     const double up = p_n.z() + lower_m - std::min(e.from.z(), e.to.z());
     if (up <= 0) continue;
     const Eigen::Vector2d a = (e.from - p_n).head<2>(), d = (e.to - e.from).head<2>();
@@ -193,9 +202,9 @@ void City::select_near_edges(const Eigen::Vector3d& p_n, double radius_m, double
     const double distance = (a + t * d).norm();
     if (up <= min_tan * (distance - radius_m)) continue;
     const Eigen::Vector3f from = (e.from - p_n).cast<float>(), along = (e.to - e.from).cast<float>();
-    near_.push_back({from.x(), from.y(), from.z(), along.x(), along.y(), along.z(),
-                     static_cast<float>(up / std::max(distance - radius_m, 0.1)), static_cast<int>(i), 0, kBlocks,
-                     e.object == Edge::kGround});
+    near.push_back({from.x(), from.y(), from.z(), along.x(), along.y(), along.z(),
+                    static_cast<float>(up / std::max(distance - radius_m, 0.1)), i, 0, kBlocks,
+                    e.object == Edge::kGround});
     if (distance <= 1.01 * radius_m) continue;
     // Max change of the azimuth of its points for places within the radius.
     const double turned = std::asin(radius_m / distance) + kStep_rad;
@@ -205,11 +214,12 @@ void City::select_near_edges(const Eigen::Vector3d& p_n, double radius_m, double
     const int first = static_cast<int>(std::floor(low / (kBlock * kStep_rad)));
     const int last = static_cast<int>(std::floor(high / (kBlock * kStep_rad)));
     if (last - first + 1 >= kBlocks) continue;
-    near_.back().first_block = static_cast<int16_t>((first + 2 * kBlocks) % kBlocks);
-    near_.back().blocks = static_cast<int16_t>(last - first + 1);
+    near.back().first_block = static_cast<int16_t>((first + 2 * kBlocks) % kBlocks);
+    near.back().blocks = static_cast<int16_t>(last - first + 1);
   }
   // Edges with the highest bound first: most of the others are then hidden at once.
-  std::stable_sort(near_.begin(), near_.end(), [](const Near& a, const Near& b) { return a.bound > b.bound; });
+  std::stable_sort(near.begin(), near.end(), [](const Near& a, const Near& b) { return a.bound > b.bound; });
+  return near;
 }
 
 void City::horizon(const Eigen::Vector3d& p_n, Horizon& out, EdgeIndices& edge_indices) const {
@@ -304,7 +314,8 @@ void City::trace_roofs(const std::vector<Near>& edges, const Eigen::Vector3d& p_
   });
 }
 
-void City::select_roofs(const Eigen::Vector3d& p_n, double radius_m, double min_tan, double lower_m, double spread_m) {
+std::vector<int> City::roofs_around(const Eigen::Vector3d& p_n, double radius_m, double min_tan, double lower_m,
+                                    double spread_m) {
   select_near_edges(p_n, radius_m, min_tan, lower_m + spread_m);
   std::vector<char> seen(near_.size(), 0);
   RoofTops there;
@@ -315,9 +326,15 @@ void City::select_roofs(const Eigen::Vector3d& p_n, double radius_m, double min_
       for (size_t k = 0; k < there.of.size(); ++k)
         for (uint8_t m = 0; m < there.count[k]; ++m) seen[static_cast<size_t>(there.of[k][m].edge)] = 1;
     }
-  visible_.clear();
+  std::vector<int> roofs;
   for (size_t i = 0; i < near_.size(); ++i)
-    if (seen[i]) visible_.push_back(near_[i]);
+    if (seen[i]) roofs.push_back(near_[i].number);
+  return roofs;
+}
+
+void City::select_roofs(const std::vector<int>& roofs, const Eigen::Vector3d& p_n, double radius_m, double min_tan,
+                        double lower_m, double spread_m) {
+  visible_ = near_of(roofs, p_n, radius_m, min_tan, lower_m + spread_m);
 }
 
 }  // namespace odograph::skyline

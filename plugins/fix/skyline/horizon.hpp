@@ -82,8 +82,12 @@ class City {
   void quick_horizon(const Eigen::Vector3d& p_n, Horizon& out, const Sector& sector = Sector::all()) const {
     envelope(visible_, p_n, out, nullptr, sector);
   }
-  /// Selects the edges for roof_tops() from places within the radius.
-  void select_roofs(const Eigen::Vector3d& p_n, double radius_m, double min_tan, double lower_m, double spread_m);
+  /// The edges that roof_tops() needs at places within the radius.
+  std::vector<int> roofs_around(const Eigen::Vector3d& p_n, double radius_m, double min_tan, double lower_m,
+                                double spread_m);
+  /// Selects those of the edges that roof_tops() needs within a smaller radius: the smaller, the faster it is.
+  void select_roofs(const std::vector<int>& roofs, const Eigen::Vector3d& p_n, double radius_m, double min_tan,
+                    double lower_m, double spread_m);
   /// The objects that can be the skyline from a place if each object's roofs are up to `spread_m` higher or lower than
   /// in the model, of the edges that select_roofs() selected with the same spread.
   void roof_tops(const Eigen::Vector3d& p_n, double spread_m, const Sector& sector, RoofTops& out) const {
@@ -99,6 +103,8 @@ class City {
     int16_t first_block, blocks;  // of directions that it can occupy within the radius; all where it is near
     bool ground;
   };
+  std::vector<Near> near_of(const std::vector<int>& numbers, const Eigen::Vector3d& p_n, double radius_m,
+                            double min_tan, double lower_m);
   static uint64_t work_of(const std::vector<Near>& edges, const Sector& sector) {
     // An edge outside the sector still costs a third of the work: the test for that.
     const auto looked_at = static_cast<uint64_t>(sector.blocks);

@@ -216,6 +216,46 @@ double RoofLineFit::cost_of_heights() {
   return cost;
 }
 
+RoofLineFit::NormalEquations RoofLineFit::normal_equations(const Guess& g) const {
+  using Vector6 = Eigen::Matrix<double, 6, 1>;
+  struct Height {
+    double information, gradient;
+    Vector6 coupling = Vector6::Zero();
+  };
+  const double prior = 1 / (p_.building_m * p_.building_m);
+  std::vector<Height> heights(objects_.size(), {prior, 0});
+  for (size_t i = 0; i < objects_.size(); ++i) heights[i].gradient = prior * objects_[i].offset;
+  NormalEquations normal;
+  for (const Direction& d : directions_) {
+    if (d.top < 0) continue;
+    const Residual& r = residuals_[static_cast<size_t>(d.top)];
+    const Ray& ray = rays_[static_cast<size_t>(d.ray)];
+    const double value = value_of(r), x = value * r.accuracy.inverse;
+    if ((value > 0 && ray.above) || (value < 0 && ray.open)) continue;
+    if (loss(x, r.accuracy.width, most(value)) >= most(value)) continue;
+    const double per_m = static_cast<double>(r.layer->per_m), slope = static_cast<double>(r.layer->slope);
+    const double azimuth = ray.azimuth + g.yaw, north = std::cos(azimuth), east = std::sin(azimuth);
+    // A step towards the roof raises it; one aside turns it by the inverse of its distance.
+    const double nearer = per_m * std::tan(static_cast<double>(r.layer->elevation));
+    const double e = static_cast<double>(r.layer->elevation), aside = slope * per_m / (std::cos(e) * std::cos(e));
+    Vector6 j;
+    j << nearer * north - aside * east, nearer * east + aside * north, slope, ray.sine + slope * ray.slope * ray.cosine,
+        -ray.cosine + slope * ray.slope * ray.sine, -per_m;
+    const double w = ray.weight * 3 / (2 + x * x) * r.accuracy.inverse * r.accuracy.inverse / correlated_;
+    normal.information.selfadjointView<Eigen::Lower>().rankUpdate(j, w);
+    normal.gradient += w * value * j;
+    if (r.layer->object < 0) continue;
+    Height& height = heights[static_cast<size_t>(r.layer->object)];
+    height.information += w * per_m * per_m, height.gradient += w * per_m * value, height.coupling += w * per_m * j;
+  }
+  for (const Height& h : heights) {
+    normal.information.selfadjointView<Eigen::Lower>().rankUpdate(h.coupling, -1 / h.information);
+    normal.gradient -= h.gradient / h.information * h.coupling;
+  }
+  normal.information.triangularView<Eigen::StrictlyUpper>() = normal.information.transpose();
+  return normal;
+}
+
 double RoofLineFit::cost(const RoofLine& model, const Guess& g, size_t stride) {
   correlated_ = std::max(1.0, p_.correlated / static_cast<double>(stride));
   compare(model, g, stride);

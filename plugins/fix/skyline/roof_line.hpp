@@ -9,7 +9,7 @@
 #include <numbers>
 #include <vector>
 
-#include <Eigen/Geometry>
+#include <Eigen/Dense>
 
 #include "plugins/fix/skyline/horizon.hpp"
 #include "plugins/fix/skyline/seen_skyline.hpp"
@@ -71,6 +71,14 @@ class RoofLineFit {
   void set_line(double sigma_rad) { line_rad_ = sigma_rad; }
   /// Cost if nothing fitted: the reference for cost(), higher for a picture with many roofs.
   double no_match_cost() const;
+  /// Gauss-Newton's normal equations in north, east, yaw, tilt_north, tilt_east and up (m, rad), the buildings' heights
+  /// eliminated.
+  struct NormalEquations {
+    Eigen::Matrix<double, 6, 6> information = Eigen::Matrix<double, 6, 6>::Zero();
+    Eigen::Matrix<double, 6, 1> gradient = Eigen::Matrix<double, 6, 1>::Zero();
+  };
+  /// After cost() with stride 1: of the directions in which picture and model agree, at the guess.
+  NormalEquations normal_equations(const Guess& guess) const;
   /// After cost(): fraction of the directions with a roof's edge that agree.
   double agreement() const { return edge_weight_ > 0 ? agreeing_ / edge_weight_ : 0; }
 

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "plugins/fix/skyline/photograph_decision.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <numbers>
+
+#include <Eigen/Dense>
+
+namespace odograph::skyline {
+namespace {
+
+constexpr double kThreeSigma2 = 11.829;  // chi-square of two degrees of freedom, 99.73 %
+
+template <class... Numbers>
+std::string format_text(const char* format, Numbers... numbers) {
+  char text[160];
+  std::snprintf(text, sizeof text, format, numbers...);
+  return text;
+}
+
+/// Covariance, and the probability that the camera is beyond three of its sigmas or not in the model at all, over the
+/// places of all attempts, by a power of their likelihoods (Wedderburn 1974): the model's errors are not those assumed.
+void estimate_uncertainty(const std::vector<PhotographAttempt>& attempts, const PhotographAttempt& best,
+                          const PhotographDecisionParameters& p, PhotographDecision& decision) {
+  Match& match = *decision.tried;
+  const PhotographPlace& at = best.places.front();
+  const auto weight = [&](const PhotographAttempt& of, const PhotographPlace& c) {
+    // A sky with fewer edges has less to gain, and skies' likelihoods are hardly comparable.
+    const double gain = of.places.front().gain * std::max(1.0, best.possible_gain / of.possible_gain);
+    const double less = p.sky_power * std::max(0.0, at.gain - gain) + of.places.front().gain - c.gain;
+    return std::exp(-p.power * std::max(0.0, less));
+  };
+  const auto offset = [&](const PhotographPlace& c) {
+    Eigen::Vector3d d = c.at - at.at;
+    d.z() = std::remainder(d.z(), 2 * std::numbers::pi);
+    return d;
+  };
+  const auto for_each = [&](const auto& with) {
+    for (const PhotographAttempt& attempt : attempts)
+      for (const PhotographPlace& c : attempt.places) with(weight(attempt, c), offset(c), c);
+  };
+  double all = 0, others = 0;
+  for_each([&](double w, const Eigen::Vector3d&, const PhotographPlace&) { all += w; });
+  // Spread about the best place, which is the estimate, not about the mean: of the places around it, or of all where
+  // that leaves too many out.
+  Eigen::Matrix3d spread;
+  for (const double radius_m : {p.mode_radius_m, 1e9}) {
+    double within = 0;
+    spread.setZero(), others = 0;
+    for_each([&](double w, const Eigen::Vector3d& d, const PhotographPlace& c) {
+      if (d.head<2>().norm() <= radius_m) within += w, spread += w * (c.covariance + d * d.transpose());
+    });
+    spread /= within;
+    match.covariance = spread.topLeftCorner<2, 2>() + p.min_sigma_m * p.min_sigma_m * Eigen::Matrix2d::Identity();
+    const Eigen::Matrix2d information = match.covariance.inverse();
+    for_each([&](double w, const Eigen::Vector3d& d, const PhotographPlace&) {
+      if (d.head<2>().dot(information * d.head<2>()) > kThreeSigma2) others += w;
+    });
+    if (others <= p.max_other * all) break;
+  }
+  // Likelihood that the model has nothing of the picture, over the evidence of the best place by Laplace's
+  // approximation in place and heading. A right place has most of the line in the model.
+  const double share = (p.modelled_power + 1) * std::pow(std::max(match.agreement, 1e-6), p.modelled_power);
+  const double none = p.unmodelled / share * std::exp(std::min(50.0, -at.log_volume - p.power * at.gain));
+  decision.other = (others + none) / (all + none);
+  decision.chance = none > others;
+  match.second_best_ratio = decision.other;
+  const double doubt = std::sqrt(match.covariance.trace() / 2) / p.roof_distance_m;
+  match.yaw_sigma_rad = std::sqrt(spread(2, 2) + doubt * doubt);
+}
+
+}  // namespace
+
+PhotographDecision decide(const std::vector<PhotographAttempt>& attempts, const PhotographDecisionParameters& p) {
+  const PhotographAttempt& best = *std::max_element(attempts.begin(), attempts.end(), [](const auto& x, const auto& y) {
+    return x.places.front().gain < y.places.front().gain;
+  });
+  PhotographDecision decision{.tried = best.match, .gain = best.places.front().gain};
+  estimate_uncertainty(attempts, best, p, decision);
+  const Match& match = *decision.tried;
+  const double worst_m = std::sqrt(Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(match.covariance).eigenvalues()[1]);
+  if ((decision.chance && decision.other > p.max_other) || match.agreement < p.min_agreement)
+    decision.why = format_text("only %.0f %% of the sky's edge coincides with a roof of the model: that may be chance",
+                               100 * match.agreement);
+  else if (decision.other > p.max_other)
+    decision.why =
+        format_text("it fits elsewhere too: the best place is right with %.0f %%", 100 * (1 - decision.other));
+  else if (worst_m > p.max_sigma_m)
+    decision.why = format_text("the visible roofs determine the place only to %.1f m; %.1f m are required", worst_m,
+                               p.max_sigma_m);
+  return decision;
+}
+
+}  // namespace odograph::skyline

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "plugins/fix/skyline/matcher.hpp"
+
+namespace odograph::skyline {
+
+/// Requirements for a match of a photograph, and how its uncertainty is computed. Unless a source is named, chosen
+/// empirically on rendered pictures of Delft and Linz (docs/accuracy/city.md).
+struct PhotographDecisionParameters {
+  double min_agreement = 0.5;  ///< fraction of the directions with a roof's edge where picture and model agree
+  double max_sigma_m = 5;      ///< of the position along its worst axis
+  double min_sigma_m = 0.5;   ///< of north and of east: no model's corners are more accurate (CityGML 2.0, LOD3: 0.5 m)
+  double mode_radius_m = 6;   ///< of the places that form the covariance unless too many are left out
+  double max_other = 0.05;    ///< total probability of places beyond three sigmas and of no place
+  double unmodelled = 0.05;   ///< odds, before the picture is seen, that the model has nothing of it; judgement
+  double power = 0.6;         ///< of the likelihoods, since the model's errors are not those assumed
+  double sky_power = 0.3;     ///< the same between a photograph's hypotheses, in addition
+  double modelled_power = 3;  ///< the fraction of a line that a model has is distributed as its power: mean 80 %
+  double roof_distance_m = 10;  ///< the position's sigma over this distance adds to the heading's: a typical distance
+                                ///< of a roof
+};
+
+/// A place where a photograph's line fits the model better than in the surroundings.
+struct PhotographPlace {
+  Eigen::Vector3d at;  ///< north, east, m; yaw, rad
+  double gain;         ///< log-likelihood over that of a place where nothing fits
+  double log_volume;   ///< of the standard deviations, over the prior's
+  Eigen::Matrix3d covariance;
+};
+
+/// The places by one hypothesis about the photograph: a sky and an inclination.
+struct PhotographAttempt {
+  Match match;                          ///< of the best place, without covariance
+  std::vector<PhotographPlace> places;  ///< the best one first
+  double possible_gain = 0;             ///< of a place where everything fits
+};
+
+struct PhotographDecision {
+  std::optional<Match> tried;  ///< the best place, accepted or rejected
+  std::string why;             ///< reason for the rejection; empty where the place is accepted
+  double gain = -1e9;          ///< of the best place
+  double other = 1;            ///< probability that the camera is beyond three sigmas of it, or not in the model at all
+  bool chance = false;         ///< most of that is the probability that the line fits by chance
+};
+
+/// The best of the places of all attempts, at least one, and its uncertainty.
+PhotographDecision decide(const std::vector<PhotographAttempt>& attempts,
+                          const PhotographDecisionParameters& parameters);
+
+}  // namespace odograph::skyline
