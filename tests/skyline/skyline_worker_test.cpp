@@ -4,19 +4,16 @@
 #include <atomic>
 #include <chrono>
 #include <cmath>
-#include <numbers>
 #include <stdexcept>
 
-#include <opencv2/imgproc.hpp>
-
-#include "plugins/fix/skyline/sky_rays.hpp"
 #include "plugins/fix/skyline/sliced_worker.hpp"
 #include "sdk/host/plugin_host/instance.hpp"
-#include "sdk/tools/simulation/city_model.hpp"
+#include "tests/skyline/rendered_street.hpp"
 #include "tests/support/support.hpp"
 
 using namespace odograph;
 using namespace odograph::skyline;
+using namespace odograph::skyline::test;
 using Eigen::Vector3d;
 
 TEST_SUITE_BEGIN("skyline_worker");
@@ -98,57 +95,7 @@ TEST_CASE("a worker that goes while its job waits or works ends the job") {
 
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180;
 constexpr int64_t kFrame_ns = 33'333'333;
-
-struct Box {
-  double north, east, a, b, height;
-};
-const Box kStreet[] = {{0, -25, 30, 20, 50}, {34, -27, 28, 22, 38}, {-33, -26, 30, 20, 61},
-                       {8, 24, 40, 18, 44},  {47, 26, 25, 20, 57},  {-30, 25, 26, 20, 35}};
-
-void write_street(const std::filesystem::path& file) {
-  std::vector<Building> buildings;
-  for (const Box& box : kStreet) {
-    const double n = 0.5 * box.a, e = 0.5 * box.b;
-    buildings.push_back({{Vector3d(box.north - n, box.east - e, 0), Vector3d(box.north + n, box.east - e, 0),
-                          Vector3d(box.north + n, box.east + e, 0), Vector3d(box.north - n, box.east + e, 0)},
-                         box.height,
-                         true});
-  }
-  REQUIRE(write_city_json(file, buildings, {}));
-}
-
-/// Whether a ray from a place hits a house.
-bool meets(const Vector3d& eye, const Vector3d& ray) {
-  for (const Box& box : kStreet) {
-    const Vector3d low(box.north - 0.5 * box.a, box.east - 0.5 * box.b, -box.height);
-    const Vector3d high(box.north + 0.5 * box.a, box.east + 0.5 * box.b, 0);
-    double from = 0, to = 1e9;
-    for (int i = 0; i < 3; ++i) {
-      const double a = (low[i] - eye[i]) / ray[i], b = (high[i] - eye[i]) / ray[i];
-      from = std::max(from, std::min(a, b)), to = std::min(to, std::max(a, b));
-    }
-    if (from < to) return true;
-  }
-  return false;
-}
-
-/// The view of an upward camera with north at the right: walls with windows in front of a bright sky.
-cv::Mat view_upwards(const CameraModel& camera, const Vector3d& eye) {
-  cv::Mat picture(480, 640, CV_8UC1, cv::Scalar(70));
-  for (int y = 0; y < picture.rows; ++y)
-    for (int x = 0; x < picture.cols; ++x) {
-      Vector3d ray_c;
-      if (!ray_of(camera, {double(x), double(y)}, 1.5, ray_c)) continue;
-      const Vector3d ray(ray_c.x(), -ray_c.y(), -ray_c.z());
-      const double azimuth = std::atan2(ray.y(), ray.x()), up = std::asin(-ray.z());
-      const bool window = std::fmod(azimuth * 30 + 100, 2) < 1 && std::fmod(up * 30 + 100, 2) < 1;
-      picture.at<uint8_t>(y, x) = !meets(eye, ray) ? 205 : window ? 40 : 95;
-    }
-  cv::GaussianBlur(picture, picture, {3, 3}, 0.6);
-  return picture;
-}
 
 struct LateFix {
   int64_t t_ns, told_ns;
@@ -174,9 +121,7 @@ std::vector<LateFix> fixes_of(const std::filesystem::path& folder, const Vector3
   c.header.source = 1, c.model = ODO_CAMERA_KANNALA_BRANDT, c.width = 640, c.height = 480, c.distortion_count = 4;
   c.fx = c.fy = 200, c.cx = 319.5, c.cy = 239.5;
   plugin.process(c.header);
-  const CameraModel camera{
-      .distortion = CameraModel::Distortion::kannala_brandt, .fx = 200, .fy = 200, .cx = 319.5, .cy = 239.5};
-  const cv::Mat picture = view_upwards(camera, place);
+  const cv::Mat picture = view_upwards(place);
   std::vector<LateFix> fixes;
   for (int k = 1; k <= frames; ++k) {
     auto pose = make_message<odo_pose>(ODO_TYPE_POSE, k * kFrame_ns);

@@ -1,11 +1,25 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <numbers>
+#include <string>
 
 namespace odograph::skyline {
+
+/// Configuration of the fixer; the parameter table in plugin.cpp describes each value.
+struct FixerConfig {
+  std::string model, skylines;
+  std::array<double, 3> model_origin = {0, 0, 0}, geodetic_origin = {0, 0, 0};
+  bool geodetic = false;
+  double geoid_height = 0;
+  std::string sky = "robust", inclination = "pose";
+  double interval = 0.5, min_agreement = 0.75, tilt_sigma = 0.6 * std::numbers::pi / 180, min_sigma = 0.2, radius = 40;
+  double height_sigma = 1.0;
+  bool start_known = true, join = false, photographs = false;
+};
 
 /// Parameters of the fixer that are not in the config. Unless a source is named, chosen empirically on drives and walks
 /// through a model of Delft (`odograph city bench`); no sweep is recorded.
