@@ -159,6 +159,16 @@ TEST_CASE("a saved state whose plugin's part is rejected is restored in part, an
   CHECK(odo_anchor_list(after.session, nullptr, 0) == 1);
 }
 
+TEST_CASE("a text without bytes is empty, whatever size it states") {
+  const std::string yaml = "odograph: 1\n";
+  odo_session_options o{};
+  o.struct_size = sizeof o, o.run = ODO_RUN_REPLAY;
+  o.config_text = {yaml.data(), yaml.size()}, o.config_path = o.asset_path = {nullptr, 9};
+  odo_session* session = nullptr;
+  CHECK(odo_session_create(&o, &session, nullptr) == ODO_OK);
+  odo_session_destroy(session);
+}
+
 TEST_CASE("relative names in a config's text are searched in asset_path alone, those of a file beside it first") {
   const TemporaryFolder here, other;
   write_text(here / "lens.yaml", "width: 640\nheight: 480\nfx: 431.5\nfy: 432.5\ncx: 320\ncy: 240\n");

@@ -8,6 +8,7 @@
 
 #include "sdk/host/config/pipeline_config.hpp"
 #include "sdk/host/platform/library.hpp"
+#include "sdk/host/plugin_host/instance.hpp"
 #include "sdk/host/plugin_host/services.hpp"
 #include "sdk/tools/validator/write_manifest.hpp"
 #include "tests/support/session_app.hpp"
@@ -48,6 +49,23 @@ ODO_PLUGIN_NAMED(Linked<0>, linked_entry)
 ODO_PLUGIN_NAMED(Linked<1>, shadowing_entry)
 
 namespace {
+
+/// linked/one with a reset that returns a status, and counts of its calls.
+struct Counted {
+  static inline odo_plugin inner{};
+  static inline int creations = 0, resets = 0;
+  static inline int32_t reset_status = ODO_OK;
+
+  static int32_t ODO_CALL entry(const odo_host* host, odo_plugin* out) {
+    const int32_t status = linked_entry(host, out);
+    inner = *out;
+    out->create = [](const odo_host* h, uint32_t number, const odo_string* kind, odo_instance** instance) {
+      return ++creations, inner.create(h, number, kind, instance);
+    };
+    out->reset = [](odo_instance*) { return ++resets, reset_status; };
+    return status;
+  }
+};
 
 bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
@@ -96,6 +114,22 @@ TEST_CASE("saved state belongs to the plugin's id, and a new version of the plug
   const App second(yaml);
   CHECK(odo_session_load(second.session, blob.data(), blob.size()) == ODO_OK);
   CHECK(saved(second) == blob);
+}
+
+TEST_CASE("a plugin is created again where its reset fails, and only there") {
+  HostServices host(0, {}, nullptr);
+  PluginChoice choice;
+  choice.manifest.id = "linked/one", choice.manifest.entry = Counted::entry;
+  choice.manifest.abi_major = ODO_ABI_MAJOR, choice.manifest.abi_minor = ODO_ABI_MINOR;
+  choice.interface_id = ODO_INTERFACE_ATTITUDE;
+  auto plugin = PluginInstance::make(choice, LibraryCheck::hash, 1, host);
+  REQUIRE_MESSAGE(plugin.ok(), plugin.failure().text);
+  (*plugin)->reset();
+  CHECK((Counted::creations == 1 && Counted::resets == 1));
+  Counted::reset_status = ODO_E_ERROR;
+  (*plugin)->reset();
+  CHECK((Counted::creations == 2 && Counted::resets == 2));
+  CHECK((*plugin)->alive());
 }
 
 TEST_CASE("a registered plugin cannot be isolated, and the allow list applies to its id") {

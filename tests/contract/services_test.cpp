@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <doctest/doctest.h>
 
+#include <cstring>
 #include <thread>
 #include <vector>
 
@@ -37,6 +38,22 @@ TEST_CASE("suppressed reports are counted in the next one, once, separately for 
   CHECK(told[0].count == 5);
   CHECK(told[0].text == "trouble (and 4 more like it)");
   CHECK((told[1].count == 1 && told[1].text == "trouble"));
+}
+
+TEST_CASE("each service of the host states its size, and its reserved field is zero") {
+  HostServices services(0, {}, nullptr);
+  const auto offers = [&]<class Service>(const char* id, const Service*) {
+    CAPTURE(id);
+    const auto* service = static_cast<const Service*>(services.get_service(&services, id, std::strlen(id)));
+    REQUIRE(service);
+    CHECK(service->struct_size == sizeof(Service));
+    CHECK(service->reserved == 0);
+  };
+  offers(ODO_SERVICE_REPORT, static_cast<const odo_report_service*>(nullptr));
+  offers(ODO_SERVICE_RANDOM, static_cast<const odo_random_service*>(nullptr));
+  offers(ODO_SERVICE_ASSETS, static_cast<const odo_asset_service*>(nullptr));
+  offers(ODO_SERVICE_CONTENTS, static_cast<const odo_content_service*>(nullptr));
+  offers(ODO_SERVICE_WAKE, static_cast<const odo_wake_service*>(nullptr));
 }
 
 TEST_CASE("an origin beyond the limit of distinct keys has one key for the rest") {

@@ -84,6 +84,33 @@ TEST_CASE("plugins without an entry or with an unusable table are rejected with 
   CHECK(contains(refusal(hostile("no_functions")), "its table lacks process"));
 }
 
+TEST_CASE("an event that is not accepted has its status and key; only one of an unknown type is no fault") {
+  TypeSet outputs;
+  outputs.add(ODO_TYPE_SCALE);
+  const auto judged = [&](const odo_header& event) {
+    AnyMessage copy;
+    EventFault fault;
+    const int32_t status = validate_event(event, outputs, copy, fault);
+    return std::pair(status, std::string(fault.key));
+  };
+  auto scale = make_message<odo_scale>(ODO_TYPE_SCALE, 1);
+  scale.scale = 1, scale.sigma = 0.1;
+  CHECK(judged(scale.header) == std::pair<int32_t, std::string>(ODO_OK, ""));
+  const auto refused = [&](uint32_t type, uint32_t size) {
+    auto event = scale;
+    event.header.type = type, event.header.struct_size = size;
+    return judged(event.header);
+  };
+  const auto size = static_cast<uint32_t>(sizeof scale);
+  CHECK(refused(ODO_TYPE_FRAME, size) == std::pair<int32_t, std::string>(ODO_E_UNSUPPORTED, "wrong_event"));
+  CHECK(refused(ODO_TYPE_FIX, size) == std::pair<int32_t, std::string>(ODO_E_ARGUMENT, "wrong_event"));
+  CHECK(refused(ODO_TYPE_POSE, size) == std::pair<int32_t, std::string>(ODO_E_ARGUMENT, "wrong_event"));
+  CHECK(refused(0x17F0, size) == std::pair<int32_t, std::string>(ODO_E_UNSUPPORTED, ""));
+  CHECK(refused(ODO_TYPE_SCALE, size - 8) == std::pair<int32_t, std::string>(ODO_E_STRUCT_SIZE, "event_size"));
+  scale.scale = -1;
+  CHECK(judged(scale.header) == std::pair<int32_t, std::string>(ODO_E_ARGUMENT, "bad_event"));
+}
+
 TEST_CASE("tables of newer plugins work") {
   HostServices host(0, {"."}, nullptr);
   for (const char* name : {"good", "table_larger"}) {

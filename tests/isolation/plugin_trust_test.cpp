@@ -219,6 +219,14 @@ TEST_CASE("a library allowed by its hash is opened as hashed, whatever its file 
   CHECK(((*first)->table().process != (*apart)->table().process));
 }
 
+TEST_CASE("a sealed copy has all bytes of a library whose last read gives a single one") {
+  const TemporaryFolder folder;
+  const size_t padding = (1 << 20) + 1 - read_text(hostile("good")).size() % (1 << 20);  // it is read by MiB
+  const auto copy = sealed_copy(put_library(folder, "good", std::string(padding, 'x')));
+  REQUIRE_MESSAGE(copy.ok(), copy.failure().text);
+  CHECK(read_text(*copy) == read_text(folder / "one.so"));
+}
+
 TEST_CASE("a session runs a plugin allowed by its hash from memory, in process and isolated, with identical results") {
   const std::string hash = *sha256_of(plugin_folder() / "attitude_vqf.so");
   const auto events = [](const std::string& plugins) {
