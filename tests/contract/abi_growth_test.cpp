@@ -4,6 +4,8 @@
 // subject of the conformance suite.
 #include <doctest/doctest.h>
 
+#include <algorithm>
+
 #include <odograph/messages.h>
 
 #include "sdk/host/core/scale_join.hpp"
@@ -37,12 +39,12 @@ const odo_header& head(const std::vector<uint64_t>& bytes) {
 TEST_CASE("every message's struct of version 1.0 is a prefix of the present one, and names and numbers are unique") {
   std::vector<uint32_t> numbers;
   std::vector<std::string> names;
-#define ODO_ROW(number, type, name, min_size)        \
-  CHECK(min_size <= sizeof(type));                   \
-  CHECK(min_size >= sizeof(odo_header));             \
-  CHECK(std::ranges::count(numbers, number) == 0);   \
-  CHECK(std::ranges::count(names, #name) == 0);      \
-  CHECK(message_info(number)->size == sizeof(type)); \
+#define ODO_ROW(number, type, name, min_size)                     \
+  CHECK(min_size <= sizeof(type));                                \
+  CHECK(min_size >= sizeof(odo_header));                          \
+  CHECK(std::count(numbers.begin(), numbers.end(), number) == 0); \
+  CHECK(std::count(names.begin(), names.end(), #name) == 0);      \
+  CHECK(message_info(number)->size == sizeof(type));              \
   numbers.push_back(number), names.emplace_back(#name);
   ODO_FOR_EACH_MESSAGE(ODO_ROW)
 #undef ODO_ROW

@@ -167,9 +167,10 @@ TEST_CASE("the host continues and publishes poses for every fault in every phase
 TEST_CASE("a plugin that reads no question delays its host by one call at most, however it answers") {
   for (const auto& [fault, words] : {std::pair{"answers_unasked", "broke the protocol: an unrequested answer"},
                                      {"takes_no_question", "does not accept requests"}}) {
-    CAPTURE(std::string(fault));
+    const std::string plugin = std::string(fault) + "__process";
+    CAPTURE(plugin);
     const TemporaryFolder folder;
-    const std::string plugins = install(folder, std::string(fault) + "__process");
+    const std::string plugins = install(folder, plugin);
     bool named_count = false;
     for (int i = 0; i < 8 && !named_count;
          ++i) {  // on a busy machine its first forged answer may come too late to be complete
