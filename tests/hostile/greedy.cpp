@@ -12,10 +12,11 @@ extern "C" int32_t ODO_PLUGIN_ENTRY(const odo_host*, odo_plugin* out) {
   odo_plugin t = hostile::table();
   t.interfaces = interfaces;
   t.process = [](odo_instance*, const odo_batch*) -> int32_t {
+    static void* volatile used;  // without it clang leaves the allocation out
     for (;;) {
       void* memory = std::malloc(1 << 20);
       if (!memory) std::abort();
-      std::memset(memory, 1, 1 << 20);
+      used = std::memset(memory, 1, 1 << 20);
     }
   };
   return hostile::fill(out, t);
