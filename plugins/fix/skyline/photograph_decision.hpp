@@ -20,7 +20,7 @@ struct PhotographDecisionParameters {
   double mode_radius_m = 6;   ///< of the places that form the covariance unless too many are left out
   double max_other = 0.05;    ///< total probability of places beyond three sigmas and of no place
   double unmodelled = 0.05;   ///< odds, before the picture is seen, that the model has nothing of it; judgement
-  double power = 0.6;         ///< of the likelihoods, since the model's errors are not those assumed
+  double power = 0.5;         ///< of the likelihoods, since the model's errors are not those assumed
   double sky_power = 0.3;     ///< the same between a photograph's hypotheses, in addition
   double modelled_power = 3;  ///< the fraction of a line that a model has is distributed as its power: mean 80 %
   double roof_distance_m = 10;  ///< the position's sigma over this distance adds to the heading's: a typical distance

@@ -68,21 +68,36 @@ void PhotographMatcher::render_skyline(const Guess& guess, double reach_rad) {
   line_.set(tops_);
 }
 
+/// Of the heading: the likelihood that the compass is right with this error, over that of no error, and that it is
+/// wrong by any angle.
+std::array<double, 2> PhotographMatcher::heading_likelihoods(double yaw) const {
+  const double x = yaw / prior_.yaw_sigma_rad;
+  if (prior_.yaw_sigma_rad > kAnyHeading) return {0, 1};
+  return {std::exp(-0.5 * x * x),
+          p_.wrong_heading / (1 - p_.wrong_heading) * prior_.yaw_sigma_rad / std::sqrt(2 * std::numbers::pi)};
+}
+
 /// Of north, east, yaw, tilt_north, tilt_east and up.
-Eigen::Matrix<double, 6, 1> PhotographMatcher::information_of_prior() const {
-  const double yaw = prior_.yaw_sigma_rad > kAnyHeading ? 1e9 : prior_.yaw_sigma_rad;
-  Eigen::Matrix<double, 6, 1> sigmas;
-  sigmas << prior_.sigma_m, prior_.sigma_m, yaw, prior_.tilt_sigma_rad, prior_.tilt_sigma_rad, prior_.height_sigma_m;
-  return sigmas.cwiseAbs2().cwiseInverse();
+Eigen::Matrix<double, 6, 1> PhotographMatcher::information_of_prior(const Guess& g) const {
+  Vector6 sigmas;
+  sigmas << prior_.sigma_m, prior_.sigma_m, prior_.yaw_sigma_rad, prior_.tilt_sigma_rad, prior_.tilt_sigma_rad,
+      prior_.height_sigma_m;
+  Vector6 information = sigmas.cwiseAbs2().cwiseInverse();
+  const auto [right, wrong] = heading_likelihoods(g.yaw);
+  information[2] = (right * information[2] + wrong / (kAnyHeading * kAnyHeading)) / (right + wrong);
+  return information;
 }
 
 double PhotographMatcher::cost_of_prior(const Guess& g) const {
-  return 0.5 * information_of_prior().dot(vector_of(g).cwiseAbs2());
+  const double far = std::hypot(g.north, g.east) / prior_.sigma_m, up = g.up / prior_.height_sigma_m;
+  const double tilt = std::hypot(g.tilt_north, g.tilt_east) / prior_.tilt_sigma_rad;
+  const auto [right, wrong] = heading_likelihoods(g.yaw);
+  return 0.5 * (far * far + tilt * tilt + up * up) - std::log(right + wrong);
 }
 
-/// The likeliest headings of the current place: a single one is too often wrong.
-void PhotographMatcher::search_place(const Candidate& at) {
-  const int yaws = static_cast<int>(std::ceil(yaw_reach() / p_.yaw_step_rad));
+/// The likeliest headings of the current place within the reach: a single one is too often wrong.
+void PhotographMatcher::search_place(const Candidate& at, double reach_rad) {
+  const int yaws = static_cast<int>(std::ceil(reach_rad / p_.yaw_step_rad));
   const int pitches =
       static_cast<int>(std::min(1.5 * prior_.tilt_sigma_rad, 12 * kDegree) / p_.pitch_step_rad);  // else one
   std::vector<Candidate> headings;
@@ -113,16 +128,15 @@ void PhotographMatcher::search_place(const Candidate& at) {
 /// The local optimum in place, heading, inclination and heights (Levenberg 1944, Marquardt 1963).
 void PhotographMatcher::fit(Candidate& at) {
   const PhotographRefinementParameters& r = p_.refinement;
-  const Vector6 prior = information_of_prior();
   const Guess from = at.guess;
-  Vector6 gradient;
+  Vector6 prior, gradient;
   const auto evaluate = [&](Candidate& c) {
     render_skyline(c.guess, r.aligned_rad);
     c.cost = cost_of(c.guess);
   };
   const auto linearise = [&] {
     const auto normal = fit_.normal_equations(at.guess);
-    at.information = normal.information;
+    at.information = normal.information, prior = information_of_prior(at.guess);
     gradient = normal.gradient + prior.cwiseProduct(vector_of(at.guess));
   };
   evaluate(at), linearise();
@@ -206,8 +220,10 @@ void PhotographMatcher::search() {
           Candidate at{{.north = middle.north + a * step, .east = middle.east + b * step}, 0, roofs_.size() - 1};
           if (apart(at.guess, {}) > radius || is_built(at.guess)) continue;
           select_roofs(at, 0.1);
-          render_skyline(at.guess, yaw_reach() + p_.turned_rad);
-          search_place(at);
+          // Headings that contradict the compass are searched at each second place.
+          const double reach_rad = a % 2 == 0 && b % 2 == 0 ? std::numbers::pi : yaw_reach();
+          render_skyline(at.guess, reach_rad + p_.turned_rad);
+          search_place(at, reach_rad);
         }
     }
 }
@@ -228,33 +244,48 @@ std::vector<PhotographMatcher::Candidate> PhotographMatcher::distinct(std::vecto
   return out;
 }
 
-/// The likeliest candidates of the lattice, each at the optimum of its surroundings; the likeliest first. A narrow line
-/// has too small a basin of attraction for the lattice, so the line's sigma decreases.
+/// A place at its optimum. A narrow line has a small basin of attraction, so the line's sigma decreases.
+void PhotographMatcher::polish(Candidate& at) {
+  const PhotographRefinementParameters& r = p_.refinement;
+  select_roofs(at, r.moved_m);
+  fit_.set_line(r.wide_rad);
+  move(at, r.move_m, r.moved_to_m);
+  fit_.set_line(p_.roofs.line_rad);
+  move(at, r.sharp_move_m, r.sharp_moved_m);
+  fit(at);
+}
+
+/// The likeliest candidates of the lattice, each at the optimum of its surroundings; the likeliest first.
 std::vector<PhotographMatcher::Candidate> PhotographMatcher::refined() {
   const PhotographRefinementParameters& r = p_.refinement;
-  std::vector<Candidate> places = distinct(candidates_, r.starts, r.start_m);
+  std::vector<Candidate> starts = distinct(candidates_, r.starts, r.start_m);
   fit_.set_line(r.wide_rad);
-  for (Candidate& c : places) select_roofs(c, r.moved_m), fit(c);
-  places = distinct(places, places.size(), r.mode_m);
-  const size_t polished = std::min(r.polished, places.size());
-  for (size_t i = 0; i < polished; ++i) {
-    select_roofs(places[i], r.moved_m);
-    move(places[i], r.move_m, r.moved_to_m);
+  for (Candidate& c : starts) {
+    select_roofs(c, r.moved_m);
+    render_skyline(c.guess, r.aligned_rad), align(c);
   }
-  std::sort(places.begin(), places.end(), is_likelier);
-  fit_.set_line(p_.roofs.line_rad);
-  for (size_t i = 0; i < places.size(); ++i) {
-    select_roofs(places[i], r.moved_m);
-    if (i < polished) move(places[i], r.sharp_move_m, i < r.sharp ? r.sharp_moved_m : r.sharp_move_m);
-    fit(places[i]);
-  }
+  std::sort(starts.begin(), starts.end(), is_likelier);
+  std::vector<Candidate> places;
+  const auto polish_likeliest = [&](size_t count, const auto& which) {
+    for (auto at = starts.begin(); at != starts.end() && count > 0;)
+      if (which(*at)) {
+        polish(*at), places.push_back(*at), --count;
+        at = starts.erase(at);
+      } else {
+        ++at;
+      }
+  };
+  polish_likeliest(r.polished, [](const Candidate&) { return true; });
+  if (places.empty()) return places;
+  const Guess best = std::min_element(places.begin(), places.end(), is_likelier)->guess;
+  polish_likeliest(r.near_best, [&](const Candidate& c) { return apart(c.guess, best) < r.near_m; });
+  for (Candidate& c : starts) select_roofs(c, r.moved_m), fit(c), places.push_back(c);
   return distinct(places, places.size(), r.mode_m);
 }
 
 PhotographPlace PhotographMatcher::place_at(const Candidate& at) const {
-  const Vector6 prior = information_of_prior();
   Matrix6 information = p_.decision.power * at.information;
-  information.diagonal() += prior;
+  information.diagonal() += information_of_prior(at.guess);
   const Eigen::Matrix3d covariance = information.inverse().topLeftCorner<3, 3>();
   const double searched = prior_.sigma_m * prior_.sigma_m * std::min(prior_.yaw_sigma_rad, kAnyHeading);
   return {{at.guess.north, at.guess.east, pitch_azimuth_ + at.guess.yaw},

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <optional>
 #include <string>
 #include <vector>
@@ -29,8 +30,9 @@ struct PhotographRefinementParameters {
   double damping = 1e-3, retry_damping = 1e-2,
          max_damping = 1e3;  ///< first; min after a step that fails; last
   // Pattern search, which gets past the optima between which a house's corner separates.
-  size_t polished = 40;                             ///< number of the likeliest places,
-  size_t sharp = 25;                                ///< and of these with small steps
+  size_t polished = 30;                             ///< number of the likeliest places,
+  size_t near_best = 15;                            ///< and of the likeliest around the best one,
+  double near_m = 10;                               ///< within this distance: they decide its covariance
   double align_deg = 0.03;                          ///< smallest step of the heading
   double move_m = 0.8, moved_to_m = 0.2;            ///< first and last step of the position with the wide sigma,
   double sharp_move_m = 0.4, sharp_moved_m = 0.05;  ///< and with the line's own
@@ -49,6 +51,7 @@ struct PhotographParameters {
   double wide_m = 30, wide_step_m = 2;
   double yaw_step_rad = 1.5 * kDegree;
   double pitch_step_rad = 1.2 * kDegree;  ///< step of the pitches within a sigma and a half
+  double wrong_heading = 0.05;            ///< fraction of compasses that are wrong by any angle; judgement
   size_t stride = 3;                      ///< the search uses every third direction
   size_t headings = 3;                    ///< number of headings kept for a place
   double turned_rad = 5 * kDegree;        ///< and their min distance
@@ -123,14 +126,16 @@ class PhotographMatcher {
   std::vector<int> roofs_around(const Guess& guess, double radius_m);
   void select_roofs(const Candidate& at, double radius_m);
   void render_skyline(const Guess& guess, double reach_rad);
-  Eigen::Matrix<double, 6, 1> information_of_prior() const;
+  std::array<double, 2> heading_likelihoods(double yaw) const;
+  Eigen::Matrix<double, 6, 1> information_of_prior(const Guess& guess) const;
   double cost_of_prior(const Guess& guess) const;
   double cost_of(const Guess& guess) { return fit_.cost(line_, guess) + cost_of_prior(guess); }
   void search();
-  void search_place(const Candidate& at);
+  void search_place(const Candidate& at, double reach_rad);
   void fit(Candidate& at);
   void align(Candidate& at);
   void move(Candidate& at, double from_m, double to_m);
+  void polish(Candidate& at);
   std::vector<Candidate> distinct(std::vector<Candidate> all, size_t most, double apart_m) const;
   std::vector<Candidate> refined();
   PhotographPlace place_at(const Candidate& at) const;
