@@ -53,4 +53,44 @@ TEST_CASE("with steps alone, height fixes on a slope are applied fully, and the 
   MESSAGE("heights now: " << std::sqrt(squares / n) << " m rms, normalised error squared " << normalised / n);
 }
 
+TEST_CASE("a pressure that arrives late refers to the height at its time") {
+  CouplingConfig config;
+  config.type = CouplingType::localizer;
+  StartPose start;
+  start.given = start.heading_given = true;
+  Composer composer(config, start, {true, false});
+  const auto ns = [](int frame) { return 1'000'000'000 + int64_t(100'000'000) * frame; };
+  const auto ascend = [&](int from, int to) {  // by 0.1 m per frame, with a camera that looks ahead
+    for (int k = from; k <= to; ++k) {
+      auto motion = make_message<odo_vo_motion>(ODO_TYPE_VO_MOTION, ns(k));
+      motion.header.flags = ODO_VO_ROTATION | ODO_VO_TRANSLATION | ODO_VO_METRIC;
+      motion.t_from_ns = ns(k - 1);
+      motion.q_c0_c1[0] = 1;
+      motion.p_c0_c1[1] = -0.1;
+      motion.scale_sigma = 0.01, motion.state = ODO_TRACKING;
+      composer.update(FrameTime{ns(k)});
+      composer.update(RelativeMotion{&motion, nullptr});
+    }
+  };
+  const auto read = [&](int frame) {
+    double low = 90'000, high = 100'000;  // Pa; the height at frame 0 is that of 100 kPa
+    while (high - low > 1e-6) {
+      const double middle = 0.5 * (low + high);
+      (pressure_height_m(middle) - pressure_height_m(100'000) > 0.1 * frame ? low : high) = middle;
+    }
+    auto barometer = make_message<odo_barometer>(ODO_TYPE_BAROMETER, ns(frame));
+    barometer.pressure_pa = low;
+    return composer.update(&barometer);
+  };
+  const auto down_m = [&] { return composer.localizer().x[kDown]; };
+  composer.update(FrameTime{ns(0)});
+  ascend(1, 10);
+  CHECK(read(10).accepted);
+  ascend(11, 60);
+  const double before_m = down_m();
+  CHECK(before_m == doctest::Approx(-6));
+  CHECK(read(40).accepted);
+  CHECK(std::abs(down_m() - before_m) < 1e-3);
+}
+
 TEST_SUITE_END();

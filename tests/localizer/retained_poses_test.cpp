@@ -3,6 +3,7 @@
 // Held poses of the past. The oracle is the present pose, which equals a pose held now.
 #include <doctest/doctest.h>
 
+#include <array>
 #include <cmath>
 
 #include <Eigen/LU>
@@ -102,6 +103,29 @@ TEST_CASE("updates that consider the pose leave held poses unchanged, and those 
   CHECK(std::abs(held.q_n_b.angularDistance(localizer.q_n_o())) < 1e-9);
   CHECK(std::abs(held.own(2, 2) - localizer.P(kHeading, kHeading)) < 1e-12);
   CHECK(std::abs(held.cross(2, 2) - localizer.P(kHeading, kHeading)) < 1e-12);
+}
+
+TEST_CASE("a shift of the position moves held poses linearly in the path since the last fixed position") {
+  struct Case {
+    double fixed_m;
+    std::array<double, 4> shares;
+  };
+  for (const auto& [fixed_m, shares] : {Case{-1, {1, 1, 1, 1}}, Case{0, {0, 0.2, 0.6, 1}}, Case{2, {0, 0, 0.5, 1}}}) {
+    CAPTURE(fixed_m);
+    Localizer localizer;
+    const double paths_m[] = {0, 2, 6, 10};
+    uint64_t ids[4];
+    TrackPoint here;
+    for (size_t i = 0; i < 4; ++i) here.path_m = paths_m[i], ids[i] = localizer.retain_pose(here, here);
+    const Vector3d by_n(1, -2, 0.5);
+    localizer.shift(by_n, 0.09 * Eigen::Matrix3d::Identity(), fixed_m, 10);
+    for (size_t i = 0; i < 4; ++i) {
+      RetainedPose held;
+      REQUIRE(localizer.retained_pose(ids[i], 0, held));
+      CHECK((held.p_n_b - shares[i] * by_n).norm() < 1e-12);
+      CHECK(held.own(3, 3) == doctest::Approx(0.09 * shares[i] * shares[i]));
+    }
+  }
 }
 
 TEST_SUITE_END();

@@ -3,8 +3,11 @@
 
 #include <doctest/doctest.h>
 
+#include "plugins/shared/sensor_range.hpp"
 #include "plugins/vo/odograph/visual/gyroscope.hpp"
+#include "sdk/host/plugin_host/instance.hpp"
 #include "sdk/math/rotation.hpp"
+#include "tests/support/support.hpp"
 
 using namespace odograph;
 using namespace odograph::vo;
@@ -79,6 +82,35 @@ TEST_CASE("the rate at a time is the latest sample's, while that is recent") {
   CHECK_FALSE(gyroscope.rate(999 * kMilli));
   CHECK(gyroscope.rate(1190 * kMilli + kParameters.longest_gap_ns)->z() == doctest::Approx(1.9));
   CHECK_FALSE(gyroscope.rate(1191 * kMilli + kParameters.longest_gap_ns));
+}
+
+TEST_CASE(
+    "a sample beyond the range of any phone's sensor is discarded by all plugins that integrate it, one at it is not") {
+  const auto config = read_pipeline_config(
+      "odograph: 1\nattitude: {plugin: attitude/vqf}\nvo_frontend: {plugin: vo/odograph}\nscale_source: {plugin: "
+      "scale/inertial}\n",
+      "<text>", {plugin_folder()});
+  REQUIRE_MESSAGE(config.ok(), (config.ok() ? "" : config.failure().text));
+  for (const PluginChoice& choice :
+       {config->attitudes.front(), config->vo_frontends.front(), config->scale_sources.front()}) {
+    CAPTURE(choice.manifest.id);
+    HostServices host(0, {}, nullptr);
+    auto plugin = PluginInstance::make(choice, LibraryCheck::hash, 1, host);
+    REQUIRE_MESSAGE(plugin.ok(), (plugin.ok() ? "" : plugin.failure().text));
+    int64_t t_ns = 0;
+    const auto is_discarded = [&](double rate_radps, double force_mps2) {
+      auto imu = make_message<odo_imu>(ODO_TYPE_IMU, t_ns += 10 * kMilli);
+      imu.header.flags = ODO_IMU_GYRO | ODO_IMU_ACCEL;
+      imu.gyro_b[1] = rate_radps, imu.accel_b[2] = force_mps2;
+      const uint64_t before = (*plugin)->faults();
+      (*plugin)->process(imu.header);
+      return (*plugin)->faults() != before;
+    };
+    CHECK_FALSE(is_discarded(-SensorRange::rate_radps, 9.8));
+    CHECK(is_discarded(-1.001 * SensorRange::rate_radps, 9.8));
+    CHECK_FALSE(is_discarded(0, SensorRange::force_mps2));
+    CHECK(is_discarded(0, 1.001 * SensorRange::force_mps2));
+  }
 }
 
 TEST_SUITE_END();

@@ -51,6 +51,44 @@ std::vector<FoundStep> found_at(double rate_hz, double step_hz, double rise_m, d
 
 }  // namespace
 
+TEST_CASE("a step ends at the peak of the push, also between two samples") {
+  WalkSignal signal;
+  StepFinder finder;
+  int steps = 0;
+  for (int k = 0; k < 1000; ++k) {
+    const double t_s = 0.02 * k, step_hz = 1.6;  // a period of 31.25 samples; the mean is over four
+    signal.add({.t_ns = k * Resampler::kCell_ns, .vertical = 3 * std::cos(2 * kPi * step_hz * t_s), .level = 0.6});
+    finder.update(signal);
+    for (const FoundStep& step : finder.found()) {
+      if (k < 200) continue;  // before the mean is over four periods
+      ++steps;
+      const double contact_s = 1e-9 * static_cast<double>(step.t_end_ns) + StepFinder::Parameters().arm_lag_s;
+      CHECK(std::abs(std::remainder(contact_s, 1 / step_hz)) < 0.002);
+    }
+  }
+  CHECK(steps > 20);
+}
+
+TEST_CASE("rise and surge are those of a periodic motion, over three samples to half of those kept") {
+  WalkSignal signal;
+  constexpr size_t period = 25;  // the mean is over five
+  const double w = 2 * kPi * WalkSignal::kRate_hz / period, lead_rad = 1.75;
+  for (int k = 0; k < 240; ++k) {
+    const double phase = 2 * kPi * k / period;
+    signal.add({.t_ns = k * Resampler::kCell_ns,
+                .vertical = 3 * std::cos(phase),
+                .horizontal_n = std::cos(phase + lead_rad) * Eigen::Vector2d(0.6, -0.9)});
+  }
+  const size_t end = signal.smooth_count();
+  const double kept = signal.gain(w / (2 * kPi));
+  CHECK(signal.rise_between(end - period, end) == doctest::Approx(2 * 3 * kept / (w * w)).epsilon(0.02));
+  CHECK((signal.surge_between(end - period, end, lead_rad) - Eigen::Vector2d(0.2, -0.3)).norm() < 1e-3);
+  for (const size_t n : {size_t(2), WalkSignal::kKept / 2 + 1}) {
+    CHECK(signal.rise_between(end - n, end) == 0);
+    CHECK(signal.surge_between(end - n, end, lead_rad).norm() == 0);
+  }
+}
+
 TEST_CASE("steps of unequal legs are found if one lasts at most two fifths longer") {
   for (const double longer : {0.1, 0.17}) {  // 1.22 and 1.41 times the other
     CAPTURE(longer);

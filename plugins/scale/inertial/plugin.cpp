@@ -43,7 +43,7 @@ class Inertial {
     constexpr uint32_t needed = ODO_IMU_GYRO | ODO_IMU_ACCEL;
     if ((imu.header.flags & needed) != needed) return;
     const Eigen::Vector3d gyro_b(imu.gyro_b), accel_b(imu.accel_b);
-    if (!(gyro_b.norm() < odograph::SensorRange::rate_radps && accel_b.norm() < odograph::SensorRange::force_mps2))
+    if (!(gyro_b.norm() <= odograph::SensorRange::rate_radps && accel_b.norm() <= odograph::SensorRange::force_mps2))
       throw odo::Error(ODO_E_DISCARD, "gyro_b or accel_b exceeds the range of any phone's sensor");
     scale_.add_imu(imu.header.t_ns, gyro_b, accel_b);
   }

@@ -64,7 +64,7 @@ class OdographVo {
   void on(const odo_imu& imu, odo::Output& output) {
     const Eigen::Vector3d gyro_b(imu.gyro_b), accel_b(imu.accel_b);
     const bool has_force = (imu.header.flags & ODO_IMU_ACCEL) != 0;
-    if (!(gyro_b.norm() < SensorRange::rate_radps && (!has_force || accel_b.norm() < SensorRange::force_mps2)))
+    if (!(gyro_b.norm() <= SensorRange::rate_radps && (!has_force || accel_b.norm() <= SensorRange::force_mps2)))
       throw odo::Error(ODO_E_DISCARD, "gyro_b or accel_b exceeds the range of any phone's sensor");
     if (auto* inertial = std::get_if<InertialOdometry>(&odometry_)) {
       inertial->add_imu({imu.header.t_ns, gyro_b, accel_b}, has_force);
