@@ -7,7 +7,10 @@
 
 #include "plugins/fix/gnss/correlated_error.hpp"
 #include "plugins/fix/gnss/path_heading.hpp"
+#include "sdk/host/plugin_host/instance.hpp"
+#include "sdk/math/rotation.hpp"
 #include "sdk/tools/simulation/random.hpp"
+#include "tests/support/support.hpp"
 
 using namespace odograph;
 using namespace odograph::gnss;
@@ -143,6 +146,49 @@ TEST_CASE("correlated errors, jumps and path corrections equal a reference calcu
   }
   CHECK(jumps > 10);
   CHECK(corrections > 10);
+}
+
+TEST_CASE(
+    "the path follows the gyroscope's heading: a compass that swings by a radian does not bend the reported yaw") {
+  const auto config =
+      read_pipeline_config("odograph: 1\nabsolute_fixers: [{plugin: fix/gnss}]\n", "<text>", {plugin_folder()});
+  REQUIRE_MESSAGE(config.ok(), (config.ok() ? "" : config.failure().text));
+  HostServices host(0, {}, nullptr);
+  auto plugin = PluginInstance::make(config->fixers.front(), LibraryCheck::hash, 1, host);
+  REQUIRE_MESSAGE(plugin.ok(), (plugin.ok() ? "" : plugin.failure().text));
+  // Walks north with the phone's top to the north and its display raised by 40 degrees.
+  const Eigen::Quaterniond flat(0, std::sqrt(0.5), std::sqrt(0.5), 0);
+  const Eigen::Quaterniond true_n_b = flat * Eigen::AngleAxisd(0.7, Eigen::Vector3d::UnitX());
+  int reports = 0;
+  for (int k = 0; k < 1200; ++k) {
+    const double t_s = 0.1 * k, compass_rad = std::sin(2 * M_PI * t_s / 40);
+    const int64_t t_ns = 1'000'000'000 + k * 100'000'000LL;
+    auto imu = make_message<odo_imu>(ODO_TYPE_IMU, t_ns);
+    imu.header.flags = ODO_IMU_GYRO;
+    (*plugin)->process(imu.header);
+    auto attitude = make_message<odo_attitude>(ODO_TYPE_ATTITUDE, t_ns);
+    put_quaternion(Eigen::AngleAxisd(compass_rad, Eigen::Vector3d::UnitZ()) * true_n_b, attitude.q_n_b);
+    (*plugin)->process(attitude.header);
+    if (k % 5 == 0) {
+      auto step = make_message<odo_step>(ODO_TYPE_STEP, t_ns);
+      step.header.flags = ODO_STEP_HEADING;
+      step.t_start_ns = t_ns - 500'000'000, step.t_end_ns = t_ns;
+      step.length_m = 0.7, step.sigma_m = 0.05, step.heading_rad = compass_rad;
+      (*plugin)->process(step.header);
+    }
+    if (k % 10 != 0) continue;
+    auto position = make_message<odo_gnss>(ODO_TYPE_GNSS, t_ns);
+    position.header.flags = ODO_GNSS_POSITION | ODO_GNSS_COVARIANCE;
+    position.latitude_rad = 0.8 + 1.4 * t_s / 6.37e6;
+    for (const int axis : {0, 4, 8}) position.covariance_n[axis] = 9;
+    for (const AnyMessage& event : (*plugin)->process(position.header)) {
+      const auto& fix = reinterpret_cast<const odo_fix&>(event.header());
+      if (event.header().type != ODO_TYPE_FIX || (fix.header.flags & ODO_FIX_YAW) == 0) continue;
+      CHECK(apart(fix.yaw_rad, 0) < 0.06);
+      ++reports;
+    }
+  }
+  CHECK(reports > 3);
 }
 
 TEST_SUITE_END();
