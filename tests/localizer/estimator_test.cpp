@@ -10,7 +10,6 @@
 #include "tests/support/measured_walk.hpp"
 
 using namespace odograph;
-using Eigen::Matrix3d;
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 

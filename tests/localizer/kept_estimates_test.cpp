@@ -16,7 +16,6 @@
 #include "tests/support/kept.hpp"
 
 using namespace odograph;
-using Eigen::Vector3d;
 
 namespace {
 

@@ -11,7 +11,6 @@
 
 using namespace odograph;
 using namespace odograph::vo;
-using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
 TEST_SUITE_BEGIN("gyroscope");

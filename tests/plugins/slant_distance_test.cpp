@@ -18,7 +18,6 @@
 
 using namespace odograph;
 using namespace odograph::skyline;
-using Eigen::Vector3d;
 
 TEST_SUITE_BEGIN("skyline");
 

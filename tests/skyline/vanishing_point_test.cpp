@@ -18,7 +18,6 @@
 
 using namespace odograph;
 using namespace odograph::skyline;
-using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
 TEST_SUITE_BEGIN("vanishing_point");

@@ -9,7 +9,6 @@
 namespace odograph::inertial_scale {
 
 using Eigen::Vector3d;
-using Eigen::Vector4d;
 
 /// Orthonormal basis B of 1, t, t^2, t^3 at the frames: P = I - B B'.
 Window::Basis Window::basis() const {

@@ -24,7 +24,6 @@ struct odo_session {
 namespace {
 
 using odograph::fail;
-using odograph::Failure;
 using odograph::guarded;
 
 std::string text(const odo_string& s) { return s.size && s.data ? std::string(s.data, s.size) : std::string(); }

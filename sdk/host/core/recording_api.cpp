@@ -31,7 +31,6 @@ struct odo_recorder {
 namespace {
 
 using odograph::fail;
-using odograph::Failure;
 using odograph::guarded;
 
 int32_t open(const std::filesystem::path& path, odo_recording** out, odo_error* error) {

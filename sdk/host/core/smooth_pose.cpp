@@ -11,7 +11,6 @@ namespace odograph {
 namespace {
 
 using Eigen::AngleAxisd;
-using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
 /// Remaining length after dt for dx/dt = -max(min(x / tau, limit), x / far): exponential down to limit * far, linear,

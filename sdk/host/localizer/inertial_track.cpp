@@ -10,7 +10,6 @@
 namespace odograph {
 namespace {
 
-using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
 constexpr size_t kMaxReintegrated = 64;  // points between two accelerometer samples

@@ -9,7 +9,6 @@
 
 namespace odograph {
 
-using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
 void Walker::reset() {

@@ -10,7 +10,6 @@ namespace odograph {
 namespace {
 
 using Eigen::Matrix3d;
-using Eigen::Quaterniond;
 using Eigen::Vector3d;
 using Vector15 = Eigen::Matrix<double, 15, 1>;
 using Matrix15 = Eigen::Matrix<double, 15, 15>;

@@ -11,7 +11,6 @@
 namespace odograph {
 namespace {
 
-using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 constexpr double kPi = 3.14159265358979323846, kElbow_m = 0.9;

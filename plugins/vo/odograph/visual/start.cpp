@@ -15,7 +15,6 @@ namespace {
 
 using Eigen::Isometry3d;
 using Eigen::Quaterniond;
-using Eigen::Vector3d;
 
 }  // namespace
 
