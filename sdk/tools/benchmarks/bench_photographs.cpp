@@ -30,14 +30,14 @@ struct Photographs : Benchmark {
                   "headings, integrity",
                   0) {}
   void add_options(CLI::App& command) override {
-    command.add_option("model", models, "city models: CityJSON")->required()->group(kCases);
+    command.add_option("model", models, "city models: CityJSON, not CityGML")->required()->group(kCases);
     command.add_option("--photographs", count, "in each model")->check(CLI::Range(1, 10000))->group(kCases);
     command.add_option("--first-seed", options.first_seed, "of places, sun, roofs and errors")->group(kCases);
     command.add_option("--position-sigma", sigma_m, "standard deviation of north and of east that is known before, m");
     command.add_option("--heading-sigma", heading_sigma_deg, "of the compass, degrees; 180: there is none");
     command.add_option("--roofs", roof_sigma_m, "standard deviation of each building's height against the model, m");
     command.add_option("--missing", missing, "part of the buildings that the model lacks")->check(CLI::Range(0.0, 0.9));
-    command.add_flag("--each", each, "a line for each photograph");
+    command.add_flag("--each", each, "a line for each photograph, and the command that locates it");
   }
 
   Result<std::vector<BenchCase>> recordings() override {
@@ -72,13 +72,16 @@ struct Photographs : Benchmark {
       std::ofstream truth(file.string() + ".txt");
       const Eigen::Quaterniond& q = photograph->q_n_c;
       truth.precision(12);
-      truth << photograph->focal_px << ' ' << photograph->p_n.transpose() << ' ' << q.w() << ' ' << q.x() << ' '
+      truth << "# focal_px north_m east_m down_m q_n_c_w q_n_c_x q_n_c_y q_n_c_z\n"
+            << photograph->focal_px << ' ' << photograph->p_n.transpose() << ' ' << q.w() << ' ' << q.x() << ' '
             << q.y() << ' ' << q.z() << '\n';
       if (!truth.flush() || !cv::imwrite(file.string(), photograph->bgr, {cv::IMWRITE_JPEG_QUALITY, 80}))
         return Failure{ODO_E_ERROR, file.string() + ": cannot be written"};
     }
     Taken t{cv::imread(file.string()), 0, {}, {}};
     std::ifstream truth(file.string() + ".txt");
+    std::string header;
+    if (truth.peek() == '#') std::getline(truth, header);
     truth >> t.focal_px >> t.p_n.x() >> t.p_n.y() >> t.p_n.z() >> t.q_n_c.w() >> t.q_n_c.x() >> t.q_n_c.y() >>
         t.q_n_c.z();
     if (!truth || t.bgr.empty()) return Failure{ODO_E_DATA, file.string() + ": cannot be read"};
@@ -101,17 +104,28 @@ struct Photographs : Benchmark {
     if (heading_sigma_deg < 180) guess.heading_rad = heading + off;
     return guess;
   }
-  Result<bool> add(const Taken& taken, const std::string& file, uint64_t seed, PhotographLocalizer& localizer,
-                   Tally& to) const {
+  /// The command that locates the same photograph with the same prior.
+  std::string command_of(const fs::path& file, const fs::path& model, const Eigen::Vector3d& origin, double focal_px,
+                         const PhotographGuess& guess) const {
+    std::string command =
+        text("odograph city locate %s --model %s --at %.2f %.2f --sigma %g --lens %.2fpx", file.c_str(), model.c_str(),
+             origin.x() + guess.east_m, origin.y() + guess.north_m, sigma_m, focal_px);
+    if (guess.heading_rad)
+      command += text(" --heading %.1f --heading-sigma %g", *guess.heading_rad * kDegrees, heading_sigma_deg);
+    return command;
+  }
+  Result<bool> add(const Taken& taken, const fs::path& file, const fs::path& model, const Eigen::Vector3d& origin,
+                   uint64_t seed, PhotographLocalizer& localizer, Tally& to) const {
     const Eigen::Vector3d axis = taken.q_n_c * Eigen::Vector3d::UnitZ();
     const double heading = std::atan2(axis.y(), axis.x());
     const PhotographGuess guess = guess_of(taken, heading, seed);
     const auto answer = localizer.estimate_pose(taken.bgr, taken.focal_px, guess);
     if (!answer) return answer.failure();
     const double off_m = std::hypot(guess.north_m - taken.p_n.x(), guess.east_m - taken.p_n.y());
-    const std::string line = file + text(": prior off %.1f m", off_m);
+    const std::string line = file.filename().string() + text(": prior off %.1f m", off_m);
+    const std::string command = "\n  " + command_of(file, model, origin, taken.focal_px, guess);
     if (!answer->placed) {
-      to.lines.push_back(line + ", not placed: " + answer->why);
+      to.lines.push_back(line + ", not placed: " + answer->why + command);
       return true;
     }
     const Eigen::Vector2d d = (answer->p_n - taken.p_n).head<2>();
@@ -123,9 +137,11 @@ struct Photographs : Benchmark {
     to.wrong += d.norm() > 2 * kGood_m;
     to.beyond += nees > kThreeSigma2;
     to.beyond_heading += turned_deg > 3 * answer->heading_sigma_rad * kDegrees;
-    to.lines.push_back(line + text(", %.2f m (%.2f sigma of %.2f m), %.2f deg (sigma %.2f), agreement %.2f, risk %.3f",
-                                   d.norm(), std::sqrt(nees), answer->sigma_m(), turned_deg,
-                                   answer->heading_sigma_rad * kDegrees, answer->agreement, answer->integrity));
+    to.lines.push_back(line +
+                       text(", %.2f m (%.2f sigma of %.2f m), %.2f deg (sigma %.2f), agreement %.2f, risk %.3f",
+                            d.norm(), std::sqrt(nees), answer->sigma_m(), turned_deg,
+                            answer->heading_sigma_rad * kDegrees, answer->agreement, answer->integrity) +
+                       command);
     return true;
   }
 
@@ -150,7 +166,7 @@ struct Photographs : Benchmark {
                                                           static_cast<unsigned long long>(one.seed), k);
       const auto photograph = taken(scene, file, k);
       if (!photograph) return photograph.failure();
-      const auto done = add(*photograph, file.filename().string(), one.seed * 1000 + k, **localizer, tally);
+      const auto done = add(*photograph, file, thinned, city->origin, one.seed * 1000 + k, **localizer, tally);
       if (!done) return done.failure();
       if (one.run.progress) one.run.progress(k + 1, of_it);
     }
