@@ -67,6 +67,11 @@ def write_hostile(folder):
         "empty.json": ("", True),
         "zero_material.obj": ("mtllib /dev/zero\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", False),
         "no_vertex.obj": ("v 0 0 0\nf 1 2 3\n", True),
+        "cut.gml": ("<CityModel><cityObjectMember><Building>", True),
+        "page.gml": ("<html></html>", True),
+        "nested.gml": ("<CityModel>" + "<a>" * 100000, True),
+        "laughs.gml": ("<!DOCTYPE a [<!ENTITY e0 'ha'>" + "".join(
+            f"<!ENTITY e{k} '{f'&e{k - 1};' * 10}'>" for k in range(1, 12)) + "]><CityModel>&e11;</CityModel>", True),
     }
     for name, (text, _) in texts.items():
         (folder / name).write_text(text)

@@ -27,6 +27,16 @@ model = {"type": "CityJSON", "version": "2.0", "vertices": vertices, "CityObject
 json.dump(model, open("local.city.json", "w"))
 model["metadata"] = {"referenceSystem": "https://www.opengis.net/def/crs/EPSG/0/7415"}
 json.dump(model, open("town.city.json", "w"))
+surfaces = ""
+for building in objects.values():
+    rings = "".join("<gml:surfaceMember><gml:Polygon><gml:exterior><gml:LinearRing><gml:posList>" +
+                    " ".join(str(x) for i in ring[0] + ring[0][:1] for x in vertices[i]) +
+                    "</gml:posList></gml:LinearRing></gml:exterior></gml:Polygon></gml:surfaceMember>"
+                    for ring in building["geometry"][0]["boundaries"])
+    surfaces += ("<cityObjectMember><b:Building><b:lod1MultiSurface><gml:MultiSurface srsName='EPSG:7415'>" + rings +
+                 "</gml:MultiSurface></b:lod1MultiSurface></b:Building></cityObjectMember>")
+open("town.gml", "w").write("<CityModel xmlns:gml='g' xmlns:b='b'>" + surfaces + "</CityModel>")
+open("cut.gml", "w").write("<CityModel xmlns:gml='g' xmlns:b='b'>" + surfaces)
 PYTHON
 cp "$source/docs/pictures/photograph_roofs.jpg" plain.jpg
 tagged() { # name, tags...
@@ -43,6 +53,7 @@ place="-GPSLatitude=52.105 -GPSLatitudeRef=N -GPSLongitude=4.275 -GPSLongitudeRe
   tagged no_place.jpg -FocalLengthIn35mmFormat=26
   tagged south.jpg -GPSLatitude=52.105 -GPSLatitudeRef=S -GPSLongitude=4.275 -GPSLongitudeRef=E -FocalLengthIn35mmFormat=26
   tagged half.jpg -GPSLatitude=52.105 -GPSLatitudeRef=N -FocalLengthIn35mmFormat=26
+  tagged zero.jpg -GPSLatitude=0 -GPSLatitudeRef=N -GPSLongitude=0 -GPSLongitudeRef=E -FocalLengthIn35mmFormat=26
   tagged turned.jpg $place -FocalLengthIn35mmFormat=26 -Orientation#=6
 }
 locate="$odograph city locate -o found --model town.city.json"
@@ -53,24 +64,62 @@ expect 1 "the model has no terrain there" $locate phone.jpg
 expect 0 'phone.jpg",false' grep phone found/photographs.csv
 expect 0 "PNG" head -c 8 found/map.png
 expect 1 "turned.jpg: not placed: " $locate turned.jpg
-# Missing EXIF data are requested with their option; the other pictures of a folder are still processed.
-expect 1 "no_lens.jpg: not placed: it does not say its focal length (no 35 mm equivalent in EXIF): give --lens" $locate no_lens.jpg
-expect 2 "where were they taken?" $locate no_place.jpg
-expect 2 "where were they taken?" $locate half.jpg
-expect 1 "no_place.jpg: not placed: it does not say where it was taken (no GPS in EXIF): give --near" $locate phone.jpg no_place.jpg
+# Missing inputs are requested with their options, all at once; the other pictures of a folder are still processed.
+expect 2 "no picture states its focal length (no 35 mm equivalent in EXIF): give --lens" $locate no_lens.jpg
+expect 2 "no picture states where it was taken" $locate no_place.jpg half.jpg
+expect 2 "no picture states where it was taken" $locate zero.jpg
+expect 1 "no_place.jpg: not placed: it does not state where it was taken (no GPS position in EXIF): give --near" $locate phone.jpg no_place.jpg
+expect 2 "no picture states where it was taken" "$odograph" city locate -o found --model local.city.json plain.jpg
+expect 0 "its focal length" cat err
+expect 0 "states no reference system" cat err
 
 expect 1 "plain.jpg: not placed: " $locate plain.jpg --near 52.105,4.275 --lens 26mm
+# A place without buildings is not searched; the reason has the model's bounds.
+expect 1 "south.jpg: not placed: the place is 1" $locate south.jpg
+expect 0 "whose buildings span latitudes 52.104" cat out
+expect 1 "4.27525; are the two numbers exchanged?" $locate plain.jpg --near 4.275,52.105 --lens 26mm
+expect 1 "the place is 1" "$odograph" city locate -o found --model local.city.json phone.jpg --at 77803 458001
+expect 1 "0 of 1 placed; nowhere has photographs.csv" $locate south.jpg -o nowhere
+test ! -e nowhere/map.png || { echo "FAILED: a map without a place"; failed=1; }
 # Error messages.
 expect 3 "nothing.jpg: no such file" $locate nothing.jpg
 expect 3 "town.city.json" $locate town.city.json --near 52.105,4.275 --lens 26mm
 expect 2 "expected latitude,longitude in degrees" $locate plain.jpg --near 95,4 --lens 26mm
-expect 2 "expected 26mm (35 mm equivalent)" $locate plain.jpg --near 52.105,4.275 --lens 26furlong
-expect 1 "is it the right model?" $locate south.jpg
-expect 3 "--model-at LAT,LON says where its zero is" "$odograph" city locate -o found --model local.city.json phone.jpg
+expect 2 "--near 52.105: expected latitude,longitude" $locate plain.jpg --near 52.105 4.275 --lens 26mm
+expect 2 "expected 26mm (35 mm equivalent" $locate plain.jpg --near 52.105,4.275 --lens 26furlong
+expect 3 "--lens none.yaml: no such file" $locate plain.jpg --near 52.105,4.275 --lens none.yaml
+expect 2 "not in range" $locate phone.jpg --heading 400
+expect 3 "no folder can be made there" $locate phone.jpg -o phone.jpg/out
+expect 2 "give --model-at LAT,LON of its zero" "$odograph" city locate -o found --model local.city.json phone.jpg
+expect 3 "cut.gml:1: not XML" "$odograph" city locate -o found --model cut.gml phone.jpg
+expect 1 "" grep model-at err
 expect 1 "phone.jpg: not placed: " "$odograph" city locate -o found --model local.city.json phone.jpg --at 78803.8 458001.5
 expect 1 '"placed": false' $locate phone.jpg --json
 python3 -m json.tool out >/dev/null || { echo "FAILED: --json is not one JSON value"; failed=1; }
-# A truncated picture is reported, and the next one is still processed.
+# A picture that cannot be read has a row with the reason, and the next one is still processed.
 head -c 300 phone.jpg >cut.jpg
 expect 3 "phone.jpg: not placed: " $locate cut.jpg phone.jpg
+mkdir folder
+head -c 30000 phone.jpg >folder/truncated.jpg
+printf '\0\0\0\030ftypheic\0\0\0\0mif1heic' | tee folder/phone.heic >folder/renamed.jpg
+cp south.jpg folder
+expect 3 "folder/truncated.jpg: not placed: the picture is truncated" $locate folder south.jpg
+expect 0 '"folder/phone.heic",false,,,,,,,,,,,,"HEIC and AVIF are not read; convert it to JPEG' cat found/photographs.csv
+expect 0 '"folder/renamed.jpg",false,,,,,,,,,,,,"HEIC' cat found/photographs.csv
+expect 0 '"folder/south.jpg",false' cat found/photographs.csv
+# The table is written row by row.
+$locate south.jpg phone.jpg -o stopped >/dev/null 2>&1 &
+for _ in $(seq 300); do
+  grep -q south.jpg stopped/photographs.csv 2>/dev/null && break
+  sleep 0.1
+done
+grep -q phone.jpg stopped/photographs.csv && { echo "FAILED: the table came at the end"; failed=1; }
+kill $! 2>/dev/null
+# The check reports what of a model is used.
+expect 0 "CityJSON 2.0, 12 objects" "$odograph" city check town.city.json
+expect 0 "edges of buildings; they span latitudes 52.104" cat out
+expect 0 "edges of buildings; they span latitudes 52.104" "$odograph" city check town.gml
+expect 0 "\`city locate\` needs --model-at or --at: local.city.json: the model states no reference system" "$odograph" city check local.city.json
+expect 3 "cut.gml:1: not XML" "$odograph" city check cut.gml
+expect 3 "town.gml: CityGML; this command reads CityJSON and OBJ alone" "$odograph" city build town.gml -o town.skylines
 exit $failed

@@ -21,8 +21,11 @@ class ModelToNavigation {
     if (!p_.geodetic) return;
     projection_ = Projection::of(epsg);
     if (!projection_)
-      throw std::runtime_error(name + ": geodetic_origin: the model's reference system (EPSG " + std::to_string(epsg) +
-                               ") is not known; give model_origin in its coordinates");
+      throw std::runtime_error(
+          name +
+          (epsg == 0 ? std::string(": the model states no reference system with an EPSG code")
+                     : ": the model's reference system (EPSG " + std::to_string(epsg) + ") is not supported") +
+          ", so that latitude and longitude cannot be converted to its coordinates");
     local_.Reset(p_.geodetic_origin[0], p_.geodetic_origin[1], p_.geodetic_origin[2]);
   }
 

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <fstream>
+#include <iterator>
 #include <optional>
 #include <sstream>
 
@@ -293,10 +294,10 @@ Result<CityCheck> check_city_model(const std::filesystem::path& file, const City
     return Failure{ODO_E_DATA, file.string() + ": " + std::to_string(size >> 20) + " MB; at most " +
                                    std::to_string(limits.file_bytes >> 20) + " MB are read: cut the model into tiles"};
   std::ifstream in(file, std::ios::binary);
-  std::stringstream text;
-  text << in.rdbuf();
-  if (file.extension() == ".obj") return check_obj(text.str(), file.string(), limits);
-  return check_city_text(text.str(), file.string(), limits);
+  const std::string text{std::istreambuf_iterator<char>(in), {}};
+  if (file.extension() == ".obj") return check_obj(text, file.string(), limits);
+  if (is_xml(text)) return CityCheck{.format = "CityGML"};
+  return check_city_text(text, file.string(), limits);
 }
 
 }  // namespace odograph

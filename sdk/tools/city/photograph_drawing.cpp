@@ -20,11 +20,9 @@ const cv::Scalar kRoofs(40, 90, 235), kShadow(255, 255, 255), kBuildings(150, 15
 
 }  // namespace
 
-cv::Mat roofs_over(const cv::Mat& bgr, double focal_px, const PhotographPose& placed,
-                   const PhotographLocalizer& placer) {
-  cv::Mat picture = bgr.clone();
+void draw_roofs(cv::Mat& bgr, double focal_px, const PhotographPose& placed, const PhotographLocalizer& placer) {
   const auto elevation = placer.skyline(placed.p_n);
-  if (elevation.empty()) return picture;
+  if (elevation.empty()) return;
   const size_t n = elevation.size();
   const auto pixel = [&](size_t j, cv::Point& at) {
     const double azimuth = (static_cast<double>(j) + 0.5) * 2 * std::numbers::pi / static_cast<double>(n);
@@ -41,9 +39,8 @@ cv::Mat roofs_over(const cv::Mat& bgr, double focal_px, const PhotographPose& pl
     for (size_t j = 0; j < n; ++j) {
       cv::Point from, to;
       if (elevation[j] > 0 && elevation[(j + 1) % n] > 0 && pixel(j, from) && pixel((j + 1) % n, to))
-        cv::line(picture, from, to, colour, thickness, cv::LINE_AA);
+        cv::line(bgr, from, to, colour, thickness, cv::LINE_AA);
     }
-  return picture;
 }
 
 cv::Mat map_of(const std::vector<MappedPhotograph>& photographs, const PhotographLocalizer& placer) {
@@ -77,10 +74,19 @@ cv::Mat map_of(const std::vector<MappedPhotograph>& photographs, const Photograp
     const double heading = placed.heading_rad();
     cv::line(map, before, at(p), kGuess, 1, cv::LINE_AA);
     cv::arrowedLine(map, at(p), at(p + 12 * Vector2d(std::cos(heading), std::sin(heading))), kPlaced, 2, cv::LINE_AA);
-    cv::circle(map, at(p), std::max(3, static_cast<int>(3 * placed.sigma_m() * scale)), kPlaced, 1, cv::LINE_AA);
+    cv::circle(map, at(p), std::max(3, static_cast<int>(placed.sigma_m() * scale)), kPlaced, 1, cv::LINE_AA);
   }
   cv::line(map, {20, kSide - 20}, {20 + static_cast<int>(20 * scale), kSide - 20}, kInk, 2);
-  cv::putText(map, "20 m, north is up", {20, kSide - 28}, cv::FONT_HERSHEY_SIMPLEX, 0.5, kInk, 1, cv::LINE_AA);
+  const std::pair<const char*, cv::Scalar> legend[] = {{"20 m, north is up", kInk},
+                                                       {"estimate: viewing direction, circle of one sigma", kPlaced},
+                                                       {"prior: circle of one sigma; cross: not placed", kGuess},
+                                                       {"edges of the model, as its surfaces are divided", kBuildings}};
+  int y = kSide - 28;
+  for (const auto& [words, colour] : legend) {
+    cv::putText(map, words, {20, y}, cv::FONT_HERSHEY_SIMPLEX, 0.5, cv::Scalar::all(255), 4, cv::LINE_AA);
+    cv::putText(map, words, {20, y}, cv::FONT_HERSHEY_SIMPLEX, 0.5, colour, 1, cv::LINE_AA);
+    y -= 20;
+  }
   return map;
 }
 

@@ -10,9 +10,8 @@
 
 namespace odograph {
 
-/// The photograph with the model's roof line at the estimated pose drawn over it.
-cv::Mat roofs_over(const cv::Mat& bgr, double focal_px, const PhotographPose& placed,
-                   const PhotographLocalizer& placer);
+/// Draws the model's roof line at the estimated pose over the photograph.
+void draw_roofs(cv::Mat& bgr, double focal_px, const PhotographPose& placed, const PhotographLocalizer& placer);
 
 /// A photograph on the map: the prior position, and the estimate if it was placed.
 struct MappedPhotograph {
@@ -20,7 +19,7 @@ struct MappedPhotograph {
   PhotographGuess guess;
   PhotographPose placed;
 };
-/// The model's buildings from above, north up: priors as circles of their sigma, estimates with the heading.
+/// The model's edges from above, north up, with a legend: priors and estimates as circles of one sigma.
 cv::Mat map_of(const std::vector<MappedPhotograph>& photographs, const PhotographLocalizer& placer);
 
 }  // namespace odograph

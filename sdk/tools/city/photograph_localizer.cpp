@@ -103,7 +103,7 @@ Result<std::unique_ptr<PhotographLocalizer>> PhotographLocalizer::make(const fs:
 Result<PhotographPose> PhotographLocalizer::estimate_pose(const cv::Mat& photograph, double focal_px,
                                                           const PhotographGuess& guess) {
   t_ns_ += kBetween_ns;
-  cv::Mat bgr = photograph.clone();
+  cv::Mat bgr = photograph;
   if (const double part = kWidest_px / std::max(bgr.cols, bgr.rows); part < 1) {
     cv::resize(photograph, bgr, {}, part, part, cv::INTER_AREA);
     focal_px *= static_cast<double>(bgr.cols) / photograph.cols;

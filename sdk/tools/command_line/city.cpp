@@ -4,10 +4,23 @@
 #include "sdk/tools/benchmarks/benchmarks.hpp"
 #include "sdk/tools/city/city_check.hpp"
 #include "sdk/tools/city/city_scenario.hpp"
+#include "sdk/tools/city/georeferenced_city.hpp"
 #include "sdk/tools/command_line/commands.hpp"
 
 namespace odograph {
 namespace {
+
+/// Prints what `city locate` reads of CityGML and CityJSON, and whether it supports the reference system.
+Result<bool> print_buildings(const std::string& file) {
+  const auto city = GeoreferencedCity::geodetic(file);
+  if (city)
+    std::printf("  %zu edges of buildings; they span %s\n", city->edges(), city->span().c_str());
+  else if (city.failure().status == ODO_E_UNSUPPORTED)
+    std::printf("  `city locate` needs --model-at or --at: %s\n", city.failure().text.c_str());
+  else
+    return city.failure();
+  return true;
+}
 
 int check(const std::vector<std::string>& files) {
   int status = kDone;
@@ -18,13 +31,21 @@ int check(const std::vector<std::string>& files) {
       continue;
     }
     const CityCheck& c = *done;
-    std::printf("%s: %s%s%s, %zu objects, %zu vertices, %zu surfaces with %zu holes%s%s\n", file.c_str(),
-                c.format.c_str(), c.version.empty() ? "" : " ", c.version.c_str(), c.objects, c.vertices, c.surfaces,
-                c.holes, c.reference_system.empty() ? ", no reference system" : ", ", c.reference_system.c_str());
-    if (c.surfaces == 0) std::printf("  nothing that could be seen in it\n");
+    const bool gml = c.format == "CityGML";
+    if (gml)
+      std::printf("%s: CityGML\n", file.c_str());
+    else
+      std::printf("%s: %s%s%s, %zu objects, %zu vertices, %zu surfaces with %zu holes%s%s\n", file.c_str(),
+                  c.format.c_str(), c.version.empty() ? "" : " ", c.version.c_str(), c.objects, c.vertices, c.surfaces,
+                  c.holes, c.reference_system.empty() ? ", no reference system" : ", ", c.reference_system.c_str());
+    if (!gml && c.surfaces == 0) std::printf("  nothing that could be seen in it\n");
     for (const auto& [type, count] : c.skipped)
       std::printf("  %zu geometries of the type %s are not used\n", count, type.c_str());
     for (const auto& warning : c.warnings) std::printf("  warning: %s\n", warning.c_str());
+    if (!gml && (c.format != "CityJSON" || c.surfaces == 0)) continue;
+    const auto read = print_buildings(file);
+    if (!read && gml) status = print_failure(read.failure());
+    if (!read && !gml) std::printf("  warning: fix/skyline rejects it: %s\n", read.failure().text.c_str());
   }
   return status;
 }
@@ -37,7 +58,7 @@ void add_city(CLI::App& app, int& status) {
   auto files = std::make_shared<std::vector<std::string>>();
   auto* checked =
       city->add_subcommand("check", "Print the contents of city models, or why they are rejected; writes no file");
-  checked->add_option("model", *files, "city models: CityJSON, CityJSONSeq or OBJ")->required();
+  checked->add_option("model", *files, "city models: CityJSON, CityJSONSeq, CityGML or OBJ")->required();
   checked->callback([files, &status] { status = check(*files); });
   auto r = std::make_shared<CityScenario>();
   auto* draw =

@@ -5,10 +5,11 @@
 #include <cmath>
 #include <cstdio>
 #include <fstream>
+#include <map>
 
 #include <opencv2/imgcodecs.hpp>
 
-#include "sdk/host/base/geodesy.hpp"
+#include "sdk/tools/city/georeferenced_city.hpp"
 #include "sdk/tools/city/photograph.hpp"
 #include "sdk/tools/city/photograph_drawing.hpp"
 #include "sdk/tools/command_line/commands.hpp"
@@ -23,6 +24,7 @@ namespace fs = std::filesystem;
 constexpr double kDegree = 0.017453292519943295;
 constexpr double kSigma_m = 10, kHeadingSigma_deg = 20;  // of a phone's GNSS and compass between houses
 constexpr double kDeclination_deg = 10;  // sigma of the declination, unknown here; beyond 30 only near the poles
+constexpr double kReach_m = 60;          // of fix/skyline's search, which otherwise covers three sigmas
 
 struct LocateArguments {
   std::vector<std::string> pictures;
@@ -32,14 +34,15 @@ struct LocateArguments {
   bool any_heading = false, json = false;
 };
 
-Result<std::array<double, 2>> place_of(const std::string& option, const std::string& words) {
-  std::array<double, 2> place{};
+Result<std::optional<Coordinates>> place_of(const std::string& option, const std::string& words) {
+  if (words.empty()) return std::optional<Coordinates>();
+  Coordinates place{};
   char rest = 0;
   if (std::sscanf(words.c_str(), "%lf ,%lf %c", &place[0], &place[1], &rest) != 2 || std::abs(place[0]) > 90 ||
       std::abs(place[1]) > 180)
     return Failure{ODO_E_ARGUMENT,
                    option + " " + words + ": expected latitude,longitude in degrees, as 48.3035,14.2875"};
-  return place;
+  return std::optional(place);
 }
 
 /// The picture files, including those in folders.
@@ -54,7 +57,7 @@ Result<std::vector<fs::path>> files_of(const std::vector<std::string>& names) {
     for (const auto& entry : fs::directory_iterator(name)) {
       std::string ending = entry.path().extension().string();
       for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-      if (ending == ".jpg" || ending == ".jpeg" || ending == ".png") files.push_back(entry.path());
+      if (ending == ".jpg" || ending == ".jpeg" || ending == ".png" || ending == ".heic") files.push_back(entry.path());
     }
     std::sort(files.begin() + before, files.end());
     if (static_cast<std::ptrdiff_t>(files.size()) == before)
@@ -63,81 +66,33 @@ Result<std::vector<fs::path>> files_of(const std::vector<std::string>& names) {
   return files;
 }
 
-/// Origin of n, and transformation of geodetic positions to n.
-class Frame {
- public:
-  static Result<Frame> of(const LocateArguments& a, const std::vector<Photograph>& photographs) {
-    Frame frame;
-    if (!a.at.empty()) {
-      frame.origin_.model = {a.at[0], a.at[1], 0};
-      frame.in_model_ = true;
-      return frame;
-    }
-    std::optional<std::array<double, 2>> origin;
-    if (!a.near.empty()) {
-      const auto near = place_of("--near", a.near);
-      if (!near) return near.failure();
-      frame.near_ = origin = *near;
-    }
-    for (const Photograph& p : photographs)
-      if (!origin) origin = p.place_deg;
-    if (!a.model_at.empty()) {
-      const auto zero = place_of("--model-at", a.model_at);
-      if (!zero) return zero.failure();
-      origin = *zero;
-    }
-    if (!origin)
-      return Failure{ODO_E_ARGUMENT,
-                     "where were they taken? The pictures do not say (no GPS in EXIF): give --near LAT,LON"};
-    if (a.model_at.empty()) frame.origin_.geodetic_deg = origin;
-    frame.geodesy_ = std::make_shared<Geodesy>();
-    frame.geodesy_->set_origin({(*origin)[0] * kDegree, (*origin)[1] * kDegree, 0});
-    return frame;
-  }
-
-  const PhotographOrigin& origin() const { return origin_; }
-  /// The prior of a photograph: from the command line, otherwise from its EXIF data.
-  std::optional<PhotographGuess> guess_of(const LocateArguments& a, const Photograph& p) const {
-    PhotographGuess guess;
-    guess.sigma_m = a.sigma_m > 0 ? a.sigma_m : near_ || in_model_ ? kSigma_m : p.place_sigma_m.value_or(kSigma_m);
-    if (!in_model_) {
-      const auto place = near_ ? near_ : p.place_deg;
-      if (!place) return std::nullopt;
-      const auto n = geodesy_->from_geodetic({(*place)[0] * kDegree, (*place)[1] * kDegree, 0});
-      guess.north_m = n[0], guess.east_m = n[1];
-    }
-    const double heading = std::isfinite(a.heading_deg) ? a.heading_deg : p.heading_deg.value_or(NAN);
-    if (std::isfinite(heading) && !a.any_heading) guess.heading_rad = std::remainder(heading, 360) * kDegree;
-    const bool magnetic = !std::isfinite(a.heading_deg) && p.heading_is_magnetic;
-    guess.heading_sigma_rad = std::hypot(a.heading_sigma_deg, magnetic ? kDeclination_deg : 0) * kDegree;
-    return guess;
-  }
-  /// A position for output: latitude and longitude, or easting and northing.
-  std::array<double, 2> output_coordinates(const Eigen::Vector3d& p_n) const {
-    if (in_model_) return {origin_.model.x() + p_n.y(), origin_.model.y() + p_n.x()};
-    const auto g = geodesy_->to_geodetic({p_n.x(), p_n.y(), 0});
-    return {g[0] / kDegree, g[1] / kDegree};
-  }
-  bool in_model() const { return in_model_; }
-
- private:
-  PhotographOrigin origin_;
-  bool in_model_ = false;
-  std::optional<std::array<double, 2>> near_;
-  std::shared_ptr<Geodesy> geodesy_;
+/// A picture file, with what it states or why it cannot be read.
+struct Picture {
+  fs::path file;
+  Result<Photograph> stated;
 };
+
+/// The inputs that a photograph lacks, with the options that give them.
+std::vector<std::string> missing_inputs(const LocateArguments& a, const Photograph& p) {
+  std::vector<std::string> missing;
+  if (a.near.empty() && a.at.empty() && !p.place_deg)
+    missing.emplace_back("where it was taken (no GPS position in EXIF): give --near LAT,LON or --at EASTING NORTHING");
+  if (a.lens.empty() && !p.focal_px)
+    missing.emplace_back("its focal length (no 35 mm equivalent in EXIF): give --lens, as 26mm or 70deg");
+  return missing;
+}
 
 double degrees(double rad) { return std::fmod(rad / kDegree + 360, 360); }
 
-Json row_of(const Photograph& photograph, const Frame& frame, const PhotographPose& placed, double eye_m) {
-  Json row = {{"picture", photograph.file.filename().string()}, {"placed", placed.placed}};
+Json row_of(const fs::path& file, const GeoreferencedCity& city, const PhotographPose& placed, double eye_m) {
+  Json row = {{"picture", file.string()}, {"placed", placed.placed}};
   if (!placed.placed) {
     row["reason"] = placed.why;
     return row;
   }
-  const auto at = frame.output_coordinates(placed.p_n);
-  row[frame.in_model() ? "easting_m" : "latitude_deg"] = at[0];
-  row[frame.in_model() ? "northing_m" : "longitude_deg"] = at[1];
+  const Coordinates at = city.coordinates(placed.p_n);
+  row[city.is_geodetic() ? "latitude_deg" : "easting_m"] = at[0];
+  row[city.is_geodetic() ? "longitude_deg" : "northing_m"] = at[1];
   row["sigma_m"] = placed.sigma_m();
   row["height_m"] = -placed.p_n.z();
   row["above_ground_m"] = eye_m;
@@ -163,122 +118,219 @@ std::string line_of(const Json& row) {
               number("roll_deg"), number("risk"));
 }
 
-Result<bool> write_csv(const fs::path& file, const Rows& rows, bool grid) {
-  std::ofstream out(file);
-  const std::vector<std::string> keys = {"picture",
-                                         "placed",
-                                         grid ? "easting_m" : "latitude_deg",
-                                         grid ? "northing_m" : "longitude_deg",
-                                         "sigma_m",
-                                         "height_m",
-                                         "heading_deg",
-                                         "heading_sigma_deg",
-                                         "pitch_deg",
-                                         "roll_deg",
-                                         "agreement",
-                                         "risk",
-                                         "reason"};
-  for (size_t k = 0; k < keys.size(); ++k) out << (k ? "," : "") << keys[k];
-  for (const Json& row : rows) {
-    out << '\n';
-    for (size_t k = 0; k < keys.size(); ++k) {
-      out << (k ? "," : "");
-      if (row.contains(keys[k])) out << row[keys[k]].dump();
+/// The table, written row by row: an interrupted run leaves what it has done.
+class Csv {
+ public:
+  Csv(const fs::path& file, bool geodetic)
+      : name_(file.string()),
+        out_(file),
+        keys_{"picture",
+              "placed",
+              geodetic ? "latitude_deg" : "easting_m",
+              geodetic ? "longitude_deg" : "northing_m",
+              "sigma_m",
+              "height_m",
+              "heading_deg",
+              "heading_sigma_deg",
+              "pitch_deg",
+              "roll_deg",
+              "agreement",
+              "risk",
+              "drawing",
+              "reason"} {
+    for (size_t k = 0; k < keys_.size(); ++k) out_ << (k ? "," : "") << keys_[k];
+    out_ << '\n';
+  }
+  Result<bool> add(const Json& row) {
+    for (size_t k = 0; k < keys_.size(); ++k) {
+      out_ << (k ? "," : "");
+      if (row.contains(keys_[k])) out_ << row[keys_[k]].dump();
     }
+    out_ << '\n';
+    return out_.flush() ? Result<bool>(true) : Failure{ODO_E_IO, name_ + ": cannot be written"};
   }
-  out << '\n';
-  return out.flush() ? Result<bool>(true) : Failure{ODO_E_ERROR, file.string() + ": cannot be written"};
-}
 
-/// Warns about missing buildings or terrain of the model.
-void print_ground(const PhotographLocalizer& localizer, const PhotographGuess& guess) {
-  const auto ground = localizer.ground({guess.north_m, guess.east_m});
-  if (!ground)
-    std::fprintf(stderr, "odograph: the model has no building within 60 m of the place: is it the right model?\n");
-  else if (!ground->terrain)
-    std::fprintf(stderr,
-                 "odograph: the model has no terrain there: its ground is taken from the lowest corners of the "
-                 "buildings around, %.1f m high at the place that was given\n",
-                 -ground->down_m);
-}
+ private:
+  std::string name_;
+  std::ofstream out_;
+  std::vector<std::string> keys_;
+};
 
-/// The readable pictures; failures of others set `status`.
-Result<std::vector<Photograph>> read_all(const std::vector<std::string>& names, int& status) {
-  const auto files = files_of(names);
-  if (!files) return files.failure();
-  std::vector<Photograph> photographs;
-  for (const fs::path& file : *files) {
-    auto photograph = read_photograph(file);
-    if (photograph)
-      photographs.push_back(std::move(*photograph));
+/// Places the pictures one by one; each gets a row, of the table and of the output.
+class Locator {
+ public:
+  /// `place`: of the command line; `count`: of pictures, for the progress.
+  Locator(const LocateArguments& a, std::optional<Coordinates> place, GeoreferencedCity& city, size_t count)
+      : a_(a),
+        place_(place),
+        city_(city),
+        count_(count),
+        csv_(fs::path(a.output) / "photographs.csv", city.is_geodetic()) {}
+
+  Result<bool> add(const Picture& picture) {
+    PhotographPose placed;
+    cv::Mat bgr;
+    double focal_px = 0;
+    if (!picture.stated) {
+      placed.why = unreadable(picture, picture.stated.failure());
+    } else if (const auto done = locate(picture, bgr, focal_px, placed); !done) {
+      return done.failure();
+    }
+    const auto ground = city_.localizer().ground(placed.p_n.head<2>());
+    Json row = row_of(picture.file, city_, placed, ground ? ground->down_m - placed.p_n.z() : 0);
+    if (placed.placed) {
+      const int copies = ++drawings_[picture.file.stem().string()];  // the same name in another folder
+      const std::string name =
+          picture.file.stem().string() + (copies > 1 ? "_" + std::to_string(copies) : "") + "_roofs.jpg";
+      row["drawing"] = name;
+      draw_roofs(bgr, focal_px, placed, city_.localizer());
+      if (const auto written = write(name, bgr); !written) return written;
+    }
+    rows_.push_back(row);
+    if (!a_.json) std::printf("%s\n", line_of(row).c_str()), std::fflush(stdout);
+    return csv_.add(row);
+  }
+
+  int finish() const {
+    const auto done = std::count_if(rows_.begin(), rows_.end(), [](const Json& row) { return row["placed"] == true; });
+    if (a_.json)
+      std::printf("%s\n", Json(rows_).dump(2).c_str());
     else
-      status = print_failure(photograph.failure());
+      std::printf("%zu of %zu placed; %s has photographs.csv%s%s\n", static_cast<size_t>(done), rows_.size(),
+                  a_.output.c_str(), mapped_.empty() ? "" : ", map.png",
+                  done > 0 ? " and the photographs with the roofs drawn over them" : "");
+    return bad_data_ ? kBadData : done > 0 ? kDone : kLostTracking;
   }
-  return photographs;
-}
 
-Failure with_hint(Failure failure, const Frame& frame) {
-  if (frame.origin().geodetic_deg)
-    failure.text +=
-        "; if it is its reference system: --model-at LAT,LON says where its zero is, --at EASTING NORTHING "
-        "takes the place in its own coordinates";
-  return failure;
+ private:
+  std::string unreadable(const Picture& picture, const Failure& failure) {
+    bad_data_ = true;
+    const std::string name = picture.file.string() + ": ";
+    return failure.text.starts_with(name) ? failure.text.substr(name.size()) : failure.text;
+  }
+  Result<bool> write(const std::string& name, const cv::Mat& bgr) const {
+    const fs::path file = fs::path(a_.output) / name;
+    return cv::imwrite(file.string(), bgr) ? Result<bool>(true)
+                                           : Failure{ODO_E_IO, file.string() + ": cannot be written"};
+  }
+
+  Result<bool> locate(const Picture& picture, cv::Mat& bgr, double& focal_px, PhotographPose& placed) {
+    const Photograph& photograph = *picture.stated;
+    for (const std::string& what : missing_inputs(a_, photograph))
+      placed.why += (placed.why.empty() ? "it does not state " : "; nor ") + what;
+    if (!placed.why.empty()) return true;
+    const Coordinates place = place_ ? *place_ : *photograph.place_deg;
+    if (const auto why = city_.why_not_at(place)) {
+      placed.why = *why;
+      return true;
+    }
+    auto pixels = read_pixels(photograph);
+    if (!pixels) {
+      placed.why = unreadable(picture, pixels.failure());
+      return true;
+    }
+    bgr = std::move(*pixels);
+    const auto focal = a_.lens.empty() ? Result<double>(*photograph.focal_px) : focal_of_lens(a_.lens, bgr.size());
+    if (!focal) return focal.failure();
+    focal_px = *focal;
+    const PhotographGuess guess = guess_of(photograph, place);
+    print_notes(picture, guess);
+    {
+      Progress progress(picture.file.filename().string() + text(", %zu of %zu", rows_.size() + 1, count_));
+      progress.show(rows_.size(), count_);
+      const auto answer = city_.localizer().estimate_pose(bgr, focal_px, guess);
+      if (!answer) return answer.failure();
+      placed = *answer;
+    }
+    mapped_.push_back({picture.file.stem().string(), guess, placed});
+    return write("map.png", map_of(mapped_, city_.localizer()));
+  }
+
+  /// The prior of a photograph: from the command line, otherwise from its EXIF data.
+  PhotographGuess guess_of(const Photograph& p, const Coordinates& place) const {
+    PhotographGuess guess;
+    const Eigen::Vector3d at = city_.p_n(place);
+    guess.north_m = at.x(), guess.east_m = at.y();
+    guess.sigma_m = a_.sigma_m > 0 ? a_.sigma_m : place_ ? kSigma_m : p.place_sigma_m.value_or(kSigma_m);
+    const double heading = std::isfinite(a_.heading_deg) ? a_.heading_deg : p.heading_deg.value_or(NAN);
+    if (std::isfinite(heading) && !a_.any_heading) guess.heading_rad = std::remainder(heading, 360) * kDegree;
+    const bool magnetic = !std::isfinite(a_.heading_deg) && p.heading_is_magnetic;
+    guess.heading_sigma_rad = std::hypot(a_.heading_sigma_deg, magnetic ? kDeclination_deg : 0) * kDegree;
+    return guess;
+  }
+
+  /// Reports what the search cannot cover, and, for the first photograph, a model without terrain.
+  void print_notes(const Picture& picture, const PhotographGuess& guess) const {
+    if (3 * guess.sigma_m > kReach_m)
+      std::fprintf(stderr, "odograph: %s: its position has a sigma of %.0f m; the search ends at %.0f m from it\n",
+                   picture.file.c_str(), guess.sigma_m, kReach_m);
+    const auto ground = city_.localizer().ground({guess.north_m, guess.east_m});
+    if (mapped_.empty() && ground && !ground->terrain)
+      std::fprintf(stderr,
+                   "odograph: the model has no terrain there: its ground is taken from the lowest corners of the "
+                   "buildings around, %.1f m high at the place that was given\n",
+                   -ground->down_m);
+  }
+
+  const LocateArguments& a_;
+  std::optional<Coordinates> place_;
+  GeoreferencedCity& city_;
+  size_t count_;
+  Csv csv_;
+  Rows rows_;
+  std::vector<MappedPhotograph> mapped_;
+  std::map<std::string, int> drawings_;
+  bool bad_data_ = false;
+};
+
+Result<GeoreferencedCity> open_city(const LocateArguments& a, std::optional<Coordinates> place,
+                                    std::optional<Coordinates> zero_deg, const std::vector<Picture>& pictures) {
+  if (!a.at.empty()) return GeoreferencedCity::own(a.model, place);
+  if (zero_deg) return GeoreferencedCity::with_zero_at(a.model, *zero_deg);
+  for (const Picture& picture : pictures)
+    if (!place && picture.stated) place = picture.stated->place_deg;
+  auto city = GeoreferencedCity::geodetic(a.model, place);
+  if (city || city.failure().status != ODO_E_UNSUPPORTED) return city;
+  return Failure{ODO_E_UNSUPPORTED, city.failure().text +
+                                        ": give --model-at LAT,LON of its zero, or the place in its own coordinates "
+                                        "by --at EASTING NORTHING"};
 }
 
 int locate(const LocateArguments& a) {
+  auto place = place_of("--near", a.near);
+  const auto zero_deg = place_of("--model-at", a.model_at);
+  if (!place || !zero_deg) return print_failure(place ? zero_deg.failure() : place.failure());
+  if (!a.at.empty()) *place = Coordinates{a.at[0], a.at[1]};
+  if (const auto focal = focal_of_lens(a.lens, {4000, 3000}); !a.lens.empty() && !focal)
+    return print_failure(focal.failure());
+  const auto files = files_of(a.pictures);
+  if (!files) return print_failure(files.failure());
+  std::vector<Picture> pictures;
+  std::vector<std::vector<std::string>> missing;  // inputs, of each readable picture
+  for (const fs::path& file : *files) {
+    pictures.push_back({file, read_photograph(file)});
+    if (pictures.back().stated) missing.push_back(missing_inputs(a, *pictures.back().stated));
+  }
   int status = kDone;
-  auto photographs_read = read_all(a.pictures, status);
-  if (!photographs_read) return print_failure(photographs_read.failure());
-  std::vector<Photograph>& photographs = *photographs_read;
-  if (photographs.empty()) return status;
-  const auto frame = Frame::of(a, photographs);
-  if (!frame) return print_failure(frame.failure());
-  auto localizer = PhotographLocalizer::make(a.model, frame->origin());
-  if (!localizer) return print_failure(with_hint(localizer.failure(), *frame));
+  if (missing.empty()) {
+    for (const Picture& picture : pictures) status = print_failure(picture.stated.failure());
+    return status;
+  }
   std::error_code error;
   fs::create_directories(a.output, error);
-  if (error) return print_failure({ODO_E_ERROR, a.output + ": no folder can be made there: " + error.message()});
-  Rows rows;
-  std::vector<MappedPhotograph> mapped;
-  size_t done = 0;
-  for (Photograph& photograph : photographs) {
-    const auto guess = frame->guess_of(a, photograph);
-    PhotographPose placed;
-    auto focal =
-        a.lens.empty() ? Result<double>(photograph.focal_px.value_or(0)) : focal_of_lens(a.lens, photograph.bgr.size());
-    if (!focal) return print_failure(focal.failure());
-    if (!guess) {
-      placed.why = "it does not say where it was taken (no GPS in EXIF): give --near LAT,LON";
-    } else if (!(*focal > 0)) {
-      placed.why = "it does not say its focal length (no 35 mm equivalent in EXIF): give --lens, as 26mm or 70deg";
-    } else {
-      if (mapped.empty()) print_ground(**localizer, *guess);
-      const auto answer = (*localizer)->estimate_pose(photograph.bgr, *focal, *guess);
-      if (!answer) return print_failure(answer.failure());
-      placed = *answer;
-      mapped.push_back({photograph.file.stem().string(), *guess, placed});
-    }
-    const auto ground = (*localizer)->ground(placed.p_n.head<2>());
-    rows.push_back(row_of(photograph, *frame, placed, ground ? ground->down_m - placed.p_n.z() : 0));
-    if (!a.json) std::printf("%s\n", line_of(rows.back()).c_str()), std::fflush(stdout);
-    if (placed.placed) {
-      ++done;
-      const fs::path drawn = fs::path(a.output) / (photograph.file.stem().string() + "_roofs.jpg");
-      if (!cv::imwrite(drawn.string(), roofs_over(photograph.bgr, *focal, placed, **localizer)))
-        return print_failure({ODO_E_ERROR, drawn.string() + ": cannot be written"});
-    }
-    photograph.bgr.release();
-  }
-  const fs::path table = fs::path(a.output) / "photographs.csv", map = fs::path(a.output) / "map.png";
-  if (const auto written = write_csv(table, rows, frame->in_model()); !written) return print_failure(written.failure());
-  if (!mapped.empty() && !cv::imwrite(map.string(), map_of(mapped, **localizer)))
-    return print_failure({ODO_E_ERROR, map.string() + ": cannot be written"});
-  if (a.json)
-    std::printf("%s\n", Json(rows).dump(2).c_str());
-  else
-    std::printf("%zu of %zu placed; %s, %s and the roofs drawn over the placed ones are in %s\n", done, rows.size(),
-                table.filename().c_str(), map.filename().c_str(), a.output.c_str());
-  return status != kDone ? status : done > 0 ? kDone : kLostTracking;
+  if (error) return print_failure({ODO_E_IO, a.output + ": no folder can be made there: " + error.message()});
+  auto city = open_city(a, *place, *zero_deg, pictures);
+  // Everything that is missing is reported at once.
+  for (const std::string& what : missing.front())
+    if (std::all_of(missing.begin(), missing.end(),
+                    [&](const auto& of_one) { return std::count(of_one.begin(), of_one.end(), what) > 0; }))
+      status = print_failure({ODO_E_ARGUMENT, "no picture states " + what});
+  if (!city) status = print_failure(city.failure());
+  if (status != kDone) return status;
+  Locator locator(a, *place, *city, pictures.size());
+  for (const Picture& picture : pictures)
+    if (const auto done = locator.add(picture); !done) return print_failure(done.failure());
+  return locator.finish();
 }
 
 }  // namespace
@@ -286,31 +338,40 @@ int locate(const LocateArguments& a) {
 void add_city_locate(CLI::App& city, int& status) {
   auto a = std::make_shared<LocateArguments>();
   auto* command = city.add_subcommand("locate", "Locate photographs in a city model by their skyline");
-  command->add_option("pictures", a->pictures, "photographs, or folders of them (jpg, png)")->required();
+  command->add_option("pictures", a->pictures, "photographs, or folders of them (jpg, png; HEIC: convert it first)")
+      ->required();
   command->add_option("--model", a->model, "city model: CityJSON or CityGML")->required()->check(CLI::ExistingFile);
   auto* near = command->add_option(
-      "--near", a->near, "LAT,LON in degrees: where the photographs were taken, instead of their EXIF position");
+      "--near", a->near,
+      "LAT,LON in degrees: where the photographs were taken, instead of EXIF's position and its sigma");
   command->add_option("--at", a->at, "the same as easting and northing in the model's coordinates, m")
       ->expected(2)
       ->excludes(near);
   command->add_option("--model-at", a->model_at,
-                      "LAT,LON of the model's origin, in degrees, if its reference system is unknown");
-  command->add_option("--sigma", a->sigma_m, "standard deviation of the position, m; default: EXIF's, or 10")
+                      "LAT,LON of the model's zero, in degrees, if its reference system is not supported");
+  command
+      ->add_option(
+          "--sigma", a->sigma_m,
+          "standard deviation of north and of east, m; default: EXIF's, or 10; the search covers three, at most 60 m")
       ->check(CLI::Range(0.5, 100.0));
-  command->add_option("--heading", a->heading_deg,
-                      "viewing direction, degrees clockwise from north, instead of EXIF's");
+  command->add_option("--heading", a->heading_deg, "viewing direction, degrees clockwise from north, instead of EXIF's")
+      ->check(CLI::Range(-360.0, 360.0));
   command->add_option("--heading-sigma", a->heading_sigma_deg, "standard deviation of the heading, degrees")
       ->capture_default_str()
       ->check(CLI::Range(0.5, 60.0));
   command->add_flag("--any-heading", a->any_heading, "try all headings, whatever EXIF states");
   command->add_option(
       "--lens", a->lens,
-      "focal length as 26mm (35 mm equivalent) or 1500px, angle of view of the long side as 70deg, or a camera.yaml");
+      "focal length as 26mm (35 mm equivalent, by the diagonal) or 1500px, angle of view of the long side as 70deg, or "
+      "a camera.yaml");
   command
       ->add_option("-o,--output", a->output,
                    "folder for the table, the map and the photographs with the roofs drawn over them")
       ->capture_default_str();
   command->add_flag("--json", a->json, "print the table as JSON");
+  command->footer(
+      "Exit status: 0 a photograph was placed, 1 none was, 2 bad usage or a missing input, 3 a picture or the model "
+      "cannot be read.");
   command->callback([a, &status] { status = locate(*a); });
 }
 

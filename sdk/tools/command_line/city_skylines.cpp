@@ -272,7 +272,7 @@ int show(const SkylineArguments& a) {
   const auto skyline = (*skylines)->nearest(in_n(*what, a.at));
   if (!skyline) return print_failure(skyline.failure());
   if (!cv::imwrite(a.output, picture_of(**skylines, *what, *skyline)))
-    return print_failure({ODO_E_ERROR, a.output + ": cannot be written"});
+    return print_failure({ODO_E_IO, a.output + ": cannot be written"});
   std::printf("%s: skyline and map of easting %.1f, northing %.1f\n", a.output.c_str(), a.at[0], a.at[1]);
   return kDone;
 }
@@ -282,7 +282,7 @@ int show(const SkylineArguments& a) {
 void add_city_skylines(CLI::App& city, int& status) {
   auto a = std::make_shared<SkylineArguments>();
   auto* built = city.add_subcommand("build", "Compute the skylines of a model's streets and write them as a database");
-  built->add_option("model", a->model, "city model: CityJSON")->required();
+  built->add_option("model", a->model, "city model: CityJSON or OBJ, not CityGML")->required();
   built->add_option("-o,--output", a->output, "database to write")->required();
   built->add_option("--spacing", a->places.spacing_m, "distance between places, m")
       ->capture_default_str()

@@ -12,7 +12,7 @@ int main(int argc, char** argv) {
   app.require_subcommand(1);
   app.set_version_flag("--version", odo_version());
   app.footer(
-      "Exit status: 0 done, 1 ran but lost tracking, 2 bad usage or config, 3 bad data, or "
+      "Exit status: 0 done, 1 ran but lost tracking or placed no photograph, 2 bad usage or config, 3 bad data, or "
       "some of the input was lost (what could be read was used), 4 plugin failure.");
   int status = odograph::kDone;
   odograph::add_run(app, status);

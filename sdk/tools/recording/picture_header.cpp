@@ -7,6 +7,7 @@
 #include <fstream>
 #include <optional>
 #include <sstream>
+#include <string_view>
 
 namespace odograph {
 namespace {
@@ -88,10 +89,25 @@ std::optional<PictureSize> stated_size(std::istream& in, uint64_t offset) {
   return std::nullopt;
 }
 
+/// ISO/IEC 23008-12: a file type box with a brand of still pictures.
+bool is_heif(std::string_view head) {
+  if (head.substr(4, 4) != "ftyp") return false;
+  const std::string_view brand = head.substr(8, 4);
+  return brand.starts_with("he") || brand == "mif1" || brand == "msf1" || brand.starts_with("avi");
+}
+
 Result<PictureSize> checked_size(std::istream& in, uint64_t offset, const std::string& name) {
   const auto size = stated_size(in, offset);
-  if (!size || size->width == 0 || size->height == 0)
+  if (!size || size->width == 0 || size->height == 0) {
+    in.clear();
+    in.seekg(static_cast<std::streamoff>(offset));
+    char head[12] = {};
+    if (in.read(head, sizeof head) && is_heif({head, sizeof head}))
+      return Failure{ODO_E_DATA, name +
+                                     ": HEIC and AVIF are not read; convert it to JPEG with its EXIF data, for "
+                                     "example with heif-convert"};
     return Failure{ODO_E_DATA, name + ": no picture; expected PNG, JPEG, BMP, PGM or PPM"};
+  }
   if (size->width > kMaxSide || size->height > kMaxSide || uint64_t(size->width) * size->height > kMaxPixels)
     return Failure{ODO_E_DATA, name + ": a picture of " + std::to_string(size->width) + " x " +
                                    std::to_string(size->height) + " pixels; expected at most 64 million, " +

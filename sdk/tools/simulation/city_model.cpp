@@ -233,13 +233,18 @@ Result<CityModel> read_obj(const fs::path& file, std::optional<Vector3d> origin)
 
 }  // namespace
 
+bool is_xml(std::string_view text) {
+  const auto first = text.substr(0, 64).find_first_not_of("\xEF\xBB\xBF \t\r\n");
+  return first != std::string_view::npos && text[first] == '<';
+}
+
 Result<CityModel> parse_city_json(std::string_view text, const std::string& name, std::optional<Vector3d> origin) {
-  Json root;
-  try {
-    root = Json::parse(text);
-  } catch (const Json::exception& error) {
-    return Failure{ODO_E_DATA, name + ": " + error.what()};
-  }
+  if (is_xml(text))
+    return Failure{ODO_E_DATA, name +
+                                   ": CityGML; this command reads CityJSON and OBJ alone: convert it, for example with "
+                                   "`citygml-tools to-cityjson`"};
+  const Json root = Json::parse(text, nullptr, false);
+  if (root.is_discarded()) return Failure{ODO_E_DATA, name + ": not JSON; `odograph city check` reports where"};
   Collector to(name, origin);
   const auto done = CityJson(root, name, to).read();
   if (!done) return done.failure();

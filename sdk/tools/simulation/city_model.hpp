@@ -41,6 +41,8 @@ struct CityModel {
 /// north, z up; groups whose names start with "terrain" or "ground" are ground). The default origin is the south-west
 /// corner at the lowest height. Failures name the file and the city object.
 Result<CityModel> read_city_model(const std::filesystem::path& file, std::optional<Eigen::Vector3d> origin = {});
+/// Whether a text starts like XML: CityGML, which read_city_model does not support.
+bool is_xml(std::string_view text);
 /// The same from text; `name` replaces the file in messages.
 Result<CityModel> parse_city_json(std::string_view text, const std::string& name,
                                   std::optional<Eigen::Vector3d> origin = {});
