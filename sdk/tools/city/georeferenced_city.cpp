@@ -110,7 +110,7 @@ std::optional<std::string> GeoreferencedCity::why_not_at(const Coordinates& plac
   if (localizer_->ground(p_n(place).head<2>())) return std::nullopt;
   const double off_m = distance_m(place);
   if (off_m == 0) return "the model has no building within 60 m of the place";
-  const bool exchanged = distance_m({place[1], place[0]}) < kFarthest_m;
+  const bool exchanged = off_m > kFarthest_m && distance_m({place[1], place[0]}) < kFarthest_m;
   return "the place is " + (off_m < 10e3 ? text("%.0f m", off_m) : text("%.0f km", off_m / 1e3)) +
          " from the model, whose buildings span " + span() + (exchanged ? "; are the two numbers exchanged?" : "");
 }
