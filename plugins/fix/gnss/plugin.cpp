@@ -88,9 +88,13 @@ class Gnss {
     if (!bias_b.allFinite() || !q.coeffs().allFinite())
       throw odo::Error(ODO_E_DISCARD, "q_n_b or gyro_bias_b is not finite");
     if (!attitude_) gyro_.bias_b = bias_b;
+    if (attitude_) {
+      // The rotation about the vertical between two attitudes, which exists in every attitude, as a heading does not.
+      const Eigen::Quaterniond by = q * orientation(*attitude_).conjugate();
+      gyro_.attitude_heading_rad += 2 * std::atan2(by.z(), by.w());
+    }
     attitude_ = attitude;
-    // Heading of the device in any attitude: rotation about the vertical alone.
-    gyro_.heading_offset_rad = std::remainder(gyro_.heading_rad - 2 * std::atan2(q.z(), q.w()), 2 * kPi);
+    gyro_.heading_offset_rad = std::remainder(gyro_.heading_rad - gyro_.attitude_heading_rad, 2 * kPi);
   }
 
   void on(const odo_step& step, odo::Output&) {
@@ -141,7 +145,7 @@ class Gnss {
   /// Heading by the gyroscope alone, about the attitude's vertical.
   struct Gyro {
     int64_t t_ns = 0;
-    double heading_rad = 0, heading_offset_rad = 0;
+    double heading_rad = 0, attitude_heading_rad = 0, heading_offset_rad = 0;
     /// Initial estimate, kept so that the remaining bias is constant.
     Eigen::Vector3d bias_b = Eigen::Vector3d::Zero();
   };
