@@ -20,7 +20,6 @@
 #include "tests/support/test_plugins.hpp"
 
 using namespace odograph;
-namespace fs = std::filesystem;
 
 TEST_SUITE_BEGIN("supervisor");
 
