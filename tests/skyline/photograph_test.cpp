@@ -221,6 +221,25 @@ TEST_CASE("the normal equations of a roof line lead back to the camera's pose") 
   CHECK(off(g) < 0.1 * first);
 }
 
+TEST_CASE("a place is accepted or rejected by other places, its agreement and its gain") {
+  const PhotographDecisionParameters p;
+  const Eigen::Matrix3d accurate = Vector3d(0.04, 0.04, 1e-4).asDiagonal();
+  const PhotographPlace best{{0, 0, 0}, 60, -9, accurate};
+  const auto decision_of = [&](std::vector<PhotographPlace> places, double agreement) {
+    return decide({{.match = {.agreement = agreement}, .places = std::move(places), .possible_gain = 80}}, p);
+  };
+  const auto alone = decision_of({best}, 0.9);
+  CHECK(alone.why.empty());
+  CHECK(alone.other < 0.001);
+  CHECK(alone.tried->covariance.trace() / 2 == doctest::Approx(0.04 + p.min_sigma_m * p.min_sigma_m));
+  const PhotographPlace elsewhere{{15, 0, 0}, 59, -9, accurate}, beside{{3, 0, 0}, 60, -9, accurate};
+  CHECK(decision_of({best, elsewhere}, 0.9).why.find("determine the place only to") != std::string::npos);
+  CHECK(std::sqrt(decision_of({best, beside}, 0.9).tried->covariance(0, 0)) > 2);
+  const auto chance = "coincides with a roof of the model: that may be chance";
+  CHECK(decision_of({best}, 0.4).why.find(chance) != std::string::npos);
+  CHECK(decision_of({{{0, 0, 0}, 15, -9, accurate}}, 0.9).why.find(chance) != std::string::npos);
+}
+
 TEST_CASE("a photograph whose skies lead to two places is not placed") {
   const auto model = a_crossing({});
   City city(model);
