@@ -67,8 +67,7 @@ void estimate_uncertainty(const std::vector<PhotographAttempt>& attempts, const 
   decision.other = (others + none) / (all + none);
   decision.chance = none > others;
   match.second_best_ratio = decision.other;
-  const double doubt = std::sqrt(match.covariance.trace() / 2) / p.roof_distance_m;
-  match.yaw_sigma_rad = std::sqrt(spread(2, 2) + doubt * doubt);
+  match.yaw_sigma_rad = std::hypot(std::sqrt(spread(2, 2)), p.min_sigma_m / p.roof_distance_m);
 }
 
 }  // namespace

@@ -148,7 +148,7 @@ void PhotographMatcher::fit(Candidate& at) {
     const double scale = std::max({1.0, by.head<2>().norm() / r.step_m, by.segment<3>(2).norm() / r.rotation_rad});
     Candidate there = at;
     there.guess = guess_of(vector_of(at.guess) + by / scale);
-    there.guess.up = std::clamp(there.guess.up, -p_.max_up_m, p_.max_up_m);
+    there.guess.up = std::clamp(there.guess.up, -up_reach(), up_reach());
     const bool out_of_reach = apart(there.guess, from) > r.moved_m ||
                               std::abs(there.guess.yaw - from.yaw) > r.aligned_rad || is_built(there.guess);
     if (!out_of_reach) evaluate(there);
@@ -175,7 +175,7 @@ void PhotographMatcher::align(Candidate& at) {
           case 0: g.yaw += by * kDegree; break;
           case 1: g.tilt_north += 0.5 * by * kDegree; break;
           case 2: g.tilt_east += 0.5 * by * kDegree; break;
-          default: g.up = std::clamp(g.up + 0.5 * by, -p_.max_up_m, p_.max_up_m); break;
+          default: g.up = std::clamp(g.up + 0.5 * by, -up_reach(), up_reach()); break;
         }
         if (const double c = cost_of(g); c < at.cost - 1e-4) at.guess = g, at.cost = c, better = true;
       }

@@ -30,8 +30,8 @@ struct PhotographRefinementParameters {
   double damping = 1e-3, retry_damping = 1e-2,
          max_damping = 1e3;  ///< first; min after a step that fails; last
   // Pattern search, which gets past the optima between which a house's corner separates.
-  size_t polished = 30;                             ///< number of the likeliest places,
-  size_t near_best = 15;                            ///< and of the likeliest around the best one,
+  size_t polished = 15;                             ///< number of the likeliest places,
+  size_t near_best = 8;                             ///< and of the likeliest around the best one,
   double near_m = 10;                               ///< within this distance: they decide its covariance
   double align_deg = 0.03;                          ///< smallest step of the heading
   double move_m = 0.8, moved_to_m = 0.2;            ///< first and last step of the position with the wide sigma,
@@ -55,7 +55,7 @@ struct PhotographParameters {
   size_t stride = 3;                      ///< the search uses every third direction
   size_t headings = 3;                    ///< number of headings kept for a place
   double turned_rad = 5 * kDegree;        ///< and their min distance
-  double max_up_m = 3.5;                  ///< max deviation of the camera's height above the ground from eye_m
+  double max_up_sigmas = 2;               ///< max deviation of the camera's height from eye_m, in its sigmas
   double feet_sigma_m = 1.0;              ///< of the ground without terrain, from the feet of the buildings around
   double ground_step_m = 2;               ///< of the lattice between whose heights the ground is interpolated
   double tile_m = 12;                     ///< half the side of a tile, for which visible edges are selected together
@@ -122,6 +122,7 @@ class PhotographMatcher {
     return ground_.is_built(prior_.p_n.head<2>() + Eigen::Vector2d(guess.north, guess.east));
   }
   double reach_m() const { return std::clamp(p_.sigmas * prior_.sigma_m, p_.min_m, p_.max_m); }
+  double up_reach() const { return p_.max_up_sigmas * prior_.height_sigma_m; }
   double yaw_reach() const { return std::min(p_.sigmas * prior_.yaw_sigma_rad, std::numbers::pi); }
   std::vector<int> roofs_around(const Guess& guess, double radius_m);
   void select_roofs(const Candidate& at, double radius_m);

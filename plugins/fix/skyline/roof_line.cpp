@@ -92,15 +92,15 @@ size_t RoofLineFit::direction_of(const Ray& ray, const Guess& g, double& tilt, d
 void RoofLineFit::vote(Object& object) const {
   constexpr int kBins = 2 * kHalfBins + 1;
   const double bin_m = kVotedSigmas * p_.building_m / kHalfBins;
-  std::array<float, kBins + 3> agree{}, contradict{};  // contradict[k]: by heights from bin k on
+  std::array<float, kBins + 3> agree{}, sum{}, contradict{};  // contradict[k]: by heights from bin k on
   for (int i = object.first; i >= 0; i = residuals_[static_cast<size_t>(i)].next) {
     const Residual& r = residuals_[static_cast<size_t>(i)];
-    const Ray& ray = rays_[static_cast<size_t>(r.ray)];
+    const Ray& ray = ray_of(r);
     if (ray.above) continue;
     const double at = std::clamp(r.offset / bin_m, -kHalfBins - 1.0, kHalfBins + 2.0);
     const auto k = static_cast<size_t>(std::lround(at) + kHalfBins + 1);
     const auto w = static_cast<float>(ray.weight);
-    if (!ray.open && at >= -kHalfBins) agree[k] += w;
+    if (!ray.open && at >= -kHalfBins) agree[k] += w, sum[k] += w * static_cast<float>(at);
     if (k + 2 < contradict.size()) contradict[k + 2] += w;
   }
   double max_score = -1e300, against = contradict[0];
@@ -110,7 +110,11 @@ void RoofLineFit::vote(Object& object) const {
     const double there = (k - kHalfBins) * bin_m, unlikely = there / p_.building_m;
     const double votes = static_cast<double>(0.5f * agree[m] + agree[m + 1] + 0.5f * agree[m + 2]);
     const double score = (votes * p_.above_loss - against * p_.below_loss) / correlated_ - 0.5 * unlikely * unlikely;
-    if (score > max_score) max_score = score, object.offset = there;
+    if (score > max_score) {
+      max_score = score;
+      const auto mean = static_cast<double>(0.5f * sum[m] + sum[m + 1] + 0.5f * sum[m + 2]);
+      object.offset = votes > 0 ? mean / votes * bin_m : there;
+    }
   }
   object.absent = max_score < -p_.absent_loss;
 }
@@ -121,12 +125,13 @@ void RoofLineFit::refine(Object& object) const {
     double a = 1 / (p_.building_m * p_.building_m), b = 0;
     for (int i = object.first; i >= 0; i = residuals_[static_cast<size_t>(i)].next) {
       const Residual& r = residuals_[static_cast<size_t>(i)];
-      const Ray& ray = rays_[static_cast<size_t>(r.ray)];
+      const Ray& ray = ray_of(r);
       if (!r.top) continue;
       const double per_m = static_cast<double>(r.layer->per_m), value = r.value + per_m * object.offset;
       if ((value > 0 && ray.above) || (value < 0 && ray.open)) continue;
-      const double scale = r.accuracy.inverse / tolerance, x = value * scale;
-      if (loss(x, r.accuracy.width, most(value)) >= most(value)) continue;
+      const Accuracy accuracy{r.accuracy.inverse / tolerance, r.accuracy.variance};
+      if (is_outlier(value, accuracy)) continue;
+      const double scale = accuracy.inverse, x = value * scale;
       const double w = ray.weight * 3 / (2 + x * x) * scale * scale * per_m / correlated_;
       a += w * per_m, b -= w * r.value;
     }
@@ -160,17 +165,18 @@ void RoofLineFit::compare(const RoofLine& model, const Guess& g, size_t stride) 
     const Ray& ray = rays_[i];
     double tilt = 0, aside = 0;
     const size_t j = direction_of(ray, g, tilt, aside);
-    const int number = static_cast<int>(i);
-    directions_.push_back({number, static_cast<int>(residuals_.size()), -ray.elevation - tilt, 0, 0});
+    const auto direction = static_cast<int>(directions_.size()), first_residual = static_cast<int>(residuals_.size());
+    directions_.push_back({static_cast<int>(i), first_residual, first_residual, -ray.elevation - tilt, 0, 0});
     for (uint32_t k = model.first[j]; k < model.first[j + 1]; ++k) {
       const RoofLine::Layer& layer = model.layers[k];
       const double per_m = static_cast<double>(layer.per_m);
       const double value = static_cast<double>(layer.elevation) + static_cast<double>(layer.slope) * aside -
                            ray.elevation - tilt - per_m * g.up;
       int* const first = layer.object < 0 ? nullptr : &objects_[static_cast<size_t>(layer.object)].first;
-      residuals_.push_back({&layer, value, -value / per_m, number, first ? *first : -1, false, {}});
+      residuals_.push_back({&layer, value, -value / per_m, direction, first ? *first : -1, false, {}});
       if (first) *first = static_cast<int>(residuals_.size()) - 1;
     }
+    directions_.back().end = static_cast<int>(residuals_.size());
   }
 }
 
@@ -181,37 +187,90 @@ double RoofLineFit::value_of(const Residual& r) const {
                     : r.value + static_cast<double>(r.layer->per_m) * objects_[static_cast<size_t>(object)].offset;
 }
 
+/// The highest of the direction's layers that `can` be the skyline; null: the horizon.
+template <class Can>
+RoofLineFit::Residual* RoofLineFit::highest(const Direction& d, const Can& can) {
+  double highest = d.level;
+  Residual* top = nullptr;
+  for (int k = d.first; k < d.end; ++k) {
+    Residual& r = residuals_[static_cast<size_t>(k)];
+    if (r.layer->object >= 0 && !can(r.layer->object)) continue;
+    if (const double value = value_of(r); value > highest) highest = value, top = &r;
+  }
+  return top;
+}
+
+void RoofLineFit::set_top(Direction& d, Residual* top) {
+  if (d.top >= 0) residuals_[static_cast<size_t>(d.top)].top = false;
+  d.top = top ? static_cast<int>(top - residuals_.data()) : -1;
+  if (top) top->top = true, top->accuracy = accuracy_of(static_cast<double>(top->layer->per_m));
+}
+
 /// Finds the highest present layer of each direction.
 void RoofLineFit::find_tops() {
-  for (size_t d = 0; d < directions_.size(); ++d) {
-    const size_t end = d + 1 < directions_.size() ? static_cast<size_t>(directions_[d + 1].first) : residuals_.size();
-    double highest = directions_[d].level;
-    Residual* top = nullptr;
-    for (auto k = static_cast<size_t>(directions_[d].first); k < end; ++k) {
-      Residual& r = residuals_[k];
-      if (r.layer->object >= 0 && objects_[static_cast<size_t>(r.layer->object)].absent) continue;
-      if (const double value = value_of(r); value > highest) highest = value, top = &r;
-    }
-    directions_[d].top = top ? static_cast<int>(top - residuals_.data()) : -1;
-    if (top) top->top = true, top->accuracy = accuracy_of(static_cast<double>(top->layer->per_m));
+  for (Direction& d : directions_) {
+    Residual* const top = highest(d, [&](int object) { return !objects_[static_cast<size_t>(object)].absent; });
+    set_top(d, top);
     if (top && top->layer->object >= 0) objects_[static_cast<size_t>(top->layer->object)].seen = true;
   }
 }
 
-/// Refines the heights of the objects in view; their cost.
+/// Of a direction with this layer as the skyline, null: the horizon.
+double RoofLineFit::cost_of(const Direction& d, const Residual* top) const {
+  const Ray& ray = rays_[static_cast<size_t>(d.ray)];
+  const double value = top ? value_of(*top) : d.level;
+  if ((value > 0 && ray.above) || (value < 0 && ray.open)) return 0;
+  const Accuracy accuracy = !top       ? horizon_
+                            : top->top ? top->accuracy
+                                       : accuracy_of(static_cast<double>(top->layer->per_m));
+  return ray.weight * loss(value, accuracy) / correlated_;
+}
+
+/// Of an object's height: its prior, and Occam's factor (MacKay 2003, chapter 28) where it is fitted.
+double RoofLineFit::cost_of_height(const Object& object, bool seen) const {
+  const double variance = p_.building_m * p_.building_m;
+  double cost = 0.5 * object.offset * object.offset / variance;
+  if (seen) return cost + 0.5 * std::log(object.information * variance);
+  return object.offset > 0 ? 0 : cost;  // a roof that another hides may have any height below it
+}
+
+/// Hides an object in view whose height costs more than it explains: those behind it explain nearly the same. Two
+/// roofs that are level would otherwise be in view or not by a millimetre, and the cost would change in steps.
+void RoofLineFit::hide_needless(int number) {
+  Object& object = objects_[static_cast<size_t>(number)];
+  const auto is_other = [&](int o) { return o != number && objects_[static_cast<size_t>(o)].seen; };
+  double needless = cost_of_height(object, true) - cost_of_height(object, false);
+  tops_.clear();
+  for (int i = object.first; i >= 0; i = residuals_[static_cast<size_t>(i)].next) {
+    const Residual& r = residuals_[static_cast<size_t>(i)];
+    if (!r.top) continue;
+    const Direction& d = directions_[static_cast<size_t>(r.direction)];
+    tops_.push_back({r.direction, highest(d, is_other)});
+    needless += cost_of(d, &r) - cost_of(d, tops_.back().second);
+  }
+  if (needless <= 0) return;
+  object.seen = false;
+  for (const auto& [direction, top] : tops_) {
+    set_top(directions_[static_cast<size_t>(direction)], top);
+    if (top && top->layer->object >= 0) objects_[static_cast<size_t>(top->layer->object)].changed = true;
+  }
+}
+
+/// Refines the heights of the objects in view, those with the most expensive ones hidden first; their cost.
 double RoofLineFit::cost_of_heights() {
+  order_.clear();
+  for (size_t k = 0; k < objects_.size(); ++k)
+    if (objects_[k].seen)
+      refine(objects_[k]), order_.push_back({cost_of_height(objects_[k], true), static_cast<int>(k)});
+  std::sort(order_.rbegin(), order_.rend());
+  const auto update = [&](Object& object) {
+    if (object.changed) refine(object), object.changed = false;
+  };
+  for (const auto& [height, number] : order_) update(objects_[static_cast<size_t>(number)]), hide_needless(number);
   double cost = 0;
   for (Object& object : objects_) {
-    if (object.first < 0) continue;
-    if (object.absent) {
-      cost += p_.absent_loss;
-      continue;
-    }
-    if (object.seen) refine(object);
-    // A roof that another hides may have any height below it.
-    if (!object.seen && object.offset > 0) continue;
-    cost += 0.5 * object.offset * object.offset / (p_.building_m * p_.building_m);
-    if (object.seen) cost += 0.5 * std::log(object.information * p_.building_m * p_.building_m);  // Occam's factor
+    if (object.seen) update(object);
+    if (object.first >= 0) cost += object.absent ? p_.absent_loss : cost_of_height(object, object.seen);
   }
   return cost;
 }
@@ -231,8 +290,7 @@ RoofLineFit::NormalEquations RoofLineFit::normal_equations(const Guess& g) const
     const Residual& r = residuals_[static_cast<size_t>(d.top)];
     const Ray& ray = rays_[static_cast<size_t>(d.ray)];
     const double value = value_of(r), x = value * r.accuracy.inverse;
-    if ((value > 0 && ray.above) || (value < 0 && ray.open)) continue;
-    if (loss(x, r.accuracy.width, most(value)) >= most(value)) continue;
+    if ((value > 0 && ray.above) || (value < 0 && ray.open) || is_outlier(value, r.accuracy)) continue;
     const double per_m = static_cast<double>(r.layer->per_m), slope = static_cast<double>(r.layer->slope);
     const double azimuth = ray.azimuth + g.yaw, north = std::cos(azimuth), east = std::sin(azimuth);
     // A step towards the roof raises it; one aside turns it by the inverse of its distance.
@@ -258,6 +316,7 @@ RoofLineFit::NormalEquations RoofLineFit::normal_equations(const Guess& g) const
 
 double RoofLineFit::cost(const RoofLine& model, const Guess& g, size_t stride) {
   correlated_ = std::max(1.0, p_.correlated / static_cast<double>(stride));
+  horizon_ = accuracy_of(0);
   compare(model, g, stride);
   for (Object& object : objects_)
     if (object.first >= 0) vote(object);
@@ -266,14 +325,13 @@ double RoofLineFit::cost(const RoofLine& model, const Guess& g, size_t stride) {
   agreeing_ = edge_weight_ = 0;
   for (Direction& d : directions_) {
     const Ray& ray = rays_[static_cast<size_t>(d.ray)];
-    const Residual* top = d.top < 0 ? nullptr : &residuals_[static_cast<size_t>(d.top)];
+    const Residual* const top = d.top < 0 ? nullptr : &residuals_[static_cast<size_t>(d.top)];
     const double value = top ? value_of(*top) : d.level;
     if ((value > 0 && ray.above) || (value < 0 && ray.open)) continue;
-    const Accuracy accuracy = top ? top->accuracy : accuracy_of(0);
-    d.known = ray.weight * loss(value * accuracy.inverse, accuracy.width, most(value)) / correlated_;
+    d.known = cost_of(d, top);
     d.unknown = static_cast<double>(stride) * ray.weight * (value > 0 ? p_.run_below : p_.run_above);
     if (!ray.open && !ray.above)
-      edge_weight_ += ray.weight, agreeing_ += agrees(value, accuracy.inverse) ? ray.weight : 0;
+      edge_weight_ += ray.weight, agreeing_ += agrees(value, top ? top->accuracy : horizon_) ? ray.weight : 0;
   }
   return divided() + heights;
 }

@@ -57,7 +57,11 @@ struct RoofLine {
 /// A picture's skyline and its fit to roof lines: a negative log-likelihood.
 class RoofLineFit {
  public:
-  explicit RoofLineFit(const RoofErrorParameters& parameters) : p_(parameters), line_rad_(parameters.line_rad) {}
+  explicit RoofLineFit(const RoofErrorParameters& parameters)
+      : p_(parameters),
+        outlier_above_(std::exp(2 * parameters.above_loss)),
+        outlier_below_(std::exp(2 * parameters.below_loss)),
+        line_rad_(parameters.line_rad) {}
   void set(const std::vector<SkyEdge>& edges, const Eigen::Quaterniond& q_n_c);
   size_t directions() const { return rays_.size(); }
   /// Cost with the best-fitting height of each building and the cost of that freedom. `stride`: use every n-th
@@ -87,24 +91,25 @@ class RoofLineFit {
     double azimuth, elevation, slope, cosine, sine, weight;
     bool open, above;
   };
-  /// 1/rad, and the logarithm of the sigma over the line's.
+  /// 1/rad, and the variance over the reference's.
   struct Accuracy {
-    double inverse, width;
+    double inverse, variance;
   };
   Accuracy accuracy_of(double per_m) const {
     const double detail = p_.detail_m * per_m, variance = line_rad_ * line_rad_ + detail * detail;
-    return {1 / std::sqrt(variance), 0.5 * std::log(variance / (p_.reference_rad * p_.reference_rad))};
+    return {1 / std::sqrt(variance), variance / (p_.reference_rad * p_.reference_rad)};
   }
   struct Residual {
     const RoofLine::Layer* layer;
-    double value;       // model minus picture, rad
-    double offset;      // change of the roof's height that makes it 0, m
-    int ray, next;      // next residual of the same object
+    double value;   // model minus picture, rad
+    double offset;  // change of the roof's height that makes it 0, m
+    int direction;
+    int next;           // next residual of the same object
     bool top;           // the skyline of its direction
     Accuracy accuracy;  // of a top
   };
   struct Direction {
-    int ray, first;         // its first residual; one for each layer
+    int ray, first, end;    // its residuals, one for each layer
     double level;           // the horizon minus the picture, rad
     double known, unknown;  // cost as the model's roof, and as an object that the model lacks
     int top = -1;           // residual
@@ -113,33 +118,53 @@ class RoofLineFit {
     int first = -1;     // residual
     double offset = 0;  // of its roofs from the model, m
     double information = 0;
-    bool absent = false, seen = false;
+    bool absent = false, seen = false, changed = false;
   };
   size_t direction_of(const Ray& ray, const Guess& guess, double& tilt, double& aside) const;
-  /// Negative logarithm of Student's density with two degrees of freedom, at most `most`: some roofs match the model to
-  /// centimetres, others do not. `width` normalises the density.
-  double loss(double x, double width, double most) const {
-    return std::min(most, width + 1.5 * std::log1p(0.5 * x * x));
+  const Ray& ray_of(const Residual& r) const {
+    return rays_[static_cast<size_t>(directions_[static_cast<size_t>(r.direction)].ray)];
   }
-  double most(double value) const { return value > 0 ? p_.below_loss : p_.above_loss; }
-  bool agrees(double value, double inverse_sigma) const {
-    return std::abs(value) < std::max(p_.agrees_rad, 2 / inverse_sigma);
+  /// Student's density with two degrees of freedom, normalised, to the power of -2: some roofs match the model to
+  /// centimetres, others do not.
+  static double inverse_density2(double value, const Accuracy& a) {
+    const double x = value * a.inverse, q = 1 + 0.5 * x * x;
+    return a.variance * q * q * q;
+  }
+  /// Its negative logarithm, at most that of an outlier.
+  double loss(double value, const Accuracy& a) const {
+    return std::min(value > 0 ? p_.below_loss : p_.above_loss, 0.5 * std::log(inverse_density2(value, a)));
+  }
+  bool is_outlier(double value, const Accuracy& a) const {
+    return inverse_density2(value, a) >= (value > 0 ? outlier_below_ : outlier_above_);
+  }
+  bool agrees(double value, const Accuracy& a) const {
+    return std::abs(value) < std::max(p_.agrees_rad, 2 / a.inverse);
   }
   void compare(const RoofLine& model, const Guess& guess, size_t stride);
+  template <class Can>
+  Residual* highest(const Direction& d, const Can& can);
+  void set_top(Direction& d, Residual* top);
   void find_tops();
   double value_of(const Residual& residual) const;
+  double cost_of(const Direction& d, const Residual* top) const;
+  double cost_of_height(const Object& object, bool seen) const;
+  void hide_needless(int number);
   double cost_of_heights();
   void vote(Object& object) const;
   void refine(Object& object) const;
   double divided() const;
 
   RoofErrorParameters p_;
+  double outlier_above_, outlier_below_;  // inverse_density2() of one
   double line_rad_;
+  Accuracy horizon_{};
   std::vector<Ray> rays_;
   double middle_ = 0, half_width_ = 0;  // azimuths of the rays
   std::vector<Residual> residuals_;
   std::vector<Direction> directions_;
   std::vector<Object> objects_;
+  std::vector<std::pair<double, int>> order_;    // cost and number of the objects in view
+  std::vector<std::pair<int, Residual*>> tops_;  // directions and their next layers, of an object
   double agreeing_ = 0, edge_weight_ = 0;
   double correlated_ = 1;  // evaluated directions with a common error
 };

@@ -35,6 +35,10 @@ struct Photographs : Benchmark {
     command.add_option("--first-seed", options.first_seed, "of places, sun, roofs and errors")->group(kCases);
     command.add_option("--position-sigma", sigma_m, "standard deviation of north and of east that is known before, m");
     command.add_option("--heading-sigma", heading_sigma_deg, "of the compass, degrees; 180: there is none");
+    command.add_option(
+        "--prior-off", prior_off_m,
+        "displacement of the known position in any direction, m: beyond the search, where every position "
+        "found is wrong");
     command.add_option("--roofs", roof_sigma_m, "standard deviation of each building's height against the model, m");
     command.add_option("--missing", missing, "part of the buildings that the model lacks")->check(CLI::Range(0.0, 0.9));
     command.add_flag("--each", each, "a line for each photograph, and the command that locates it");
@@ -102,6 +106,8 @@ struct Photographs : Benchmark {
                           .heading_sigma_rad = heading_sigma_deg / kDegrees};
     const double off = heading_sigma_deg / kDegrees * random.normal();
     if (heading_sigma_deg < 180) guess.heading_rad = heading + off;
+    const double aside = 2 * EIGEN_PI * random.uniform();
+    guess.north_m += prior_off_m * std::cos(aside), guess.east_m += prior_off_m * std::sin(aside);
     return guess;
   }
   /// The command that locates the same photograph with the same prior.
@@ -200,7 +206,7 @@ struct Photographs : Benchmark {
 
   std::vector<std::string> models;
   size_t count = 40;
-  double sigma_m = 10, heading_sigma_deg = 20, roof_sigma_m = 1.5, missing = 0.1;
+  double sigma_m = 10, heading_sigma_deg = 20, prior_off_m = 0, roof_sigma_m = 1.5, missing = 0.1;
   bool each = false;
 };
 
