@@ -6,18 +6,16 @@
 
 static const void* ODO_CALL app_service(void* user, const char* id, uint64_t size) {
   static const probe_service service = {sizeof(probe_service), 0, probe_called};
-  (void)user;
   return size == sizeof PROBE_SERVICE - 1 && memcmp(id, PROBE_SERVICE, size) == 0 ? &service : NULL;
 }
 
 void need_plugins(void) {
   static bool registered;
   odo_error error = {sizeof error, 0, ""};
-  int i;
   if (registered) return;
   registered = true;
   if (odo.register_plugin && !options.by_folder) {
-    for (i = 0; i < PROBE_VARIANTS; ++i)
+    for (int i = 0; i < PROBE_VARIANTS; ++i)
       if (odo.register_plugin(probe_entries[i], &error) != ODO_OK)
         stop_at(__FILE__, __LINE__, "the suite's plugin %d was not registered: %s", i, error.message);
   } else if (!options.plugin_folder) {
@@ -54,7 +52,6 @@ static void ODO_CALL on_event(void* user, const odo_header* event) {
 app* app_open_options(const odo_session_options* chosen) {
   app* self = (app*)calloc(1, sizeof *self);
   odo_error error = {sizeof error, 0, ""};
-  int32_t status;
   NEED(session_create);
   NEED(session_destroy);
   NEED(session_set_callback);
@@ -63,7 +60,7 @@ app* app_open_options(const odo_session_options* chosen) {
   NEED(session_get_statistics);
   need_plugins();
   pthread_mutex_init(&self->lock, NULL);
-  status = odo.session_create(chosen, &self->session, &error);
+  int32_t status = odo.session_create(chosen, &self->session, &error);
   REQUIRE(status == ODO_OK && self->session, "odo_session_create = %s: %s", status_name(status), error.message);
   EXPECT(odo.session_set_callback(self->session, NULL, ODO_ALL_EVENTS, on_event, self), ODO_OK);
   return self;
@@ -81,26 +78,24 @@ void app_close(app* self) {
 
 const odo_header* app_event(app* self, uint32_t type, size_t index) {
   const odo_header* found = NULL;
-  size_t i;
   pthread_mutex_lock(&self->lock);
-  for (i = 0; i < self->count && !found; ++i)
+  for (size_t i = 0; i < self->count && !found; ++i)
     if (self->events[i]->type == type && index-- == 0) found = self->events[i];
   pthread_mutex_unlock(&self->lock);
   return found;
 }
 
 size_t app_events(app* self, uint32_t type) {
-  size_t count = 0, i;
+  size_t count = 0;
   pthread_mutex_lock(&self->lock);
-  for (i = 0; i < self->count; ++i) count += self->events[i]->type == type;
+  for (size_t i = 0; i < self->count; ++i) count += self->events[i]->type == type;
   pthread_mutex_unlock(&self->lock);
   return count;
 }
 
 bool app_reported(app* self, const char* key_or_text) {
   const odo_header* event;
-  size_t i;
-  for (i = 0; (event = app_event(self, ODO_TYPE_REPORT, i)) != NULL; ++i) {
+  for (size_t i = 0; (event = app_event(self, ODO_TYPE_REPORT, i)) != NULL; ++i) {
     const odo_report* report = (const odo_report*)(const void*)event;
     if (strcmp(report->key, key_or_text) == 0 || strstr(report->text, key_or_text)) return true;
   }
@@ -118,8 +113,7 @@ odo_statistics app_statistics(app* self) {
 void app_flush(app* self) { EXPECT(odo.session_flush(self->session), ODO_OK); }
 
 bool app_wait_events(app* self, uint32_t type, size_t count) {
-  int i;
-  for (i = 0; i < 500 && app_events(self, type) < count; ++i) sleep_ms(10);
+  for (int i = 0; i < 500 && app_events(self, type) < count; ++i) sleep_ms(10);
   return app_events(self, type) >= count;
 }
 

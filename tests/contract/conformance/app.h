@@ -99,7 +99,8 @@ typedef struct lent {
   int strange; /* calls with an unknown owner */
   const void* native;
 } lent;
-void lent_init(lent* self);
+#define NOT_LENT \
+  { .lock = PTHREAD_MUTEX_INITIALIZER }
 void lend(odo_loan* loan, lent* self);
 /* Each retain was followed by one release. */
 #define CHECK_BALANCED(self, min_retains)                                                                            \

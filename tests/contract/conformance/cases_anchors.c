@@ -30,7 +30,6 @@ static int32_t get(app* self, uint64_t id, odo_anchor* anchor) {
 
 static app* walk(const char* more, int seconds) {
   char config[512] = CAMERA_WALK;
-  app* self;
   int second;
   NEED(anchor_create);
   NEED(anchor_get);
@@ -38,7 +37,7 @@ static app* walk(const char* more, int seconds) {
   NEED(anchor_remove);
   hooks.on_message = walk_message;
   strcat(config, more);
-  self = app_open(config, ODO_RUN_REPLAY);
+  app* self = app_open(config, ODO_RUN_REPLAY);
   for (second = 0; second < seconds; ++second) walk_second(self, second);
   app_flush(self);
   return self;
@@ -49,7 +48,6 @@ static void life_of_anchors(int unused) {
   const odo_anchor_place place = place_of(ODO_ANCHOR_POSE);
   uint64_t ids[8], id = 0, next = 0;
   odo_anchor anchor;
-  (void)unused;
   CHECK(odo.anchor_list(self->session, NULL, 0) == 0, "there are anchors before the first");
   EXPECT(odo.anchor_create(self->session, &place, &id), ODO_OK);
   CHECK(id == 1, "the first id is %llu; expected 1", (unsigned long long)id);
@@ -71,7 +69,6 @@ static void local_needs_a_position(int unused) {
   app* self = walk("", 0);
   const odo_anchor_place pose = place_of(ODO_ANCHOR_POSE), view = place_of(ODO_ANCHOR_VIEW);
   uint64_t id = 77;
-  (void)unused;
   EXPECT(odo.anchor_create(self->session, &pose, &id), ODO_NOT_READY);
   EXPECT(odo.anchor_create(self->session, &view, &id), ODO_NOT_READY);
   CHECK(odo.anchor_list(self->session, NULL, 0) == 0, "there is an anchor");
@@ -81,7 +78,6 @@ static void time_is_kept(int unused) {
   app* self = walk("", 2);
   odo_anchor_place place = place_of(ODO_ANCHOR_POSE);
   uint64_t id;
-  (void)unused;
   place.t_ns = T0 - 100 * SECOND;
   EXPECT(odo.anchor_create(self->session, &place, &id), ODO_E_NOT_FOUND);
   place.t_ns = T0 + SECOND;
@@ -92,7 +88,6 @@ static void bad_places(int unused) {
   app* self = walk(ORIGIN, 2);
   uint64_t id;
   int which;
-  (void)unused;
   for (which = 0; which < 11; ++which) {
     odo_anchor_place place = place_of(which < 4 || which > 9 ? ODO_ANCHOR_POSE : ODO_ANCHOR_GEODETIC);
     int32_t status;
@@ -118,9 +113,7 @@ static void too_many(int unused) {
   app* self = walk("", 1);
   const odo_anchor_place place = place_of(ODO_ANCHOR_GEODETIC);
   uint64_t id;
-  int i;
-  (void)unused;
-  for (i = 0; i < 1024; ++i) EXPECT(odo.anchor_create(self->session, &place, &id), ODO_OK);
+  for (int i = 0; i < 1024; ++i) EXPECT(odo.anchor_create(self->session, &place, &id), ODO_OK);
   EXPECT(odo.anchor_create(self->session, &place, &id), ODO_E_EXHAUSTED);
   EXPECT(odo.anchor_remove(self->session, 5), ODO_OK);
   EXPECT(odo.anchor_create(self->session, &place, &id), ODO_OK);
@@ -132,7 +125,6 @@ static void where_it_is(int unused) {
   odo_anchor_place place = place_of(ODO_ANCHOR_POSE);
   odo_anchor anchor;
   uint64_t id;
-  (void)unused;
   place.p[0] = 5, place.p[2] = -1;
   place.name = string_of("a name of sixty-three bytes, as many as an anchor's name may be");
   EXPECT(odo.anchor_create(self->session, &place, &id), ODO_OK);
@@ -166,7 +158,6 @@ static odo_anchor geodetic(const char* navigation, uint32_t height_above) {
 
 static void on_the_earth(int unused) {
   const odo_anchor anchor = geodetic(ORIGIN START, ODO_HEIGHT_ELLIPSOID);
-  (void)unused;
   CHECK(anchor.flags & ODO_ANCHOR_PLACED, "its flags are 0x%x and its reason %u", anchor.flags, anchor.reason);
   CHECK(fabs(anchor.p_n[0]) < 1e-3 && fabs(anchor.p_n[2]) < 1e-3, "at the origin it is at %g, %g, %g", anchor.p_n[0],
         anchor.p_n[1], anchor.p_n[2]);
@@ -189,7 +180,6 @@ static void in_front(int unused) {
   odo_anchor_place place = place_of(ODO_ANCHOR_VIEW);
   odo_anchor anchor;
   uint64_t ahead, behind;
-  (void)unused;
   place.p[2] = 3;
   EXPECT(odo.anchor_create(self->session, &place, &ahead), ODO_OK);
   place.p[2] = -3;

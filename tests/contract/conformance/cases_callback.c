@@ -20,18 +20,15 @@ static pthread_t caller;
 static int within_call, elsewhere, outside;
 
 static void note_thread(app* self, const odo_header* event) {
-  (void)self, (void)event;
   if (!pthread_equal(pthread_self(), caller)) ++elsewhere;
   if (!within_call) ++outside;
 }
 
 static void within_push_in_replay(int unused) {
   app* self = open_with_events(ODO_RUN_REPLAY);
-  int i;
-  (void)unused;
   caller = pthread_self();
   self->on_event = note_thread;
-  for (i = 0; i < 100; ++i) {
+  for (int i = 0; i < 100; ++i) {
     within_call = 1;
     EXPECT(push_rest(self, T0 + i * 10 * MS), ODO_OK);
     within_call = 0;
@@ -47,13 +44,11 @@ static void within_push_in_replay(int unused) {
 
 static void another_thread_when_live(int unused) {
   app* self = open_with_events(ODO_RUN_LIVE);
-  pthread_t first;
-  (void)unused;
   caller = pthread_self();
   self->on_event = note_thread;
   push_rest_between(self, T0, T0 + SECOND);
   REQUIRE(app_wait_events(self, PROBE_EVENT, 1), "there was no event");
-  first = self->callback_thread;
+  pthread_t first = self->callback_thread;
   app_flush(self);
   CHECK(app_events(self, PROBE_EVENT) == 100, "%u events; expected 100", (unsigned)app_events(self, PROBE_EVENT));
   CHECK(elsewhere >= 100, "%d of 100 events came on the session's thread", elsewhere);
@@ -65,7 +60,6 @@ static volatile int ended;
 static int after_end;
 
 static void slow(app* self, const odo_header* event) {
-  (void)self, (void)event;
   if (ended) ++after_end;
   sleep_ms(2);
   if (ended) ++after_end;
@@ -85,7 +79,6 @@ static void no_call_after_the_end(int run) {
 
 static int inner_calls;
 static void end_from_within(app* self, const odo_header* event) {
-  (void)event;
   ++inner_calls;
   EXPECT(odo.session_set_callback(self->session, NULL, 0, NULL, NULL), ODO_OK);
 }
@@ -136,9 +129,8 @@ static int pushed_within, processed_within;
 static bool run_is_live;
 static void push_within(app* self, const odo_header* event) {
   odo_barometer sample;
-  size_t before;
   if (event->type != PROBE_EVENT || pushed_within >= 20 || event->t_ns % (10 * MS) != 0) return;
-  before = given_count(ODO_TYPE_BAROMETER, FIXER);
+  size_t before = given_count(ODO_TYPE_BAROMETER, FIXER);
   ++pushed_within;
   put_barometer(&sample, event->t_ns + MS);
   EXPECT(push(self, &sample), ODO_OK);
@@ -162,15 +154,12 @@ static void it_may_push(int run) {
 /* ---- which events ---- */
 static void null_function(int unused) {
   static const uint32_t types[] = {ODO_TYPE_ATTITUDE, PROBE_UNDECLARED, 0x1FFF, ODO_TYPE_BAROMETER};
-  app* self;
-  size_t before;
-  (void)unused;
   hooks.on_message = walk_message;
-  self = app_open(CAMERA_WALK, ODO_RUN_REPLAY);
+  app* self = app_open(CAMERA_WALK, ODO_RUN_REPLAY);
   walk_second(self, 0);
   app_flush(self);
   CHECK(app_events(self, ODO_TYPE_ATTITUDE) > 0 && app_events(self, ODO_TYPE_VO_MOTION) > 0, "not all events came");
-  before = self->count;
+  size_t before = self->count;
   EXPECT(odo.session_set_callback(self->session, types, COUNT_OF(types), NULL, NULL), ODO_OK);
   walk_second(self, 1);
   app_flush(self);
@@ -187,10 +176,8 @@ static void ODO_CALL count_attitudes(void* user, const odo_header* event) {
 static void filtered(int unused) {
   uint32_t types[] = {ODO_TYPE_ATTITUDE, PROBE_UNDECLARED, 0x1FFF};
   int one = 1;
-  app* self;
-  (void)unused;
   hooks.on_message = walk_message;
-  self = app_open(CAMERA_WALK, ODO_RUN_REPLAY);
+  app* self = app_open(CAMERA_WALK, ODO_RUN_REPLAY);
   EXPECT(odo.session_set_callback(self->session, types, COUNT_OF(types), count_attitudes, &one), ODO_OK);
   memset(types, 0, sizeof types); /* they were copied */
   walk_second(self, 0);
@@ -208,10 +195,8 @@ static void filtered(int unused) {
 static void all_in_spite_of_types(int unused) {
   const uint32_t types[] = {ODO_TYPE_REPORT};
   int one = 1;
-  app* self;
-  (void)unused;
   hooks.on_message = walk_message;
-  self = app_open(CAMERA_WALK, ODO_RUN_REPLAY);
+  app* self = app_open(CAMERA_WALK, ODO_RUN_REPLAY);
   EXPECT(odo.session_set_callback(self->session, types, ODO_ALL_EVENTS, count_attitudes, &one), ODO_OK);
   walk_second(self, 0);
   app_flush(self);

@@ -21,14 +21,13 @@ static void push_calibration(app* self, uint32_t camera, int64_t offset_ns) {
 
 static size_t frames_of(uint32_t camera, const char* kind) {
   const odo_header* found;
-  size_t i, count = 0;
-  for (i = 0; (found = given_message(ODO_TYPE_FRAME, kind, i)) != NULL; ++i) count += found->source == camera;
+  size_t count = 0;
+  for (size_t i = 0; (found = given_message(ODO_TYPE_FRAME, kind, i)) != NULL; ++i) count += found->source == camera;
   return count;
 }
 
 static void push_pairs(app* self, uint32_t first, uint32_t second) {
-  int i;
-  for (i = 0; i < 4; ++i) {
+  for (int i = 0; i < 4; ++i) {
     EXPECT(push_frame(self, first, T0 + i * 100 * MS), ODO_OK);
     EXPECT(push_frame(self, second, T0 + i * 100 * MS), ODO_OK);
   }
@@ -38,7 +37,6 @@ static void push_pairs(app* self, uint32_t first, uint32_t second) {
 
 static void same_time_is_no_duplicate(int unused) {
   app* self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
-  (void)unused;
   push_calibration(self, 0, 0), push_calibration(self, 1, 0);
   push_pairs(self, 0, 1);
   CHECK(frames_of(0, FIXER) == 4 && frames_of(1, FIXER) == 4, "the fixer was given %u and %u frames; expected 4 and 4",
@@ -51,19 +49,17 @@ static void one_camera_for_a_frontend(int calibrated) {
   app* self = app_open(CONFIG WITH_FRONTEND, ODO_RUN_REPLAY);
   const uint32_t first = calibrated ? 5 : 2; /* of frames at one time, that of the lower source */
   const odo_header* found;
-  size_t i;
   if (calibrated) push_calibration(self, 5, 0), push_calibration(self, 2, 0);
   push_pairs(self, 5, 2);
   CHECK(frames_of(first, FRONTEND) == 4 && frames_of(7 - first, FRONTEND) == 0,
         "it was given %u frames of the first camera and %u of the second; expected 4 and 0",
         (unsigned)frames_of(first, FRONTEND), (unsigned)frames_of(7 - first, FRONTEND));
-  for (i = 0; (found = given_message(ODO_TYPE_CALIBRATION, FRONTEND, i)) != NULL; ++i)
+  for (size_t i = 0; (found = given_message(ODO_TYPE_CALIBRATION, FRONTEND, i)) != NULL; ++i)
     CHECK(found->source == first, "it was given the calibration of camera %u", found->source);
 }
 
 static void first_calibration_decides(int unused) {
   app* self = app_open(CONFIG WITH_FRONTEND, ODO_RUN_REPLAY);
-  (void)unused;
   push_calibration(self, 2, 0);
   push_pairs(self, 5, 2);
   CHECK(frames_of(5, FRONTEND) == 0 && frames_of(2, FRONTEND) == 4,
@@ -73,7 +69,6 @@ static void first_calibration_decides(int unused) {
 
 static void several_where_declared(int unused) {
   app* self = app_open(CONFIG WITH_SEVERAL, ODO_RUN_REPLAY);
-  (void)unused;
   push_calibration(self, 5, 0), push_calibration(self, 2, 0);
   push_pairs(self, 5, 2);
   CHECK(frames_of(5, FRONTEND) == 4 && frames_of(2, FRONTEND) == 4, "it was given %u and %u frames; expected 4 and 4",
@@ -85,12 +80,10 @@ static void several_where_declared(int unused) {
 static void offset_is_applied_once(int unused) {
   app* self = app_open(CONFIG WITH_FRONTEND WITH_FIXER, ODO_RUN_REPLAY);
   static const char* const kinds[] = {FRONTEND, FIXER};
-  size_t i;
-  (void)unused;
   push_calibration(self, 0, 30 * MS);
   EXPECT(push_frame(self, 0, T0), ODO_OK);
   app_flush(self);
-  for (i = 0; i < COUNT_OF(kinds); ++i) {
+  for (size_t i = 0; i < COUNT_OF(kinds); ++i) {
     const odo_header* frame = given_message(ODO_TYPE_FRAME, kinds[i], 0);
     const odo_header* calibration = given_message(ODO_TYPE_CALIBRATION, kinds[i], 0);
     REQUIRE(frame && calibration, "%s was not given frame and calibration", kinds[i]);
@@ -103,15 +96,13 @@ static void offset_is_applied_once(int unused) {
 
 static void offset_keeps_other_bits(int unused) {
   app* self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
-  const odo_header* found;
   odo_calibration calibration;
-  (void)unused;
   put_calibration(&calibration, 0, T0);
   calibration.header.flags = ODO_CALIBRATION_EXTRINSICS | ODO_CALIBRATION_TIME_OFFSET | ODO_CALIBRATION_LINE_TIME;
   calibration.time_offset_ns = MS, calibration.line_time_ns = 20000;
   EXPECT(push(self, &calibration), ODO_OK);
   app_flush(self);
-  found = given_message(ODO_TYPE_CALIBRATION, FIXER, 0);
+  const odo_header* found = given_message(ODO_TYPE_CALIBRATION, FIXER, 0);
   REQUIRE(found, "the plugin was not given the calibration");
   CHECK(found->flags == (ODO_CALIBRATION_EXTRINSICS | ODO_CALIBRATION_LINE_TIME), "its flags are 0x%x", found->flags);
 }
@@ -120,7 +111,6 @@ static void offset_of_each_camera(int unused) {
   app* self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
   const odo_header* found;
   size_t i;
-  (void)unused;
   push_calibration(self, 0, 20 * MS), push_calibration(self, 1, -10 * MS);
   EXPECT(push_frame(self, 0, T0), ODO_OK);
   EXPECT(push_frame(self, 1, T0), ODO_OK);
@@ -137,8 +127,6 @@ static void offset_of_each_camera(int unused) {
 
 static void offset_survives_a_reset(int unused) {
   app* self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
-  const odo_header* found;
-  (void)unused;
   push_calibration(self, 0, 30 * MS);
   push_rest_between(self, T0, T0 + SECOND);
   app_flush(self);
@@ -146,7 +134,7 @@ static void offset_survives_a_reset(int unused) {
   push_set_back(self, T0 / 2, T0 / 2 + 3 * SECOND);
   EXPECT(push_frame(self, 0, T0 / 2 + 4 * SECOND), ODO_OK);
   app_flush(self);
-  found = given_message(ODO_TYPE_CALIBRATION, FIXER, 0);
+  const odo_header* found = given_message(ODO_TYPE_CALIBRATION, FIXER, 0);
   CHECK(found && !(found->flags & ODO_CALIBRATION_TIME_OFFSET),
         "the calibration did not come again, or with its offset");
   found = given_message(ODO_TYPE_FRAME, FIXER, 0);

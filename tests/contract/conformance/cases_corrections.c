@@ -23,8 +23,7 @@ static odo_pose pose_in(app* self, uint32_t world, int64_t t_ns) {
 }
 
 static void look(app* self, uint64_t anchor, view* views) {
-  int i;
-  for (i = 0; i < MOMENTS; ++i) {
+  for (int i = 0; i < MOMENTS; ++i) {
     views[i].corrected = pose_in(self, ODO_WORLD_CORRECTED, moments[i]);
     views[i].smooth = pose_in(self, ODO_WORLD_SMOOTH, moments[i]);
     memset(&views[i].anchor, 0, sizeof views[i].anchor);
@@ -36,9 +35,8 @@ static void look(app* self, uint64_t anchor, view* views) {
 /* The rotation of v by a unit quaternion w, x, y, z. */
 static void rotate(const double* q, const double* v, double* out) {
   double t[3];
-  int i;
-  for (i = 0; i < 3; ++i) t[i] = 2 * (q[1 + (i + 1) % 3] * v[(i + 2) % 3] - q[1 + (i + 2) % 3] * v[(i + 1) % 3]);
-  for (i = 0; i < 3; ++i)
+  for (int i = 0; i < 3; ++i) t[i] = 2 * (q[1 + (i + 1) % 3] * v[(i + 2) % 3] - q[1 + (i + 2) % 3] * v[(i + 1) % 3]);
+  for (int i = 0; i < 3; ++i)
     out[i] = v[i] + q[0] * t[i] + q[1 + (i + 1) % 3] * t[(i + 2) % 3] - q[1 + (i + 2) % 3] * t[(i + 1) % 3];
 }
 
@@ -49,7 +47,6 @@ static double apart(const double* a, const double* b) {
 
 /* A walk of three seconds with an anchor seen after two, corrected by a fix 3 m beside its end. */
 static odo_correction corrected_walk(view* before, view* after) {
-  app* self;
   odo_anchor_place place;
   odo_barometer trigger;
   uint64_t anchor = 0;
@@ -58,7 +55,7 @@ static odo_correction corrected_walk(view* before, view* after) {
   NEED(anchor_create);
   NEED(anchor_get);
   hooks.on_message = walk_message;
-  self = app_open(CAMERA_WALK, ODO_RUN_REPLAY);
+  app* self = app_open(CAMERA_WALK, ODO_RUN_REPLAY);
   for (second = 0; second < 3; ++second) walk_second(self, second);
   app_flush(self);
   memset(&place, 0, sizeof place);
@@ -83,12 +80,10 @@ static odo_correction corrected_walk(view* before, view* after) {
 static void stored_poses_move(int unused) {
   view before[MOMENTS], after[MOMENTS];
   const odo_correction correction = corrected_walk(before, after);
-  int i, k;
-  (void)unused;
-  for (i = 0; i < MOMENTS; ++i) {
+  for (int i = 0; i < MOMENTS; ++i) {
     double expected[3];
     rotate(correction.q_n, before[i].corrected.p_n, expected);
-    for (k = 0; k < 3; ++k) expected[k] += correction.p_n[k];
+    for (int k = 0; k < 3; ++k) expected[k] += correction.p_n[k];
     CHECK(apart(before[i].corrected.p_n, after[i].corrected.p_n) > 2, "pose %d moved by only %g m", i,
           apart(before[i].corrected.p_n, after[i].corrected.p_n));
     CHECK(apart(expected, after[i].corrected.p_n) < 1e-6, "pose %d is %g m from the old one, corrected", i,
@@ -98,20 +93,16 @@ static void stored_poses_move(int unused) {
 
 static void smooth_poses_stay(int unused) {
   view before[MOMENTS], after[MOMENTS];
-  int i;
-  (void)unused;
   corrected_walk(before, after);
-  for (i = 0; i < MOMENTS; ++i)
+  for (int i = 0; i < MOMENTS; ++i)
     CHECK(apart(before[i].smooth.p_n, after[i].smooth.p_n) < 1e-6, "smooth pose %d moved by %g m", i,
           apart(before[i].smooth.p_n, after[i].smooth.p_n));
 }
 
 static void anchors_move_too(int unused) {
   view before[MOMENTS], after[MOMENTS];
-  int i;
-  (void)unused;
   corrected_walk(before, after);
-  for (i = 0; i < MOMENTS; ++i) {
+  for (int i = 0; i < MOMENTS; ++i) {
     double in_n[3];
     CHECK(apart(before[i].anchor.p_n, after[i].anchor.p_n) > 2, "the anchor moved by only %g m",
           apart(before[i].anchor.p_n, after[i].anchor.p_n));
@@ -125,11 +116,10 @@ static void anchors_move_too(int unused) {
 
 /* `what`: 0: no extrinsics, 1: another world. */
 static void pose_is_refused(int what) {
-  app* self;
   odo_pose pose;
   NEED(session_get_pose_of);
   hooks.on_message = walk_message;
-  self = app_open(CONFIG WITH_ATTITUDE WITH_STEPS, ODO_RUN_REPLAY);
+  app* self = app_open(CONFIG WITH_ATTITUDE WITH_STEPS, ODO_RUN_REPLAY);
   push_rest_between(self, T0, T0 + SECOND);
   app_flush(self);
   memset(&pose, 0, sizeof pose);

@@ -12,10 +12,9 @@ static odo_recorder* write_ten(const char* path, bool closed) {
   const odo_string name = string_of(path);
   odo_recorder* recorder = NULL;
   odo_barometer sample;
-  int i;
   need_recordings();
   EXPECT(odo.recorder_create(&name, &recorder, NULL), ODO_OK);
-  for (i = 0; i < 10; ++i) {
+  for (int i = 0; i < 10; ++i) {
     put_barometer(&sample, T0 + i * MS);
     EXPECT(odo.recorder_write(recorder, &sample.header, NULL, 0), ODO_OK);
   }
@@ -71,7 +70,6 @@ static void cut_off(int unused) {
   size_t size;
   int32_t loss;
   int before = -1;
-  (void)unused;
   write_ten(path, true);
   read_file(path, &whole);
   CHECK(read_all(path, &loss) == 10 && loss == ODO_OK, "the whole recording has a loss");
@@ -93,7 +91,6 @@ static void changed_bytes(int unused) {
   file whole;
   size_t at;
   int32_t loss;
-  (void)unused;
   write_ten(path, true);
   read_file(path, &whole);
   for (at = 0; at < whole.size; ++at) {
@@ -111,10 +108,8 @@ static void changed_bytes(int unused) {
 static void never_closed(int unused) {
   const char* path = case_file("open.odo");
   int32_t loss;
-  int count;
-  (void)unused;
   write_ten(path, false); /* there was no file of the name: it is written in place */
-  count = read_all(path, &loss);
+  int count = read_all(path, &loss);
   CHECK(count == 10 || count == -1 || loss == ODO_E_DATA,
         "of a recording that is being written %d messages could be read", count);
   CHECK(loss == ODO_E_DATA, "the loss of a recording that was never closed is %s", status_name(loss));
@@ -123,12 +118,10 @@ static void never_closed(int unused) {
 
 static void old_one_stays(int unused) {
   const char *path = case_file("kept.odo"), *part = case_file("kept.odo.part");
-  odo_recorder* recorder;
   FILE* beside;
   int32_t loss;
-  (void)unused;
   write_ten(path, true);
-  recorder = write_ten(path, false);
+  odo_recorder* recorder = write_ten(path, false);
   beside = fopen(part, "rb");
   CHECK(beside, "the new one does not lie beside the old one as NAME.part");
   if (beside) fclose(beside);
@@ -142,16 +135,14 @@ static void old_one_stays(int unused) {
 /* What the operating system refuses: a folder in place of a file, a folder that is not there, a full disk. */
 static void refused_by_the_system(int unused) {
   char folder[512], nowhere[512];
-  odo_string path;
   odo_error error = {sizeof error, 0, ""};
   odo_recording* recording = NULL;
   odo_recorder* recorder = NULL;
   odo_barometer sample;
   FILE* full;
-  (void)unused;
   need_recordings();
   strcpy(folder, case_file("")), strcpy(nowhere, case_file("no_folder/walk.odo"));
-  path = string_of(folder);
+  odo_string path = string_of(folder);
   EXPECT(odo.recording_open(&path, &recording, &error), ODO_E_IO);
   CHECK(!recording && error.message[0], "there is a recording, or no reason");
   error.struct_size = sizeof error, error.message[0] = 0;
@@ -180,14 +171,12 @@ static void no_recordings(int unused) {
   odo_recorder* recorder = NULL;
   file content;
   int32_t loss;
-  size_t i;
-  (void)unused;
   need_recordings();
   strcpy(missing, case_file("nowhere.odo")), strcpy(apart, case_file("no_folder/walk.odo"));
   nowhere = string_of(missing), no_folder = string_of(apart);
   EXPECT(odo.recording_open(&nowhere, &recording, &error), ODO_E_NOT_FOUND);
   CHECK(!recording && error.message[0], "there is a recording, or no reason");
-  for (i = 0; i < COUNT_OF(texts); ++i) {
+  for (size_t i = 0; i < COUNT_OF(texts); ++i) {
     const char* path = case_file("text.odo");
     memcpy(content.bytes, texts[i], strlen(texts[i]));
     write_file(path, &content, strlen(texts[i]));
@@ -199,7 +188,6 @@ static void no_recordings(int unused) {
 }
 
 static void null_is_allowed(int unused) {
-  (void)unused;
   need_recordings();
   odo.recording_close(NULL);
   EXPECT(odo.recorder_close(NULL), ODO_OK);

@@ -38,14 +38,13 @@ static int64_t emit_within(probe_call* call) {
 }
 
 static void emit_outside_process(int what) {
-  app* self;
   char blob[4096];
   int64_t size;
   NEED(session_save);
   NEED(session_load);
   plan.within = (uint32_t)what;
   hooks.on_call = emit_within;
-  self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
+  app* self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
   if (what == PROBE_LOAD) { /* a blob to load */
     plan.within = PROBE_SAVE;
     size = odo.session_save(self->session, blob, sizeof blob);
@@ -85,10 +84,8 @@ static int32_t emit_by_other(odo_instance* instance, const odo_header* message) 
 
 static void emit_of_another_instance(int unused) {
   odo_barometer sample;
-  app* self;
-  (void)unused;
   hooks.on_message = emit_by_other;
-  self = app_open(FIXER_ALONE "  - plugin: conformance/probe\n", ODO_RUN_REPLAY);
+  app* self = app_open(FIXER_ALONE "  - plugin: conformance/probe\n", ODO_RUN_REPLAY);
   put_barometer(&sample, T0);
   EXPECT(push(self, &sample), ODO_OK);
   app_flush(self);
@@ -106,17 +103,14 @@ static void* emit_on_thread(void* instance) {
 
 static int32_t emit_by_thread(odo_instance* instance, const odo_header* message) {
   pthread_t thread;
-  (void)message;
   if (plan.calls++ == 0 && pthread_create(&thread, NULL, emit_on_thread, instance) == 0) pthread_join(thread, NULL);
   return ODO_OK;
 }
 
 static void emit_of_another_thread(int unused) {
   odo_barometer sample;
-  app* self;
-  (void)unused;
   hooks.on_message = emit_by_thread;
-  self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
+  app* self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
   put_barometer(&sample, T0);
   EXPECT(push(self, &sample), ODO_OK);
   app_flush(self);
@@ -126,9 +120,8 @@ static void emit_of_another_thread(int unused) {
 
 /* ---- how many ---- */
 static int32_t emit_many(odo_instance* instance, const odo_header* message) {
-  uint32_t i;
   if (plan.calls++ > 1) return ODO_OK;
-  for (i = 0; i < plan.count; ++i) {
+  for (uint32_t i = 0; i < plan.count; ++i) {
     vendor_event event;
     int32_t status;
     put_event(&event, message->t_ns);
@@ -142,10 +135,8 @@ static int32_t emit_many(odo_instance* instance, const odo_header* message) {
 }
 
 static app* open_and_push(int samples) {
-  app* self;
-  int i;
-  self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
-  for (i = 0; i < samples; ++i) {
+  app* self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
+  for (int i = 0; i < samples; ++i) {
     odo_barometer sample;
     put_barometer(&sample, T0 + i * 10 * MS);
     EXPECT(push(self, &sample), ODO_OK);
@@ -155,18 +146,15 @@ static app* open_and_push(int samples) {
 }
 
 static void many_events(int unused) {
-  app* self;
-  size_t i;
-  (void)unused;
   plan.count = 300;
   hooks.on_message = emit_many;
-  self = open_and_push(2);
+  app* self = open_and_push(2);
   CHECK(plan.accepted == 2 * 256 && plan.exhausted == 2 * 44,
         "of 300 events of each of two calls %u were taken and %u answered ODO_E_EXHAUSTED; expected 512 and 88",
         plan.accepted, plan.exhausted);
   REQUIRE(app_events(self, PROBE_EVENT) == 512, "%u events were published; expected 512",
           (unsigned)app_events(self, PROBE_EVENT));
-  for (i = 0; i < 512; ++i) {
+  for (size_t i = 0; i < 512; ++i) {
     const vendor_event* event = (const vendor_event*)(const void*)app_event(self, PROBE_EVENT, i);
     CHECK(event->words[0] == i % 256, "event %u has %u: it was not copied when emitted", (unsigned)i, event->words[0]);
   }
@@ -186,9 +174,8 @@ static int32_t emit_offered(odo_instance* instance, const odo_header* message) {
 
 /* Makes the fixer emit what is offered. */
 static app* offer(int32_t expected) {
-  app* self;
   hooks.on_message = emit_offered;
-  self = open_and_push(1);
+  app* self = open_and_push(1);
   CHECK(plan.calls == 1, "the plugin was not called");
   CHECK(plan.status == expected, "emit of type 0x%x = %s; expected %s", offered.header.type, status_name(plan.status),
         status_name(expected));
@@ -197,23 +184,19 @@ static app* offer(int32_t expected) {
 }
 
 static void undeclared_type(int type) {
-  app* self;
   put_header(&offered, sizeof offered, (uint32_t)type, T0);
-  self = offer(ODO_E_ARGUMENT);
+  app* self = offer(ODO_E_ARGUMENT);
   CHECK(app_statistics(self).plugin_faults >= 1, "it is not counted as a fault");
 }
 
 static void later_event(int unused) {
-  app* self;
-  (void)unused;
   put_header(&offered, 64, PROBE_NEWER_EVENT, T0);
-  self = offer(ODO_E_UNSUPPORTED);
+  app* self = offer(ODO_E_UNSUPPORTED);
   CHECK(app_statistics(self).plugin_faults == 0, "plugin_faults is %llu; nothing is wrong",
         (unsigned long long)app_statistics(self).plugin_faults);
 }
 
 static void null_event(int unused) {
-  (void)unused;
   offered.header.struct_size = 1;
   offer(ODO_E_ARGUMENT);
 }
@@ -225,16 +208,12 @@ static void too_small_event(int size) {
 }
 
 static void vendor_event_is_published(int unused) {
-  app* self;
-  const odo_header* found;
-  uint32_t i;
-  (void)unused;
   put_header(&offered, 200, PROBE_EVENT, T0);
   offered.header.flags = ODO_FLAG_HOST_MASK | 5;
   offered.header.source = 99;
-  for (i = 0; i < 200 - sizeof(odo_header); ++i) offered.rest[i] = (unsigned char)i;
-  self = offer(ODO_OK);
-  found = app_event(self, PROBE_EVENT, 0);
+  for (uint32_t i = 0; i < 200 - sizeof(odo_header); ++i) offered.rest[i] = (unsigned char)i;
+  app* self = offer(ODO_OK);
+  const odo_header* found = app_event(self, PROBE_EVENT, 0);
   REQUIRE(found, "the event was not published");
   CHECK(found->struct_size == 200 && memcmp(found + 1, offered.rest, 200 - sizeof *found) == 0, "its bytes are others");
   CHECK(found->flags == 5, "its flags are 0x%x; expected 0x5", found->flags);

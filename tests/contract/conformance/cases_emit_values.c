@@ -27,9 +27,8 @@ static int32_t offer_with_barometer(odo_instance* instance, const odo_header* me
 /* Within a walk, so that there is a position to fix. */
 static app* offer(void) {
   odo_barometer sample;
-  app* self;
   hooks.on_message = offer_with_barometer;
-  self = app_open(CAMERA_WALK, ODO_RUN_REPLAY);
+  app* self = app_open(CAMERA_WALK, ODO_RUN_REPLAY);
   walk_second(self, 0);
   walk_second(self, 1);
   put_barometer(&sample, T0 + 1995 * MS);
@@ -56,7 +55,6 @@ static void position_without_covariance(int bits) {
 }
 
 static void orientation_without_covariance(int unused) {
-  (void)unused;
   put_fix(fix(), T0, 1);
   offered.header.flags = ODO_FIX_ORIENTATION;
   fix()->q_n_b[0] = 1;
@@ -72,37 +70,31 @@ static void not_finite(int which) {
 }
 
 static void no_unit_quaternion(int unused) {
-  int i;
-  (void)unused;
   put_fix(fix(), T0, 1);
   offered.header.flags = ODO_FIX_ORIENTATION | ODO_FIX_ORIENTATION_COVARIANCE;
   fix()->q_n_b[0] = 3;
-  for (i = 0; i < 3; ++i) fix()->orientation_cov_n[4 * i] = 0.01;
+  for (int i = 0; i < 3; ++i) fix()->orientation_cov_n[4 * i] = 0.01;
   refuse("q_n_b");
 }
 
 /* Fields without their flag have no meaning, whatever they contain. */
 static void invalid_fields_are_not_read(int unused) {
-  app* self;
-  (void)unused;
   put_fix(fix(), T0, 2);
   fix()->q_n_b[0] = fix()->yaw_rad = fix()->latitude_rad = fix()->slant_distance_m = (double)NAN;
   fix()->integrity = fix()->lever_b[0] = fix()->yaw_axis_b[2] = fix()->cross_covariance_n[3] = (double)NAN;
-  self = offer();
+  app* self = offer();
   CHECK(status_of_offer == ODO_OK, "emit = %s; expected ODO_OK", status_name(status_of_offer));
   CHECK(app_events(self, ODO_TYPE_FIX) == 1, "the fix was not published");
 }
 
 static void accepted_is_the_hosts(int far) {
-  app* self;
-  const odo_header* found;
   const bool expected = !far;
   put_fix(fix(), T0, far ? 1e6 : 1.5);
   offered.header.flags |= ODO_FLAG_HOST_MASK;
   if (!far) offered.header.flags &= ~ODO_FLAG_HOST_MASK;
-  self = offer();
+  app* self = offer();
   CHECK(status_of_offer == ODO_OK, "emit = %s; expected ODO_OK", status_name(status_of_offer));
-  found = app_event(self, ODO_TYPE_FIX, 0);
+  const odo_header* found = app_event(self, ODO_TYPE_FIX, 0);
   REQUIRE(found, "the fix was not published");
   CHECK(((found->flags & ODO_FLAG_ACCEPTED) != 0) == expected, "the published fix has flags 0x%x", found->flags);
   CHECK((found->flags & ODO_FLAG_HOST_MASK & ~ODO_FLAG_ACCEPTED) == 0, "the published fix has flags 0x%x",
@@ -114,15 +106,12 @@ static void accepted_is_the_hosts(int far) {
 }
 
 static void end_is_published(int unused) {
-  app* self;
-  const odo_header* found;
-  (void)unused;
   put_fix(fix(), T0, 1.5);
   memset(offered.rest + sizeof(odo_fix) - sizeof(odo_header), 0x3C, 40);
   offered.header.struct_size = sizeof(odo_fix) + 40;
-  self = offer();
+  app* self = offer();
   CHECK(status_of_offer == ODO_OK, "emit = %s; expected ODO_OK", status_name(status_of_offer));
-  found = app_event(self, ODO_TYPE_FIX, 0);
+  const odo_header* found = app_event(self, ODO_TYPE_FIX, 0);
   REQUIRE(found, "the fix was not published");
   REQUIRE(found->struct_size == sizeof(odo_fix) + 40, "it was published with %u bytes; expected %u", found->struct_size,
           (unsigned)sizeof(odo_fix) + 40);
@@ -133,14 +122,11 @@ static void end_is_published(int unused) {
 
 /* A correction comes before the corrected pose: after it every pose is near the new track. */
 static void correction_comes_first(int unused) {
-  app* self;
-  size_t i;
   bool corrected = false, checked = false;
-  (void)unused;
   put_fix(fix(), T0, 1.5 + 3);
   fix()->covariance_n[0] = fix()->covariance_n[4] = fix()->covariance_n[8] = 1e-4;
   hooks.on_message = offer_with_barometer;
-  self = app_open(CAMERA_WALK "coupling:\n  fix_gate: 0\n", ODO_RUN_REPLAY);
+  app* self = app_open(CAMERA_WALK "coupling:\n  fix_gate: 0\n", ODO_RUN_REPLAY);
   walk_second(self, 0);
   walk_second(self, 1);
   {
@@ -150,7 +136,7 @@ static void correction_comes_first(int unused) {
   }
   walk_second(self, 2);
   app_flush(self);
-  for (i = 0; i < self->count && !checked; ++i) {
+  for (size_t i = 0; i < self->count && !checked; ++i) {
     const odo_pose* pose = (const odo_pose*)(const void*)self->events[i];
     if (self->events[i]->type == ODO_TYPE_CORRECTION) corrected = true;
     if (self->events[i]->type != ODO_TYPE_POSE || !(self->events[i]->flags & ODO_POSE_POSITION)) continue;
@@ -169,19 +155,15 @@ static void correction_comes_first(int unused) {
 }
 
 static void motions_carry_the_orientation(int unused) {
-  app* self;
-  const odo_header* found;
-  size_t i;
-  (void)unused;
   hooks.on_message = walk_message;
-  self = app_open(CAMERA_WALK, ODO_RUN_REPLAY);
+  app* self = app_open(CAMERA_WALK, ODO_RUN_REPLAY);
   walk_second(self, 0);
   walk_second(self, 1);
   app_flush(self);
-  found = app_event(self, ODO_TYPE_VO_MOTION, 10);
+  const odo_header* found = app_event(self, ODO_TYPE_VO_MOTION, 10);
   REQUIRE(found, "%u motions were published; expected more than 10", (unsigned)app_events(self, ODO_TYPE_VO_MOTION));
   CHECK(found->flags & ODO_FLAG_NAVIGATION, "a motion was published with flags 0x%x", found->flags);
-  for (i = 0; i < self->count; ++i)
+  for (size_t i = 0; i < self->count; ++i)
     CHECK(self->events[i]->struct_size >= sizeof(odo_header), "event %u has %u bytes", (unsigned)i,
           self->events[i]->struct_size);
 }

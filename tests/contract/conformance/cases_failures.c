@@ -25,12 +25,11 @@ static void cannot_be_made(uint32_t within, int32_t status, int32_t expected) {
   odo_session* session = NULL;
   odo_error error = {sizeof error, 0, ""};
   size_t made, ended;
-  int32_t got;
   NEED(session_create);
   need_plugins();
   plan.within = within, plan.status = status, plan.after = 1; /* the second instance fails */
   hooks.on_call = fail_call;
-  got = odo.session_create(&chosen, &session, &error);
+  int32_t got = odo.session_create(&chosen, &session, &error);
   CHECK(expected == 0 ? got < 0 : got == expected, "odo_session_create = %s", status_name(got));
   CHECK(session == NULL, "*session is not null after a failure");
   CHECK(strstr(error.message, "conformance/probe"), "the reason does not name the plugin: %s", error.message);
@@ -40,27 +39,16 @@ static void cannot_be_made(uint32_t within, int32_t status, int32_t expected) {
   CHECK(journal_count(PROBE_PROCESS, ANY_KIND) == 0, "an instance was used");
 }
 
-static void create_fails(int unused) {
-  (void)unused;
-  cannot_be_made(PROBE_CREATE, ODO_E_MEMORY, 0);
-}
-static void configure_fails(int unused) {
-  (void)unused;
-  cannot_be_made(PROBE_CONFIGURE, ODO_E_CONFIG, ODO_E_CONFIG);
-}
-static void activate_fails(int unused) {
-  (void)unused;
-  cannot_be_made(PROBE_ACTIVATE, ODO_E_ERROR, 0);
-}
+static void create_fails(int unused) { cannot_be_made(PROBE_CREATE, ODO_E_MEMORY, 0); }
+static void configure_fails(int unused) { cannot_be_made(PROBE_CONFIGURE, ODO_E_CONFIG, ODO_E_CONFIG); }
+static void activate_fails(int unused) { cannot_be_made(PROBE_ACTIVATE, ODO_E_ERROR, 0); }
 
 /* `count` barometer samples, one per second; process returns `status`, once or always, from the third one on. */
 static app* run_failing(int32_t status, int times, int count) {
-  app* self;
-  int i;
   plan.within = PROBE_PROCESS, plan.status = status, plan.times = times, plan.after = 2;
   hooks.on_call = fail_call;
-  self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
-  for (i = 0; i < count; ++i) {
+  app* self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
+  for (int i = 0; i < count; ++i) {
     odo_barometer sample;
     put_barometer(&sample, T0 + i * SECOND);
     EXPECT(push(self, &sample), ODO_OK);
@@ -92,7 +80,6 @@ static void reset_after(int status) {
 
 static void quarantined(int unused) {
   app* self = run_failing(ODO_E_FATAL, 0, 10);
-  (void)unused;
   CHECK(plan.failed == 1 && given_count(ODO_TYPE_BAROMETER, FIXER) == 3, "it was called again: %s",
         journal_words(FIXER));
   app_close(self);
@@ -100,7 +87,6 @@ static void quarantined(int unused) {
 
 static void always_failing(int unused) {
   app* self = run_failing(ODO_E_ERROR, 0, 60);
-  (void)unused;
   app_close(self);
   CHECK(journal_count(PROBE_CREATE, FIXER) == journal_count(PROBE_DESTROY, FIXER),
         "%u instances were made and %u destroyed", (unsigned)journal_count(PROBE_CREATE, FIXER),

@@ -27,7 +27,6 @@ static void release_all(void) {
 
 static int32_t look_and_keep(odo_instance* instance, const odo_header* message) {
   const odo_frame* frame = (const odo_frame*)(const void*)message;
-  (void)instance;
   if (message->type != ODO_TYPE_FRAME) return ODO_OK;
   ++plugin.shown;
   plugin.data = frame->planes[0].data;
@@ -66,11 +65,8 @@ static void push_lent(app* self, lent* memory, int64_t t_ns) {
 
 static void kept_until_released(int unused) {
   app* self = open_keeping(FIXER_ALONE, 3);
-  lent memory;
-  int i;
-  (void)unused;
-  lent_init(&memory);
-  for (i = 0; i < 3; ++i) push_lent(self, &memory, T0 + i * 100 * MS);
+  lent memory = NOT_LENT;
+  for (int i = 0; i < 3; ++i) push_lent(self, &memory, T0 + i * 100 * MS);
   app_flush(self);
   CHECK(plugin.count == 3, "the plugin could retain %d of 3 frames", plugin.count);
   CHECK(memory.retains - memory.releases == 3, "%d frames are retained; expected 3", memory.retains - memory.releases);
@@ -80,23 +76,18 @@ static void kept_until_released(int unused) {
 
 static void kept_until_destroy(int unused) {
   app* self = open_keeping(FIXER_ALONE, 3);
-  lent memory;
-  int i;
-  (void)unused;
+  lent memory = NOT_LENT;
   plugin.at_destroy = 1;
-  lent_init(&memory);
-  for (i = 0; i < 5; ++i) push_lent(self, &memory, T0 + i * 100 * MS);
+  for (int i = 0; i < 5; ++i) push_lent(self, &memory, T0 + i * 100 * MS);
   app_close(self);
   CHECK_BALANCED(&memory, 3);
 }
 
 static void many_kept(int unused) {
   app* self = open_keeping(FIXER_ALONE "time_ordering:\n  frames: 8\n", 16);
-  lent memory;
-  int i, refused = 0;
-  (void)unused;
-  lent_init(&memory);
-  for (i = 0; i < 12; ++i) {
+  lent memory = NOT_LENT;
+  int refused = 0;
+  for (int i = 0; i < 12; ++i) {
     odo_frame frame;
     put_frame(&frame, 0, T0 + i * 100 * MS);
     frame.planes[0].data = pixels;
@@ -115,9 +106,7 @@ static void many_kept(int unused) {
 
 static void not_copied(int unused) {
   app* self = open_keeping(FIXER_ALONE, 0);
-  lent memory;
-  (void)unused;
-  lent_init(&memory);
+  lent memory = NOT_LENT;
   push_lent(self, &memory, T0);
   app_flush(self);
   CHECK(plugin.data == pixels, "the plugin was given a copy of the pixels");
@@ -126,8 +115,7 @@ static void not_copied(int unused) {
 static void copied_without_retain(int which) {
   app* self = open_keeping(FIXER_ALONE, which == 2 ? 1 : 0);
   odo_frame frame;
-  lent memory;
-  lent_init(&memory);
+  lent memory = NOT_LENT;
   put_frame(&frame, 0, T0);
   frame.planes[0].data = pixels;
   if (which == 1) lend(&frame.loan, &memory), frame.loan.retain = NULL;
@@ -145,9 +133,7 @@ static void copied_without_retain(int which) {
 
 static void native_passes(int unused) {
   app* self = open_keeping(FIXER_ALONE, 0);
-  lent memory;
-  (void)unused;
-  lent_init(&memory);
+  lent memory = NOT_LENT;
   memory.native = &memory;
   push_lent(self, &memory, T0);
   app_flush(self);
@@ -158,8 +144,7 @@ static void native_passes(int unused) {
 static void native_alone(int declares) {
   app* self = open_keeping(declares ? CONFIG WITH_SEVERAL : CONFIG WITH_FRONTEND, 0);
   odo_frame frame;
-  lent memory;
-  lent_init(&memory);
+  lent memory = NOT_LENT;
   memory.native = &memory;
   put_frame(&frame, 0, T0);
   frame.planes[0].data = NULL;
@@ -178,15 +163,13 @@ static void later_end_of_a_frame(int unused) {
     unsigned char end[40];
   } larger;
   app* self = open_keeping(FIXER_ALONE, 0);
-  const odo_header* found;
-  (void)unused;
   memset(&larger, 0x5A, sizeof larger);
   put_frame(&larger.frame, 0, T0);
   larger.frame.header.struct_size = sizeof larger;
   larger.frame.header.flags = ODO_FLAG_HOST_MASK | 0x00800000u;
   EXPECT(push(self, &larger), ODO_OK);
   app_flush(self);
-  found = given_message(ODO_TYPE_FRAME, FIXER, 0);
+  const odo_header* found = given_message(ODO_TYPE_FRAME, FIXER, 0);
   REQUIRE(found, "the plugin was not given the frame");
   CHECK(found->flags == 0x00800000u, "it was given with flags 0x%x", found->flags);
   REQUIRE(found->struct_size == sizeof larger, "it was given with %u bytes; expected %u", found->struct_size,
@@ -198,9 +181,7 @@ static void later_end_of_a_frame(int unused) {
 static void frame_too_small(int unused) {
   app* self = open_keeping(FIXER_ALONE, 0);
   odo_frame frame;
-  lent memory;
-  (void)unused;
-  lent_init(&memory);
+  lent memory = NOT_LENT;
   put_frame(&frame, 0, T0);
   lend(&frame.loan, &memory);
   frame.header.struct_size = ODO_FRAME_SIZE_MIN - 1;
@@ -211,9 +192,7 @@ static void frame_too_small(int unused) {
 static void unknown_format(int unused) {
   app* self = open_keeping(FIXER_ALONE, 0);
   odo_frame frame;
-  lent memory;
-  (void)unused;
-  lent_init(&memory);
+  lent memory = NOT_LENT;
   put_frame(&frame, 0, T0);
   frame.format = 77;
   frame.plane_count = 1;

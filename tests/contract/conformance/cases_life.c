@@ -10,14 +10,12 @@ static bool begins_with(const char* words, const char* start) { return strncmp(w
 
 static void order_of_calls(int run) {
   app* self = app_open(FIXER_ALONE, (uint32_t)run);
-  const char* words;
-  size_t size;
   push_rest_between(self, T0, T0 + 200 * MS);
   app_flush(self);
   CHECK(journal_count(PROBE_DESTROY, FIXER) == 0, "the instance was destroyed before the session");
   app_close(self);
-  words = journal_words(FIXER);
-  size = strlen(words);
+  const char* words = journal_words(FIXER);
+  size_t size = strlen(words);
   CHECK(begins_with(words, "create configure activate process"), "the calls were: %s", words);
   CHECK(size > 8 && strcmp(words + size - 8, " destroy") == 0, "the last calls were: %s",
         words + (size > 60 ? size - 60 : 0));
@@ -41,10 +39,9 @@ static struct {
 } configured;
 
 static int64_t note_values(probe_call* call) {
-  uint32_t i;
   if (call->what != PROBE_CONFIGURE) return ODO_OK;
   configured.count = call->count;
-  for (i = 0; i < call->count; ++i) {
+  for (uint32_t i = 0; i < call->count; ++i) {
     const odo_value* value = (const odo_value*)(const void*)((const char*)call->values + i * call->size);
     if (value->name.size == 6 && memcmp(value->name.data, "answer", 6) == 0 && value->type == ODO_PARAMETER_INT)
       configured.answer = value->integer;
@@ -55,7 +52,6 @@ static int64_t note_values(probe_call* call) {
 }
 
 static void parameters_by_default(int unused) {
-  (void)unused;
   hooks.on_call = note_values;
   app_open(FIXER_ALONE, ODO_RUN_REPLAY);
   CHECK(configured.count == 2 && configured.answer == 42 && strcmp(configured.word, "none") == 0,
@@ -64,7 +60,6 @@ static void parameters_by_default(int unused) {
 }
 
 static void parameters_of_the_config(int unused) {
-  (void)unused;
   hooks.on_call = note_values;
   app_open(FIXER_ALONE "    parameters:\n      answer: 17\n      word: hello\n", ODO_RUN_REPLAY);
   CHECK(configured.answer == 17 && strcmp(configured.word, "hello") == 0, "it was given answer %lld and word \"%s\"",
@@ -75,7 +70,6 @@ static void parameter_out_of_range(int unused) {
   const odo_session_options chosen = app_options(FIXER_ALONE "    parameters:\n      answer: 101\n", ODO_RUN_REPLAY);
   odo_session* session;
   odo_error error = {sizeof error, 0, ""};
-  (void)unused;
   NEED(session_create);
   need_plugins();
   EXPECT(odo.session_create(&chosen, &session, &error), ODO_E_CONFIG);
@@ -87,29 +81,25 @@ static void parameter_out_of_range(int unused) {
 
 /* ---- never at once ---- */
 static int32_t take_a_while(odo_instance* instance, const odo_header* message) {
-  (void)instance, (void)message;
   sleep_ms(1);
   return ODO_OK;
 }
 
 static void* push_steadily(void* user) {
   app* self = (app*)user;
-  int i;
-  for (i = 0; i < 300; ++i) push_rest(self, T0 + i * 10 * MS);
+  for (int i = 0; i < 300; ++i) push_rest(self, T0 + i * 10 * MS);
   return NULL;
 }
 
 static void never_at_once(int run) {
   char blob[4096];
   pthread_t thread;
-  app* self;
-  int i;
   NEED(session_save);
   NEED(session_load);
   hooks.on_message = take_a_while;
-  self = app_open(FIXER_ALONE, (uint32_t)run);
+  app* self = app_open(FIXER_ALONE, (uint32_t)run);
   REQUIRE(pthread_create(&thread, NULL, push_steadily, self) == 0, "no thread could be started");
-  for (i = 0; i < 50; ++i) {
+  for (int i = 0; i < 50; ++i) {
     const int64_t size = odo.session_save(self->session, blob, sizeof blob);
     CHECK(size >= 0, "odo_session_save = %s", status_name(size));
     if (size > 0) EXPECT(odo.session_load(self->session, blob, (uint64_t)size), ODO_OK);
@@ -124,7 +114,6 @@ static void never_at_once(int run) {
 
 static void instances_are_numbered(int unused) {
   const journal_entry *first, *second;
-  (void)unused;
   app_open(CONFIG WITH_ATTITUDE WITH_FRONTEND WITH_FIXER, ODO_RUN_REPLAY);
   first = journal_find(PROBE_CREATE, ATTITUDE, 0), second = journal_find(PROBE_CREATE, FIXER, 0);
   REQUIRE(first && second && journal_find(PROBE_CREATE, FRONTEND, 0), "not all instances were made: %s",
@@ -139,7 +128,6 @@ static void bare_table(int unused) {
   odo_calibration calibration;
   odo_frame frame;
   char blob[4096];
-  (void)unused;
   NEED(session_save);
   put_calibration(&calibration, 0, T0);
   EXPECT(push(self, &calibration), ODO_OK);

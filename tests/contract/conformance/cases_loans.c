@@ -15,20 +15,16 @@ static void put_lent_frame(odo_frame* frame, lent* of, uint32_t camera, int64_t 
 
 static int32_t push_lent(app* self, lent* of, int64_t t_ns) {
   odo_frame frame;
-  int32_t status;
   put_lent_frame(&frame, of, 0, t_ns);
-  status = push(self, &frame);
+  int32_t status = push(self, &frame);
   memset(&frame, 0xFF, sizeof frame); /* `owner` alone remains */
   return status;
 }
 
 static void processed(int unused) {
   app* self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
-  lent memory;
-  int i;
-  (void)unused;
-  lent_init(&memory);
-  for (i = 0; i < 5; ++i) EXPECT(push_lent(self, &memory, T0 + i * 100 * MS), ODO_OK);
+  lent memory = NOT_LENT;
+  for (int i = 0; i < 5; ++i) EXPECT(push_lent(self, &memory, T0 + i * 100 * MS), ODO_OK);
   app_flush(self);
   CHECK(given_count(ODO_TYPE_FRAME, FIXER) == 5, "the plugin was given %u frames; expected 5",
         (unsigned)given_count(ODO_TYPE_FRAME, FIXER));
@@ -37,20 +33,15 @@ static void processed(int unused) {
 
 static void processed_live(int unused) {
   app* self = app_open(FIXER_ALONE, ODO_RUN_LIVE);
-  lent memory;
-  int i;
-  (void)unused;
-  lent_init(&memory);
-  for (i = 0; i < 5; ++i) EXPECT(push_lent(self, &memory, T0 + i * 100 * MS), ODO_OK);
+  lent memory = NOT_LENT;
+  for (int i = 0; i < 5; ++i) EXPECT(push_lent(self, &memory, T0 + i * 100 * MS), ODO_OK);
   app_flush(self);
   CHECK_BALANCED(&memory, 5);
 }
 
 static void late(int unused) {
   app* self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
-  lent memory;
-  (void)unused;
-  lent_init(&memory);
+  lent memory = NOT_LENT;
   push_rest_between(self, T0, T0 + 2 * SECOND);
   app_flush(self);
   EXPECT(push_lent(self, &memory, T0), ODO_E_DISCARD);
@@ -60,9 +51,7 @@ static void late(int unused) {
 
 static void duplicate(int unused) {
   app* self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
-  lent first, second;
-  (void)unused;
-  lent_init(&first), lent_init(&second);
+  lent first = NOT_LENT, second = NOT_LENT;
   EXPECT(push_lent(self, &first, T0), ODO_OK);
   EXPECT(push_lent(self, &second, T0), ODO_E_DISCARD);
   CHECK(app_statistics(self).duplicate == 1, "duplicate is %llu; expected 1",
@@ -74,12 +63,10 @@ static void duplicate(int unused) {
 
 static void queue_full(int unused) {
   app* self = app_open(FIXER_ALONE "time_ordering:\n  queue: 64\n  frames: 64\n  max_wait: 5 s\n", ODO_RUN_REPLAY);
-  lent memory;
-  int i, refused = 0;
-  (void)unused;
-  lent_init(&memory);
+  lent memory = NOT_LENT;
+  int refused = 0;
   push_rest_between(self, T0, T0 + 10 * MS); /* frames wait for this sensor */
-  for (i = 1; i <= 40; ++i) {                /* two messages each: more than the queue's capacity */
+  for (int i = 1; i <= 40; ++i) {            /* two messages each: more than the queue's capacity */
     odo_barometer sample;
     int32_t status;
     put_barometer(&sample, T0 + i * 50 * MS);
@@ -97,12 +84,10 @@ static void queue_full(int unused) {
 
 static void too_many_frames(int unused) {
   app* self = app_open(FIXER_ALONE "time_ordering:\n  frames: 3\n  max_wait: 5 s\n", ODO_RUN_REPLAY);
-  lent memory;
-  int i, refused = 0;
-  (void)unused;
-  lent_init(&memory);
+  lent memory = NOT_LENT;
+  int refused = 0;
   push_rest_between(self, T0, T0 + 10 * MS);
-  for (i = 1; i <= 10; ++i) refused += push_lent(self, &memory, T0 + i * 50 * MS) == ODO_E_EXHAUSTED;
+  for (int i = 1; i <= 10; ++i) refused += push_lent(self, &memory, T0 + i * 50 * MS) == ODO_E_EXHAUSTED;
   CHECK(refused == 7, "%d of 10 frames were refused; expected 7", refused);
   CHECK(memory.retains - memory.releases <= 3, "%d frames are retained; expected 3 at most",
         memory.retains - memory.releases);
@@ -112,32 +97,25 @@ static void too_many_frames(int unused) {
 
 static void destroyed(int run) {
   app* self = app_open(FIXER_ALONE "time_ordering:\n  max_wait: 5 s\n", (uint32_t)run);
-  lent memory;
-  int i;
-  lent_init(&memory);
+  lent memory = NOT_LENT;
   push_rest_between(self, T0, T0 + 10 * MS);
-  for (i = 1; i <= 5; ++i) EXPECT(push_lent(self, &memory, T0 + i * 100 * MS), ODO_OK);
+  for (int i = 1; i <= 5; ++i) EXPECT(push_lent(self, &memory, T0 + i * 100 * MS), ODO_OK);
   app_close(self);
   CHECK_BALANCED(&memory, 1);
 }
 
 static void clock_set_back(int unused) {
   app* self = app_open(FIXER_ALONE "time_ordering:\n  max_wait: 5 s\n", ODO_RUN_REPLAY);
-  lent memory;
-  int i;
-  (void)unused;
-  lent_init(&memory);
+  lent memory = NOT_LENT;
   push_rest_between(self, T0, T0 + 10 * MS);
-  for (i = 1; i <= 5; ++i) EXPECT(push_lent(self, &memory, T0 + i * 100 * MS), ODO_OK);
+  for (int i = 1; i <= 5; ++i) EXPECT(push_lent(self, &memory, T0 + i * 100 * MS), ODO_OK);
   push_set_back(self, T0 / 2, T0 / 2 + 4 * SECOND);
   CHECK_BALANCED(&memory, 1);
 }
 
 static void retain_refuses(int unused) {
   app* self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
-  lent memory;
-  (void)unused;
-  lent_init(&memory);
+  lent memory = NOT_LENT;
   memory.refuse = 1;
   EXPECT(push_lent(self, &memory, T0), ODO_E_EXHAUSTED);
   app_flush(self);
@@ -149,8 +127,7 @@ static void bad_frame(int which) {
   app* self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
   odo_calibration calibration;
   odo_frame frame;
-  lent memory;
-  lent_init(&memory);
+  lent memory = NOT_LENT;
   put_calibration(&calibration, 0, T0);
   EXPECT(push(self, &calibration), ODO_OK);
   put_lent_frame(&frame, &memory, 0, T0);
@@ -164,19 +141,14 @@ static void bad_frame(int which) {
 }
 
 static int32_t fail_on_frame(odo_instance* instance, const odo_header* message) {
-  (void)instance;
   return message->type == ODO_TYPE_FRAME ? ODO_E_ERROR : ODO_OK;
 }
 
 static void plugin_fails(int unused) {
-  app* self;
-  lent memory;
-  int i;
-  (void)unused;
+  lent memory = NOT_LENT;
   hooks.on_message = fail_on_frame;
-  self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
-  lent_init(&memory);
-  for (i = 0; i < 5; ++i) push_lent(self, &memory, T0 + i * 100 * MS);
+  app* self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
+  for (int i = 0; i < 5; ++i) push_lent(self, &memory, T0 + i * 100 * MS);
   app_flush(self);
   CHECK_BALANCED(&memory, 1);
 }
@@ -187,21 +159,16 @@ static int nested;
 static int64_t frame_ns;
 
 static int32_t ODO_CALL pushing_retain(void* owner) {
-  (void)owner;
   push_rest(nested_app, frame_ns + ++nested * MS);
   return ODO_OK;
 }
 
-static void ODO_CALL pushing_release(void* owner) {
-  (void)owner;
-  push_rest(nested_app, frame_ns + ++nested * MS);
-}
+static void ODO_CALL pushing_release(void* owner) { push_rest(nested_app, frame_ns + ++nested * MS); }
 
 static void they_may_push(int run) {
   odo_frame frame;
-  int i;
   nested_app = app_open(FIXER_ALONE, (uint32_t)run);
-  for (i = 0; i < 3; ++i) {
+  for (int i = 0; i < 3; ++i) {
     frame_ns = T0 + i * SECOND;
     put_frame(&frame, 0, frame_ns);
     frame.loan.retain = pushing_retain, frame.loan.release = pushing_release;
@@ -222,7 +189,6 @@ static const void* native_seen;
 
 static int32_t ask_native(odo_instance* instance, const odo_header* message) {
   const odo_borrowed* borrowed = (const odo_borrowed*)(const void*)message;
-  (void)instance;
   if (ODO_IS_BORROWED(message->type) && borrowed->loan.native)
     native_seen =
         borrowed->loan.native(borrowed->loan.owner, ODO_NATIVE_HARDWARE_BUFFER, sizeof ODO_NATIVE_HARDWARE_BUFFER - 1);
@@ -230,13 +196,11 @@ static int32_t ask_native(odo_instance* instance, const odo_header* message) {
 }
 
 static void unknown_borrowed(int type) {
-  app* self;
   odo_borrowed message;
-  lent memory;
-  lent_init(&memory);
+  lent memory = NOT_LENT;
   memory.native = &memory;
   hooks.on_message = ask_native;
-  self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
+  app* self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
   put_borrowed(&message, &memory, (uint32_t)type);
   EXPECT(push(self, &message), ODO_OK);
   CHECK(memory.retains == 1 || memory.releases == 1, "the message was neither processed nor retained");
@@ -250,8 +214,7 @@ static void unknown_borrowed(int type) {
 static void unknown_borrowed_without_retain(int type) {
   app* self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
   odo_borrowed message;
-  lent memory;
-  lent_init(&memory);
+  lent memory = NOT_LENT;
   put_borrowed(&message, &memory, (uint32_t)type);
   message.loan.retain = NULL;
   EXPECT(push(self, &message), ODO_E_UNSUPPORTED);
@@ -264,9 +227,7 @@ static void unknown_borrowed_without_retain(int type) {
 static void undeclared_borrowed(int unused) {
   app* self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
   odo_borrowed message;
-  lent memory;
-  (void)unused;
-  lent_init(&memory);
+  lent memory = NOT_LENT;
   put_borrowed(&message, &memory, PROBE_BORROWED_UNDECLARED);
   push(self, &message);
   app_flush(self);
@@ -277,9 +238,7 @@ static void undeclared_borrowed(int unused) {
 static void short_borrowed(int unused) {
   app* self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
   odo_borrowed message;
-  lent memory;
-  (void)unused;
-  lent_init(&memory);
+  lent memory = NOT_LENT;
   put_borrowed(&message, &memory, PROBE_BORROWED);
   message.header.struct_size = sizeof(odo_header);
   EXPECT(push(self, &message), ODO_E_STRUCT_SIZE);

@@ -20,8 +20,7 @@ static int32_t push_magnetometer(app* self, int64_t t_ns) {
 static void check_times_rise(void) {
   int64_t before = INT64_MIN;
   const journal_entry* entry;
-  size_t i;
-  for (i = 0; (entry = journal_find(PROBE_GIVEN, FIXER, i)) != NULL; ++i) {
+  for (size_t i = 0; (entry = journal_find(PROBE_GIVEN, FIXER, i)) != NULL; ++i) {
     CHECK(entry->message->t_ns >= before, "message %u was given after a later one", (unsigned)i);
     before = entry->message->t_ns;
   }
@@ -34,8 +33,7 @@ static void lagging_is_taken(app* self, const sample_kind* kind) {
     unsigned char bytes[LARGEST_SAMPLE];
   } sample;
   unsigned dropped = 0;
-  int i;
-  for (i = 0; i < 200; ++i) {
+  for (int i = 0; i < 200; ++i) {
     EXPECT(push_rest(self, T0 + i * 10 * MS), ODO_OK);
     if (i < 10) continue;
     kind->put(&sample, T0 + (i - 10) * 10 * MS + MS);
@@ -57,9 +55,7 @@ static void camera_may_lag(int unused) {
   app* self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
   unsigned dropped = 0;
   odo_frame frame;
-  int i;
-  (void)unused;
-  for (i = 0; i < 200; ++i) {
+  for (int i = 0; i < 200; ++i) {
     EXPECT(push_rest(self, T0 + i * 10 * MS), ODO_OK);
     put_frame(&frame, 0, T0 + (i - 10) * 10 * MS + MS);
     if (i >= 10 && i % 5 == 0) dropped += push(self, &frame) != ODO_OK;
@@ -72,8 +68,7 @@ static void camera_may_lag(int unused) {
 
 static void pairs_are_ordered(int run) {
   app* self = app_open(FIXER_ALONE, (uint32_t)run);
-  int i;
-  for (i = 0; i < 100; ++i) {
+  for (int i = 0; i < 100; ++i) {
     EXPECT(push_magnetometer(self, T0 + i * 10 * MS + 2 * MS), ODO_OK);
     EXPECT(push_rest(self, T0 + i * 10 * MS), ODO_OK);
   }
@@ -86,7 +81,6 @@ static void pairs_are_ordered(int run) {
 
 static void late_is_discarded(int unused) {
   app* self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
-  (void)unused;
   push_rest_between(self, T0, T0 + SECOND);
   app_flush(self);
   EXPECT(push_barometer(self, T0 + 500 * MS), ODO_E_DISCARD);
@@ -98,7 +92,6 @@ static void late_is_discarded(int unused) {
 
 static void twice_is_dropped(int unused) {
   app* self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
-  (void)unused;
   EXPECT(push_barometer(self, T0), ODO_OK);
   EXPECT(push_barometer(self, T0), ODO_E_DISCARD);
   EXPECT(push_magnetometer(self, T0), ODO_OK); /* another sensor */
@@ -114,7 +107,6 @@ static void two_sources_are_two_sensors(int unused) {
   app* self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
   odo_header message;
   uint32_t source;
-  (void)unused;
   for (source = 0; source < 2; ++source) {
     put_header(&message, sizeof message, PROBE_MESSAGE, T0);
     message.source = source;
@@ -175,11 +167,8 @@ static void set_back(app* self) {
 
 static void clock_set_back(int unused) {
   app* self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
-  const journal_entry* first;
-  const odo_header* newest;
-  (void)unused;
   set_back(self);
-  first = journal_find(PROBE_RESET, FIXER, 0);
+  const journal_entry* first = journal_find(PROBE_RESET, FIXER, 0);
   CHECK(first, "the plugin was not reset; its calls were: %s", journal_words(FIXER));
   CHECK(journal_count(PROBE_CREATE, FIXER) == 0, "a new instance was made of a plugin that can be reset");
   CHECK(given_count(ODO_TYPE_CALIBRATION, FIXER) == 1, "the calibration came %u times after the reset; expected once",
@@ -187,13 +176,12 @@ static void clock_set_back(int unused) {
   CHECK(given_count(PROBE_MESSAGE, FIXER) == 1,
         "of a vendor's description and another message %u came after the reset; expected the description alone",
         (unsigned)given_count(PROBE_MESSAGE, FIXER));
-  newest = given_message(ODO_TYPE_IMU, FIXER, 200);
+  const odo_header* newest = given_message(ODO_TYPE_IMU, FIXER, 200);
   CHECK(newest && newest->t_ns > T0 / 2 && newest->t_ns < T0, "samples of the new clock were not given");
 }
 
 static void set_back_without_reset(int unused) {
   app* self = app_open(CONFIG WITH_ATTITUDE "vo_frontend:\n  plugin: conformance/bare\n", ODO_RUN_REPLAY);
-  (void)unused;
   set_back(self);
   CHECK(journal_count(PROBE_CREATE, FRONTEND) == 1 && journal_count(PROBE_CONFIGURE, FRONTEND) == 1 &&
             journal_count(PROBE_ACTIVATE, FRONTEND) == 1 && journal_count(PROBE_DESTROY, FRONTEND) == 1,
@@ -206,11 +194,10 @@ static void set_back_without_reset(int unused) {
 static void batches_are_whole(int unused) {
   app* self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
   const journal_entry* entry;
-  size_t i, given = 0;
-  (void)unused;
+  size_t given = 0;
   push_rest_between(self, T0, T0 + 500 * MS);
   app_flush(self);
-  for (i = 0; (entry = journal_find(PROBE_PROCESS, FIXER, i)) != NULL; ++i) {
+  for (size_t i = 0; (entry = journal_find(PROBE_PROCESS, FIXER, i)) != NULL; ++i) {
     CHECK(entry->size > 0, "a batch is empty although nothing asked to be called");
     given += entry->size;
   }
@@ -234,10 +221,8 @@ static int64_t look_at_batch(probe_call* call) {
 }
 
 static void structs_have_their_sizes(int unused) {
-  app* self;
-  (void)unused;
   hooks.on_call = look_at_batch;
-  self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
+  app* self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
   push_rest_between(self, T0, T0 + 100 * MS);
   app_flush(self);
   CHECK(!batch_fault, "a plugin's struct is wrong: %s", (const char*)batch_fault);

@@ -22,49 +22,45 @@ static bool is_default(int number) {
 }
 
 static void set_default(void) {
-  size_t i;
-  for (i = 0; i < COUNT_OF(fatal); ++i) signal(fatal[i], SIG_DFL);
-  for (i = 0; i < COUNT_OF(others); ++i) signal(others[i], SIG_DFL);
+  for (size_t i = 0; i < COUNT_OF(fatal); ++i) signal(fatal[i], SIG_DFL);
+  for (size_t i = 0; i < COUNT_OF(others); ++i) signal(others[i], SIG_DFL);
 }
 
 static void run_session(uint32_t flags) {
   odo_session_options chosen = app_options(CAMERA_WALK, ODO_RUN_LIVE);
-  app* self;
   hooks.on_message = walk_message;
   chosen.flags = flags;
-  self = app_open_options(&chosen);
+  app* self = app_open_options(&chosen);
   walk_second(self, 0);
   app_flush(self);
   app_close(self);
 }
 
 static void no_handlers(int unused) {
-  size_t i;
-  (void)unused;
   set_default();
   run_session(0);
-  for (i = 0; i < COUNT_OF(fatal); ++i) CHECK(is_default(fatal[i]), "there is a handler of signal %d", fatal[i]);
-  for (i = 0; i < COUNT_OF(others); ++i) CHECK(is_default(others[i]), "there is a handler of signal %d", others[i]);
+  for (size_t i = 0; i < COUNT_OF(fatal); ++i) CHECK(is_default(fatal[i]), "there is a handler of signal %d", fatal[i]);
+  for (size_t i = 0; i < COUNT_OF(others); ++i)
+    CHECK(is_default(others[i]), "there is a handler of signal %d", others[i]);
 }
 
 static void apps_handler(int number) { (void)number; }
 
 static void handlers_on_request(int unused) {
   struct sigaction action;
-  size_t i;
-  (void)unused;
   set_default();
   signal(SIGFPE, apps_handler);
   run_session(ODO_SESSION_CRASH_NOTES);
-  for (i = 0; i < COUNT_OF(fatal); ++i) CHECK(!is_default(fatal[i]), "there is no handler of signal %d", fatal[i]);
-  for (i = 0; i < COUNT_OF(others); ++i) CHECK(is_default(others[i]), "there is a handler of signal %d", others[i]);
+  for (size_t i = 0; i < COUNT_OF(fatal); ++i)
+    CHECK(!is_default(fatal[i]), "there is no handler of signal %d", fatal[i]);
+  for (size_t i = 0; i < COUNT_OF(others); ++i)
+    CHECK(is_default(others[i]), "there is a handler of signal %d", others[i]);
   sigaction(SIGFPE, NULL, &action);
   CHECK(!(action.sa_flags & SA_SIGINFO) && action.sa_handler == apps_handler, "the app's own handler was replaced");
 }
 
 /* ---- crash notes ---- */
 static int32_t crash(odo_instance* instance, const odo_header* message) {
-  (void)instance, (void)message;
   raise(SIGSEGV);
   return ODO_OK;
 }
@@ -83,12 +79,10 @@ static void crash_is_noted(int unused) {
   int note_pipe[2], ended_by;
   size_t used = 0;
   ssize_t size;
-  pid_t child;
-  (void)unused;
   need_plugins();
   set_default();
   REQUIRE(pipe(note_pipe) == 0, "no pipe");
-  child = fork();
+  pid_t child = fork();
   if (child == 0) {
     odo_session_options chosen = app_options(FIXER_ALONE, ODO_RUN_REPLAY);
     odo_barometer sample;
@@ -113,7 +107,6 @@ static void crash_is_noted(int unused) {
 
 /* ---- the rest of the process ---- */
 static void floating_point_stays(int unused) {
-  (void)unused;
   fesetround(FE_UPWARD);
   run_session(0);
   CHECK(fegetround() == FE_UPWARD, "the rounding mode changed");
@@ -121,25 +114,22 @@ static void floating_point_stays(int unused) {
 }
 
 static int open_descriptors(void) {
-  int count = 0, i;
-  for (i = 0; i < 1024; ++i) count += fcntl(i, F_GETFD) != -1;
+  int count = 0;
+  for (int i = 0; i < 1024; ++i) count += fcntl(i, F_GETFD) != -1;
   return count;
 }
 
 static void nothing_is_left_open(int unused) {
-  int before, i;
-  (void)unused;
   run_session(0);
   walk_reset();
-  before = open_descriptors();
-  for (i = 0; i < 5; ++i) run_session(0), walk_reset();
+  int before = open_descriptors();
+  for (int i = 0; i < 5; ++i) run_session(0), walk_reset();
   CHECK(open_descriptors() == before, "5 sessions left %d files open", open_descriptors() - before);
 }
 
 static void no_output(int unused) {
   const char* path = case_file("output.txt");
   const int file = open(path, O_CREAT | O_RDWR, 0600), out = dup(STDOUT_FILENO), err = dup(STDERR_FILENO);
-  (void)unused;
   REQUIRE(file >= 0, "no file could be created");
   fflush(NULL);
   dup2(file, STDOUT_FILENO), dup2(file, STDERR_FILENO);

@@ -17,9 +17,7 @@ static void refuse(app* self, uint32_t type) {
 static void reserved_is_refused(int unused) {
   const uint32_t types[] = {0, 0x2000, 0x10000, 0x10001, 0x1FFFF, 0x20000, 0x01000000, 0x7FFFFFFF};
   app* self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
-  size_t i;
-  (void)unused;
-  for (i = 0; i < COUNT_OF(types); ++i) refuse(self, types[i]);
+  for (size_t i = 0; i < COUNT_OF(types); ++i) refuse(self, types[i]);
   app_flush(self);
   CHECK(app_statistics(self).processed == 0, "one was processed");
 }
@@ -27,7 +25,6 @@ static void reserved_is_refused(int unused) {
 static void events_are_refused(int unused) {
   app* self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
   uint32_t type;
-  (void)unused;
   for (type = ODO_TYPE_ATTITUDE; type <= ODO_TYPE_RELATIVE_POSE; ++type) refuse(self, type);
   refuse(self, 0x1000);
   refuse(self, PROBE_NEWER_EVENT);
@@ -40,18 +37,16 @@ static void events_are_refused(int unused) {
 /* A message of `size` bytes with a pattern after its head. */
 static odo_header* pattern(uint32_t size, uint32_t type, int64_t t_ns) {
   unsigned char* bytes = (unsigned char*)malloc(size);
-  uint32_t i;
   put_header(bytes, size, type, t_ns);
-  for (i = sizeof(odo_header); i < size; ++i) bytes[i] = (unsigned char)(i * 31 + type);
+  for (uint32_t i = sizeof(odo_header); i < size; ++i) bytes[i] = (unsigned char)(i * 31 + type);
   return (odo_header*)(void*)bytes;
 }
 
 static void check_given(app* self, uint32_t size, uint32_t type) {
   odo_header* message = pattern(size, type, T0);
-  const odo_header* found;
   EXPECT(push(self, message), ODO_OK);
   app_flush(self);
-  found = given_message(type, FIXER, 0);
+  const odo_header* found = given_message(type, FIXER, 0);
   REQUIRE(found, "the plugin that declares 0x%x was not given it", type);
   CHECK(found->struct_size == size && memcmp(found, message, size) == 0,
         "0x%x of %u bytes was given with %u bytes, or others", type, size, found->struct_size);
@@ -78,7 +73,6 @@ static void undeclared_is_counted(int unused) {
   app* self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
   odo_header* vendors = pattern(48, PROBE_UNDECLARED, T0);
   odo_header* newer = pattern(48, 0x3F0, T0 + MS);
-  (void)unused;
   EXPECT(push(self, vendors), ODO_OK);
   EXPECT(push(self, newer), ODO_OK);
   app_flush(self);
@@ -92,7 +86,6 @@ static void unknown_is_ordered(int unused) {
   odo_barometer sample;
   odo_header* message = pattern(48, PROBE_MESSAGE, T0 + 10 * MS);
   const journal_entry *first, *second;
-  (void)unused;
   put_barometer(&sample, T0 + 20 * MS);
   EXPECT(push(self, &sample), ODO_OK);
   EXPECT(push(self, message), ODO_OK);
@@ -106,13 +99,11 @@ static void unknown_is_ordered(int unused) {
 static void push_imu_is_short(int unused) {
   app* self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
   const double gyro[3] = {0.1, 0.2, 0.3}, accel[3] = {0.5, 0.25, -9.75};
-  const odo_imu* found;
-  (void)unused;
   NEED(session_push_imu);
   EXPECT(odo.session_push_imu(self->session, T0, gyro, accel), ODO_OK);
   EXPECT(odo.session_push_imu(self->session, T0 + 10 * MS, gyro, accel), ODO_OK);
   app_flush(self);
-  found = (const odo_imu*)(const void*)given_message(ODO_TYPE_IMU, FIXER, 0);
+  const odo_imu* found = (const odo_imu*)(const void*)given_message(ODO_TYPE_IMU, FIXER, 0);
   REQUIRE(found, "the plugin was not given the sample");
   CHECK(found->header.flags == (ODO_IMU_GYRO | ODO_IMU_ACCEL), "its flags are 0x%x", found->header.flags);
   CHECK(memcmp(found->gyro_b, gyro, sizeof gyro) == 0 && memcmp(found->accel_b, accel, sizeof accel) == 0,
@@ -134,15 +125,13 @@ static void push_half(app* self, int64_t t_ns, uint32_t flags, double value) {
 static void halves_are_joined(int unused) {
   app* self = app_open(CONFIG WITH_ATTITUDE, ODO_RUN_REPLAY);
   const odo_header* found;
-  size_t i, whole = 0;
-  int n;
-  (void)unused;
-  for (n = 0; n < 50; ++n) {
+  size_t whole = 0;
+  for (int n = 0; n < 50; ++n) {
     push_half(self, T0 + n * 10 * MS, ODO_IMU_GYRO, 0.001 * n);
     push_half(self, T0 + n * 10 * MS + 4 * MS, ODO_IMU_ACCEL, -9 - 0.01 * n - 0.004);
   }
   app_flush(self);
-  for (i = 0; (found = given_message(ODO_TYPE_IMU, ATTITUDE, i)) != NULL; ++i) {
+  for (size_t i = 0; (found = given_message(ODO_TYPE_IMU, ATTITUDE, i)) != NULL; ++i) {
     const odo_imu* imu = (const odo_imu*)(const void*)found;
     const double expected = -9 - (double)(found->t_ns - T0) * 1e-9, off = imu->accel_b[2] - expected;
     const uint32_t both = ODO_IMU_GYRO | ODO_IMU_ACCEL;
@@ -160,7 +149,6 @@ static void wild_value_is_refused(int unused) {
   app* self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
   const double zero[3] = {0, 0, 0}, wild[3] = {1e6, 0, 0};
   odo_barometer sample;
-  (void)unused;
   NEED(session_push_imu);
   EXPECT(odo.session_push_imu(self->session, T0, wild, zero), ODO_E_DISCARD);
   EXPECT(odo.session_push_imu(self->session, T0, zero, wild), ODO_E_DISCARD);
@@ -174,27 +162,23 @@ static void wild_value_is_refused(int unused) {
 static void spike_is_dropped(int unused) {
   app* self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
   const double spike[3] = {30, 0, 0}, accel[3] = {0, 0, -9.81};
-  size_t i;
   const odo_header* found;
-  (void)unused;
   NEED(session_push_imu);
   push_rest_between(self, T0, T0 + 100 * MS);
   EXPECT(odo.session_push_imu(self->session, T0 + 100 * MS, spike, accel), ODO_OK);
   push_rest_between(self, T0 + 110 * MS, T0 + 200 * MS);
   app_flush(self);
   CHECK(app_statistics(self).wild == 1, "wild is %llu; expected 1", (unsigned long long)app_statistics(self).wild);
-  for (i = 0; (found = given_message(ODO_TYPE_IMU, ANY_KIND, i)) != NULL; ++i)
+  for (size_t i = 0; (found = given_message(ODO_TYPE_IMU, ANY_KIND, i)) != NULL; ++i)
     CHECK(((const odo_imu*)(const void*)found)->gyro_b[0] < 1, "the plugin was given the spike");
 }
 
 static void times_at_the_ends(int unused) {
   const int64_t times[] = {INT64_MIN, INT64_MIN + 1, INT64_MAX, INT64_MAX - 1, 0, -1, T0};
   app* self = app_open(CAMERA_WALK, ODO_RUN_REPLAY);
-  size_t i, j;
-  (void)unused;
   hooks.on_message = walk_message;
-  for (i = 0; i < COUNT_OF(times); ++i)
-    for (j = 0; j < sample_kind_count; ++j) {
+  for (size_t i = 0; i < COUNT_OF(times); ++i)
+    for (size_t j = 0; j < sample_kind_count; ++j) {
       union {
         odo_header header;
         unsigned char bytes[LARGEST_SAMPLE];

@@ -16,9 +16,8 @@ static odo_recorder* create(const char* path) {
   const odo_string name = string_of(path);
   odo_error error = {sizeof error, 0, ""};
   odo_recorder* recorder = NULL;
-  int32_t status;
   need_recordings();
-  status = odo.recorder_create(&name, &recorder, &error);
+  int32_t status = odo.recorder_create(&name, &recorder, &error);
   REQUIRE(status == ODO_OK && recorder, "odo_recorder_create = %s: %s", status_name(status), error.message);
   return recorder;
 }
@@ -48,8 +47,7 @@ static const odo_header* next(odo_recording* recording) {
 
 /* A message of a type with its number in every byte after the head, except for frames. */
 static void put_message(message* out, uint32_t type, uint32_t size, int64_t t_ns) {
-  size_t i;
-  for (i = 0; i < sample_kind_count; ++i)
+  for (size_t i = 0; i < sample_kind_count; ++i)
     if (sample_kinds[i].type == type) {
       sample_kinds[i].put(out, t_ns);
       if (size > sample_kinds[i].size) memset(out->bytes + sample_kinds[i].size, 0x42, size - sample_kinds[i].size);
@@ -63,18 +61,16 @@ static void put_message(message* out, uint32_t type, uint32_t size, int64_t t_ns
 static void round_trip(const uint32_t* types, const uint32_t* sizes, size_t count) {
   const char* path = case_file("all.odo");
   odo_recorder* recorder = create(path);
-  odo_recording* recording;
   const odo_header* end;
   message one;
-  size_t i;
-  for (i = 0; i < count; ++i) {
+  for (size_t i = 0; i < count; ++i) {
     put_message(&one, types[i], sizes[i], T0 + (int64_t)i * MS);
     expect_status(__FILE__, __LINE__, "odo_recorder_write", odo.recorder_write(recorder, &one.header, NULL, 0), ODO_OK);
   }
   EXPECT(odo.recorder_close(recorder), ODO_OK);
-  recording = open_recording(path);
+  odo_recording* recording = open_recording(path);
   check_no_loss(recording);
-  for (i = 0; i < count; ++i) {
+  for (size_t i = 0; i < count; ++i) {
     const odo_header* found = next(recording);
     put_message(&one, types[i], sizes[i], T0 + (int64_t)i * MS);
     CHECK(found->type == types[i] && found->struct_size == sizes[i] && memcmp(found, &one, sizes[i]) == 0,
@@ -87,8 +83,7 @@ static void round_trip(const uint32_t* types, const uint32_t* sizes, size_t coun
 
 static void inputs(int more) {
   uint32_t types[16], sizes[16];
-  size_t i;
-  for (i = 0; i < sample_kind_count; ++i) {
+  for (size_t i = 0; i < sample_kind_count; ++i) {
     types[i] = sample_kinds[i].type;
     sizes[i] = (more ? sample_kinds[i].size : sample_kinds[i].min_size) + (uint32_t)more;
   }
@@ -109,7 +104,6 @@ static void unknown_ones(int unused) {
   const uint32_t types[] = {PROBE_NEWER_INPUT, 0x3F0, PROBE_MESSAGE, PROBE_UNDECLARED, ODO_TYPE_VENDOR(0x7FFFF, 0x7FF),
                             PROBE_MESSAGE};
   const uint32_t sizes[] = {200, 32, 2000, 48, 64, sizeof(odo_header)};
-  (void)unused;
   round_trip(types, sizes, COUNT_OF(types));
 }
 
@@ -117,12 +111,9 @@ static void reserved_ones(int unused) {
   const uint32_t types[] = {0, 0x2000, 0x10000, 0x10001, 0x10003, 0x1FFFF, 0x01000000, 0x7FFFFFFF};
   const char* path = case_file("reserved.odo");
   odo_recorder* recorder = create(path);
-  odo_recording* recording;
   const odo_header* found;
   message one;
-  size_t i;
-  (void)unused;
-  for (i = 0; i < COUNT_OF(types); ++i) {
+  for (size_t i = 0; i < COUNT_OF(types); ++i) {
     put_message(&one, types[i], 64, T0);
     if (odo.recorder_write(recorder, &one.header, NULL, 0) != ODO_E_ARGUMENT)
       fail_at(__FILE__, __LINE__, "odo_recorder_write of type 0x%x is not refused", types[i]);
@@ -130,7 +121,7 @@ static void reserved_ones(int unused) {
   put_message(&one, ODO_TYPE_BAROMETER, sizeof(odo_barometer), T0);
   EXPECT(odo.recorder_write(recorder, &one.header, NULL, 0), ODO_OK);
   EXPECT(odo.recorder_close(recorder), ODO_OK);
-  recording = open_recording(path);
+  odo_recording* recording = open_recording(path);
   check_no_loss(recording);
   CHECK(next(recording)->type == ODO_TYPE_BAROMETER, "the first message is another");
   EXPECT(odo.recording_next(recording, &found, NULL, NULL), ODO_END);
@@ -139,8 +130,7 @@ static void reserved_ones(int unused) {
 static void borrowed_ones(int type) {
   odo_recorder* recorder = create(case_file("borrowed.odo"));
   odo_borrowed one;
-  lent memory;
-  lent_init(&memory);
+  lent memory = NOT_LENT;
   put_header(&one, sizeof one, (uint32_t)type, T0);
   lend(&one.loan, &memory);
   EXPECT(odo.recorder_write(recorder, &one.header, NULL, 0), ODO_E_UNSUPPORTED);
@@ -151,9 +141,7 @@ static void borrowed_ones(int type) {
 static void too_small(int unused) {
   odo_recorder* recorder = create(case_file("small.odo"));
   message one;
-  size_t i;
-  (void)unused;
-  for (i = 0; i < sample_kind_count; ++i) {
+  for (size_t i = 0; i < sample_kind_count; ++i) {
     put_message(&one, sample_kinds[i].type, sample_kinds[i].size, T0);
     one.header.struct_size = sample_kinds[i].min_size - 1;
     EXPECT(odo.recorder_write(recorder, &one.header, NULL, 0), ODO_E_STRUCT_SIZE);
@@ -169,16 +157,12 @@ static void pictures(int unused) {
   static const char encoded[] = "\x89PNG\r\n\x1a\n and whatever follows";
   const char* path = case_file("pictures.odo");
   odo_recorder* recorder = create(path);
-  odo_recording* recording;
   const odo_header* found;
-  const odo_frame* frame;
   const void* picture = NULL;
   uint64_t size = 0;
   odo_frame one;
   odo_barometer sample;
-  lent memory;
-  (void)unused;
-  lent_init(&memory);
+  lent memory = NOT_LENT;
   put_frame(&one, 2, T0);
   lend(&one.loan, &memory);
   EXPECT(odo.recorder_write(recorder, &one.header, encoded, sizeof encoded), ODO_OK);
@@ -186,10 +170,10 @@ static void pictures(int unused) {
   EXPECT(odo.recorder_write(recorder, &sample.header, NULL, 0), ODO_OK);
   EXPECT(odo.recorder_close(recorder), ODO_OK);
   CHECK_BALANCED(&memory, 0);
-  recording = open_recording(path);
+  odo_recording* recording = open_recording(path);
   EXPECT(odo.recording_next(recording, &found, &picture, &size), ODO_OK);
   REQUIRE(found->type == ODO_TYPE_FRAME && found->source == 2, "the first message is of type 0x%x", found->type);
-  frame = (const odo_frame*)(const void*)found;
+  const odo_frame* frame = (const odo_frame*)(const void*)found;
   CHECK(!frame->planes[0].data && !frame->loan.owner && !frame->loan.retain && !frame->loan.release &&
             !frame->loan.native,
         "a pointer of the writer's is in it");
@@ -206,16 +190,13 @@ static void largest_picture(int unused) {
   const uint64_t sizes[] = {largest + 1, 1ull << 32, (1ull << 32) + 4, UINT64_MAX};
   const char* path = case_file("largest.odo");
   odo_recorder* recorder = create(path);
-  odo_recording* recording;
   const odo_header* found;
   odo_frame one;
-  size_t i;
-  (void)unused;
   put_frame(&one, 2, T0);
-  for (i = 0; i < COUNT_OF(sizes); ++i)
+  for (size_t i = 0; i < COUNT_OF(sizes); ++i)
     EXPECT(odo.recorder_write(recorder, &one.header, "picture", sizes[i]), ODO_E_ARGUMENT);
   EXPECT(odo.recorder_close(recorder), ODO_OK);
-  recording = open_recording(path);
+  odo_recording* recording = open_recording(path);
   check_no_loss(recording);
   EXPECT(odo.recording_next(recording, &found, NULL, NULL), ODO_END);
   odo.recording_close(recording);
@@ -223,11 +204,9 @@ static void largest_picture(int unused) {
 
 static void nothing_recorded(int unused) {
   const char* path = case_file("empty.odo");
-  odo_recording* recording;
   const odo_header* found = (const odo_header*)(const void*)path;
-  (void)unused;
   EXPECT(odo.recorder_close(create(path)), ODO_OK);
-  recording = open_recording(path);
+  odo_recording* recording = open_recording(path);
   check_no_loss(recording);
   EXPECT(odo.recording_next(recording, &found, NULL, NULL), ODO_END);
   CHECK(!found, "there is a message in an empty recording");
@@ -238,27 +217,24 @@ static void nothing_recorded(int unused) {
 static void unreadable_record(int unused) {
   const char* path = case_file("unreadable.odo");
   odo_recorder* recorder = create(path);
-  odo_recording* recording;
   odo_error loss = {sizeof loss, 0, ""};
   const odo_header* found;
   odo_barometer sample;
   FILE* file;
-  long size;
-  int i, good = 0, bad = 0, status = ODO_OK;
-  (void)unused;
-  for (i = 0; i < 10; ++i) {
+  int good = 0, bad = 0, status = ODO_OK;
+  for (int i = 0; i < 10; ++i) {
     put_barometer(&sample, T0 + i * MS);
     EXPECT(odo.recorder_write(recorder, &sample.header, NULL, 0), ODO_OK);
   }
   EXPECT(odo.recorder_close(recorder), ODO_OK);
-  recording = open_recording(path);
+  odo_recording* recording = open_recording(path);
   check_no_loss(recording);
   file = fopen(path, "r+b");
   REQUIRE(file && fseek(file, 0, SEEK_END) == 0, "%s cannot be changed", path);
-  size = ftell(file);
+  long size = ftell(file);
   REQUIRE(fseek(file, size / 2, SEEK_SET) == 0 && fputc('#', file) == '#' && fclose(file) == 0, "%s cannot be changed",
           path);
-  for (i = 0; i < 20 && status != ODO_END; ++i) {
+  for (int i = 0; i < 20 && status != ODO_END; ++i) {
     status = odo.recording_next(recording, &found, NULL, NULL);
     CHECK((found != NULL) == (status == ODO_OK), "status %s, message %s", status_name(status), found ? "set" : "null");
     good += status == ODO_OK, bad += status == ODO_E_DATA;
@@ -275,18 +251,15 @@ static void order_of_time(int unused) {
   const int64_t times[] = {T0 + 30 * MS, T0 + 10 * MS, T0 + 20 * MS, T0};
   const char* path = case_file("order.odo");
   odo_recorder* recorder = create(path);
-  odo_recording* recording;
   odo_barometer sample;
   int64_t before = INT64_MIN;
-  size_t i;
-  (void)unused;
-  for (i = 0; i < COUNT_OF(times); ++i) {
+  for (size_t i = 0; i < COUNT_OF(times); ++i) {
     put_barometer(&sample, times[i]);
     EXPECT(odo.recorder_write(recorder, &sample.header, NULL, 0), ODO_OK);
   }
   EXPECT(odo.recorder_close(recorder), ODO_OK);
-  recording = open_recording(path);
-  for (i = 0; i < COUNT_OF(times); ++i) {
+  odo_recording* recording = open_recording(path);
+  for (size_t i = 0; i < COUNT_OF(times); ++i) {
     const int64_t t_ns = next(recording)->t_ns;
     CHECK(t_ns >= before, "message %u is earlier than the one before", (unsigned)i);
     before = t_ns;

@@ -13,7 +13,6 @@ static void register_all(void) {
 
 static void null_entry(int unused) {
   odo_error error = {sizeof error, 0, ""};
-  (void)unused;
   NEED(register_plugin);
   EXPECT(odo.register_plugin(NULL, &error), ODO_E_ARGUMENT);
   CHECK(error.message[0], "there is no reason");
@@ -21,10 +20,8 @@ static void null_entry(int unused) {
 }
 
 static void found_by_id(int unused) {
-  app* self;
-  (void)unused;
   register_all();
-  self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
+  app* self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
   push_rest_between(self, T0, T0 + 100 * MS);
   app_flush(self);
   CHECK(given_count(ODO_TYPE_IMU, FIXER) == 10, "the registered plugin was given %u samples",
@@ -33,10 +30,8 @@ static void found_by_id(int unused) {
 
 static void again_changes_nothing(int unused) {
   odo_error error = {sizeof error, 0, ""};
-  int i;
-  (void)unused;
   register_all();
-  for (i = 0; i < 3; ++i) EXPECT(odo.register_plugin(probe_entries[PROBE_FULL], &error), ODO_OK);
+  for (int i = 0; i < 3; ++i) EXPECT(odo.register_plugin(probe_entries[PROBE_FULL], &error), ODO_OK);
   app_close(app_open(FIXER_ALONE, ODO_RUN_REPLAY));
   CHECK(journal_count(PROBE_CREATE, FIXER) == 1, "%u instances were made",
         (unsigned)journal_count(PROBE_CREATE, FIXER));
@@ -46,13 +41,11 @@ static void again_changes_nothing(int unused) {
 static int32_t ODO_CALL twin(const odo_host* host, odo_plugin* out) { return probe_entries[PROBE_FULL](host, out); }
 
 static int32_t ODO_CALL refusing(const odo_host* host, odo_plugin* out) {
-  (void)host;
   out->refusal = string_of("the licence has expired");
   return ODO_E_CONFIG;
 }
 
 static int32_t ODO_CALL too_old(const odo_host* host, odo_plugin* out) {
-  (void)host;
   out->refusal = string_of("made for another ABI");
   return ODO_E_VERSION;
 }
@@ -90,16 +83,12 @@ static int32_t ODO_CALL too_small(const odo_host* host, odo_plugin* out) {
   return status;
 }
 
-static int32_t ODO_CALL failing(const odo_host* host, odo_plugin* out) {
-  (void)host, (void)out;
-  return ODO_E_MEMORY;
-}
+static int32_t ODO_CALL failing(const odo_host* host, odo_plugin* out) { return ODO_E_MEMORY; }
 
 static void refused(odo_plugin_entry entry, int32_t expected, const char* word) {
   odo_error error = {sizeof error, 0, ""};
-  int32_t status;
   NEED(register_plugin);
-  status = odo.register_plugin(entry, &error);
+  int32_t status = odo.register_plugin(entry, &error);
   CHECK(expected == 0 ? status < 0 : status == expected, "odo_register_plugin = %s", status_name(status));
   CHECK(error.status == status && error.message[0], "the error has status %s and message \"%s\"",
         status_name(error.status), error.message);
@@ -108,7 +97,6 @@ static void refused(odo_plugin_entry entry, int32_t expected, const char* word) 
 }
 
 static void same_id(int unused) {
-  (void)unused;
   register_all();
   refused(twin, ODO_E_CONFIG, "conformance/probe");
 }
@@ -124,19 +112,16 @@ static void bad_entries(int which) {
 }
 
 static void refused_then_another(int unused) {
-  (void)unused;
   refused(without_functions, 0, NULL);
   register_all();
   app_close(app_open(FIXER_ALONE, ODO_RUN_REPLAY));
 }
 
 static void before_the_folder(int unused) {
-  app* self;
-  (void)unused;
   if (!options.plugin_folder) skip_case("needs a folder of plugins");
   register_all();
   hooks.on_message = walk_message;
-  self = app_open(CAMERA_WALK, ODO_RUN_REPLAY);
+  app* self = app_open(CAMERA_WALK, ODO_RUN_REPLAY);
   walk_second(self, 0);
   app_flush(self);
   CHECK(journal_count(PROBE_CREATE, ANY_KIND) == 3, "%u instances were made; expected 3",
@@ -146,7 +131,6 @@ static void before_the_folder(int unused) {
 /* Two sessions of one plugin, the second created while the first is in use. */
 static void in_several_sessions(int unused) {
   app *first, *second;
-  (void)unused;
   register_all();
   first = app_open(FIXER_ALONE, ODO_RUN_LIVE);
   push_rest_between(first, T0, T0 + SECOND);
@@ -162,7 +146,6 @@ static void no_process_of_its_own(int unused) {
   const odo_session_options chosen = app_options(FIXER_ALONE "    isolation: process\n", ODO_RUN_REPLAY);
   odo_session* session = NULL;
   odo_error error = {sizeof error, 0, ""};
-  (void)unused;
   NEED(session_create);
   if (options.plugin_folder) skip_case("the plugin lies in a folder too");
   register_all();
@@ -171,8 +154,7 @@ static void no_process_of_its_own(int unused) {
 }
 
 static void* register_many(void* unused) {
-  int i;
-  for (i = 0; i < 200; ++i)
+  for (int i = 0; i < 200; ++i)
     if (odo.register_plugin(probe_entries[i % PROBE_VARIANTS], NULL) != ODO_OK) return unused;
   return NULL;
 }
@@ -180,12 +162,10 @@ static void* register_many(void* unused) {
 static void from_several_threads(int unused) {
   pthread_t threads[4];
   void* failed;
-  int i;
-  (void)unused;
   NEED(register_plugin);
-  for (i = 0; i < 4; ++i)
+  for (int i = 0; i < 4; ++i)
     REQUIRE(pthread_create(&threads[i], NULL, register_many, &threads) == 0, "no thread could be started");
-  for (i = 0; i < 4; ++i) {
+  for (int i = 0; i < 4; ++i) {
     pthread_join(threads[i], &failed);
     CHECK(!failed, "a registration failed on thread %d", i);
   }

@@ -39,11 +39,10 @@ typedef struct saved {
 
 static saved save_of(app* self) {
   saved blob = {NULL, odo.session_save(self->session, NULL, 0)};
-  int64_t written;
   REQUIRE(blob.size > 0, "odo_session_save without memory = %s", status_name(blob.size));
   blob.bytes = (unsigned char*)malloc((size_t)blob.size + 8);
   memset(blob.bytes, 0xA5, (size_t)blob.size + 8);
-  written = odo.session_save(self->session, blob.bytes, (uint64_t)blob.size - 1);
+  int64_t written = odo.session_save(self->session, blob.bytes, (uint64_t)blob.size - 1);
   CHECK(written == blob.size, "odo_session_save with a byte too few = %lld; expected %lld", (long long)written,
         (long long)blob.size);
   CHECK(blob.bytes[0] == 0xA5, "it wrote although the capacity does not suffice");
@@ -63,7 +62,6 @@ static app* open_saving(const char* config) {
 static void there_and_back(int unused) {
   const saved blob = save_of(open_saving(FIXER_ALONE));
   app* self = open_saving(FIXER_ALONE);
-  (void)unused;
   EXPECT(odo.session_load(self->session, blob.bytes, (uint64_t)blob.size), ODO_OK);
   CHECK(strcmp(loaded, "conformance/probe as " FIXER ";") == 0, "the plugin was given \"%s\"", loaded);
 }
@@ -71,7 +69,6 @@ static void there_and_back(int unused) {
 static void parts_by_id(int unused) {
   const saved blob = save_of(open_saving(CONFIG WITH_ATTITUDE WITH_FRONTEND));
   app* self = open_saving(CONFIG WITH_FRONTEND);
-  (void)unused;
   EXPECT(odo.session_load(self->session, blob.bytes, (uint64_t)blob.size), ODO_OK);
   CHECK(loads == 1 && strcmp(loaded, "conformance/frontend as " FRONTEND ";") == 0,
         "in %u calls plugins were given \"%s\"", (unsigned)loads, loaded);
@@ -80,7 +77,6 @@ static void parts_by_id(int unused) {
 static void by_id_not_by_kind(int unused) {
   const saved blob = save_of(open_saving(CONFIG WITH_ATTITUDE "vo_frontend:\n  plugin: conformance/frontend\n"));
   app* self = open_saving(CONFIG WITH_ATTITUDE "vo_frontend:\n  plugin: conformance/several\n");
-  (void)unused;
   EXPECT(odo.session_load(self->session, blob.bytes, (uint64_t)blob.size), ODO_OK);
   CHECK(strcmp(loaded, "conformance/probe as " ATTITUDE ";") == 0, "plugins were given \"%s\"", loaded);
 }
@@ -91,7 +87,6 @@ static void every_damage_is_found(int unused) {
   app* self = open_saving(FIXER_ALONE);
   int64_t i;
   int taken = 0;
-  (void)unused;
   for (i = 0; i < blob.size; ++i) {
     int32_t status;
     blob.bytes[i] ^= 0x10;
@@ -112,19 +107,15 @@ static void every_damage_is_found(int unused) {
 static void refused_part(int unused) {
   const saved blob = save_of(open_saving(CONFIG WITH_ATTITUDE WITH_FRONTEND));
   app* self = open_saving(CONFIG WITH_ATTITUDE WITH_FRONTEND);
-  (void)unused;
   load_status = ODO_E_DATA;
   EXPECT(odo.session_load(self->session, blob.bytes, (uint64_t)blob.size), ODO_PARTIAL);
   CHECK(loads == 2, "%u of 2 plugins were given their part", (unsigned)loads);
 }
 
 static void too_large_a_part(int unused) {
-  app* self;
-  int64_t size;
-  (void)unused;
   saved_size = (uint64_t)ODO_LARGEST_STATE + 1;
-  self = open_saving(FIXER_ALONE);
-  size = odo.session_save(self->session, NULL, 0);
+  app* self = open_saving(FIXER_ALONE);
+  int64_t size = odo.session_save(self->session, NULL, 0);
   CHECK(size >= 0 && size < 100000, "odo_session_save = %lld although the part is too large", (long long)size);
   app_flush(self);
   CHECK(app_events(self, ODO_TYPE_REPORT) >= 1, "nothing reports that the part was left out");
@@ -132,7 +123,6 @@ static void too_large_a_part(int unused) {
 
 static void bad_arguments(int unused) {
   app* self = open_saving(FIXER_ALONE);
-  (void)unused;
   EXPECT(odo.session_load(self->session, NULL, 10), ODO_E_ARGUMENT);
   EXPECT(odo.session_save(self->session, NULL, 10), ODO_E_ARGUMENT);
   EXPECT(odo.session_load(NULL, "x", 1), ODO_E_ARGUMENT);

@@ -14,9 +14,8 @@ static const void* found[8];
 static int64_t ask_for(const odo_host* host) {
   static const char* const ids[] = {ODO_SERVICE_REPORT, ODO_SERVICE_RANDOM, ODO_SERVICE_ASSETS, ODO_SERVICE_CONTENTS,
                                     ODO_SERVICE_WAKE,   "odo.nothing/1",    "acme.java_vm/1",   ""};
-  size_t i;
   host_at_create = host;
-  for (i = 0; i < COUNT_OF(ids); ++i) found[i] = SERVICE(host, ids[i]);
+  for (size_t i = 0; i < COUNT_OF(ids); ++i) found[i] = SERVICE(host, ids[i]);
   return ODO_OK;
 }
 
@@ -36,12 +35,10 @@ static const void* ODO_CALL app_service(void* user, const char* id, uint64_t siz
 static void host_services(int unused) {
   static const uint32_t sizes[] = {ODO_REPORT_SERVICE_SIZE_MIN, ODO_RANDOM_SERVICE_SIZE_MIN, ODO_ASSET_SERVICE_SIZE_MIN,
                                    ODO_ASSET_SERVICE_2_SIZE_MIN, ODO_WAKE_SERVICE_SIZE_MIN};
-  size_t i;
-  (void)unused;
   hooks.on_call = ask_at_create;
   app_open(FIXER_ALONE, ODO_RUN_REPLAY);
   REQUIRE(host_at_create, "no instance was made");
-  for (i = 0; i < COUNT_OF(sizes); ++i) {
+  for (size_t i = 0; i < COUNT_OF(sizes); ++i) {
     uint32_t size = 0;
     CHECK(found[i], "service %u of the host is missing", (unsigned)i);
     if (found[i]) memcpy(&size, found[i], sizeof size);
@@ -53,7 +50,6 @@ static void host_services(int unused) {
 
 static void app_services(int unused) {
   odo_session_options chosen = app_options(FIXER_ALONE, ODO_RUN_REPLAY);
-  (void)unused;
   hooks.on_call = ask_at_create;
   chosen.get_service = app_service;
   chosen.user = apps_table;
@@ -66,26 +62,22 @@ static void app_services(int unused) {
 static int32_t report_thrice(odo_instance* instance, const odo_header* message) {
   const odo_report_service* service = (const odo_report_service*)SERVICE(instance->host, ODO_SERVICE_REPORT);
   const odo_string key = string_of("trouble"), text = string_of("the lens is covered");
-  int i;
   if (message->type != ODO_TYPE_BAROMETER) return ODO_OK;
-  for (i = 0; service && i < 3; ++i)
+  for (int i = 0; service && i < 3; ++i)
     service->report(instance->host, instance->number, ODO_SEVERITY_WARNING, &key, &text);
   return ODO_OK;
 }
 
 static void reports_are_events(int unused) {
   odo_barometer sample;
-  const odo_report* report;
-  app* self;
-  (void)unused;
   hooks.on_message = report_thrice;
-  self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
+  app* self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
   put_barometer(&sample, T0);
   EXPECT(push(self, &sample), ODO_OK);
   app_flush(self);
   REQUIRE(app_events(self, ODO_TYPE_REPORT) == 1, "%u reports of one key came in a moment; expected 1",
           (unsigned)app_events(self, ODO_TYPE_REPORT));
-  report = (const odo_report*)(const void*)app_event(self, ODO_TYPE_REPORT, 0);
+  const odo_report* report = (const odo_report*)(const void*)app_event(self, ODO_TYPE_REPORT, 0);
   CHECK(strcmp(report->plugin, "conformance/probe") == 0 && strcmp(report->key, "trouble") == 0 &&
             strstr(report->text, "the lens is covered"),
         "it has plugin \"%s\", key \"%s\" and text \"%s\"", report->plugin, report->key, report->text);
@@ -106,10 +98,9 @@ static void reports_are_events(int unused) {
 static uint64_t seeds[4];
 
 static int64_t draw(probe_call* call) {
-  const odo_random_service* service;
   uint64_t i;
   if (call->what != PROBE_ACTIVATE) return ODO_OK;
-  service = (const odo_random_service*)SERVICE(call->instance->host, ODO_SERVICE_RANDOM);
+  const odo_random_service* service = (const odo_random_service*)SERVICE(call->instance->host, ODO_SERVICE_RANDOM);
   for (i = 0; service && i < 2; ++i) seeds[i] = service->seed(call->instance->host, call->instance->number, i);
   if (service) seeds[2] = service->seed(call->instance->host, call->instance->number + 1, 0);
   if (service) seeds[3] = service->seed(call->instance->host, call->instance->number, 0);
@@ -125,7 +116,6 @@ static void draw_with(uint64_t seed, uint64_t out[4]) {
 
 static void seeds_are_functions(int unused) {
   uint64_t one[4], same[4], other[4];
-  (void)unused;
   hooks.on_call = draw;
   draw_with(1, one), draw_with(1, same), draw_with(2, other);
   CHECK(memcmp(one, same, sizeof one) == 0, "two sessions of one seed differ");
@@ -145,14 +135,11 @@ static struct {
 
 static int64_t use_assets(probe_call* call) {
   const odo_string name = string_of("asset.txt"), nowhere = string_of("nowhere.txt");
-  const odo_host* host;
-  const odo_asset_service* paths;
-  const odo_content_service* contents;
   odo_asset* asset = NULL;
   if (call->what != PROBE_CONFIGURE) return ODO_OK;
-  host = call->instance->host;
-  paths = (const odo_asset_service*)SERVICE(host, ODO_SERVICE_ASSETS);
-  contents = (const odo_content_service*)SERVICE(host, ODO_SERVICE_CONTENTS);
+  const odo_host* host = call->instance->host;
+  const odo_asset_service* paths = (const odo_asset_service*)SERVICE(host, ODO_SERVICE_ASSETS);
+  const odo_content_service* contents = (const odo_content_service*)SERVICE(host, ODO_SERVICE_CONTENTS);
   if (paths) {
     assets.resolved = paths->resolve(host, &name, assets.path, sizeof assets.path);
     assets.missing = paths->resolve(host, &nowhere, assets.path + 256, 256);
@@ -169,16 +156,14 @@ static int64_t use_assets(probe_call* call) {
 }
 
 static void asset_files(int unused) {
-  odo_session_options chosen;
   const char* path = case_file("asset.txt");
   char folder[512];
   FILE* file = fopen(path, "wb");
-  (void)unused;
   REQUIRE(file && fwrite("hello", 1, 5, file) == 5, "no file could be written");
   fclose(file);
   strcpy(folder, case_file(""));
   hooks.on_call = use_assets;
-  chosen = app_options(FIXER_ALONE, ODO_RUN_REPLAY);
+  odo_session_options chosen = app_options(FIXER_ALONE, ODO_RUN_REPLAY);
   chosen.asset_path = string_of(folder);
   app_open_options(&chosen);
   CHECK(assets.resolved > 9 && assets.path[0] == '/' && strstr(assets.path, "asset.txt"),
@@ -211,17 +196,14 @@ static int64_t note_empty(probe_call* call) {
 
 static void* wake_many(void* unused) {
   const odo_wake_service* service = (const odo_wake_service*)SERVICE(waker->host, ODO_SERVICE_WAKE);
-  int i;
-  (void)unused;
-  for (i = 0; i < 10; ++i) service->wake(waker->host, waker->number);
+  for (int i = 0; i < 10; ++i) service->wake(waker->host, waker->number);
   return NULL;
 }
 
 static void wake_calls(int run) {
   pthread_t thread;
-  app* self;
   hooks.on_call = note_empty;
-  self = app_open(FIXER_ALONE, (uint32_t)run);
+  app* self = app_open(FIXER_ALONE, (uint32_t)run);
   REQUIRE(waker, "no instance was activated");
   if (!SERVICE(waker->host, ODO_SERVICE_WAKE)) skip_case("the host has no odo.wake/1");
   push_rest_between(self, T0, T0 + 50 * MS);

@@ -9,17 +9,15 @@
 static int32_t try_config(const char* config, odo_error* error) {
   odo_session_options chosen = app_options(config, ODO_RUN_REPLAY);
   odo_session* session = NULL;
-  int32_t status;
   memset(error, 0, sizeof *error);
   error->struct_size = sizeof *error;
-  status = odo.session_create(&chosen, &session, error);
+  int32_t status = odo.session_create(&chosen, &session, error);
   CHECK((session == NULL) == (status != ODO_OK), "status %s, session %p", status_name(status), (void*)session);
   return status;
 }
 
 static void bad_configs(int unused) {
   odo_error error;
-  (void)unused;
   NEED(session_create);
   need_plugins();
   EXPECT(try_config("odograph: 1\nattitud:\n  plugin: conformance/probe\n", &error), ODO_E_CONFIG);
@@ -36,7 +34,6 @@ static void one_of_path_and_text(int unused) {
   odo_session_options chosen = app_options(FIXER_ALONE, ODO_RUN_REPLAY);
   odo_session* session;
   odo_error error = {sizeof error, 0, ""};
-  (void)unused;
   NEED(session_create);
   chosen.config_path = string_of("/nowhere/pipeline.yaml");
   EXPECT(odo.session_create(&chosen, &session, &error), ODO_E_ARGUMENT);
@@ -49,7 +46,6 @@ static void one_of_path_and_text(int unused) {
 static void text_is_not_terminated(int unused) {
   static const char text[] = FIXER_ALONE "this: is behind the end";
   odo_session_options chosen = app_options(text, ODO_RUN_REPLAY);
-  (void)unused;
   chosen.config_text.size = strlen(FIXER_ALONE);
   app_close(app_open_options(&chosen));
 }
@@ -62,13 +58,11 @@ static int32_t pose_at(app* self, int64_t t_ns, odo_pose* pose) {
 }
 
 static void poses_of_a_walk(int unused) {
-  app* self;
   odo_pose pose, body;
-  (void)unused;
   NEED(session_get_pose);
   NEED(session_get_pose_of);
   hooks.on_message = walk_message;
-  self = app_open(CAMERA_WALK, ODO_RUN_REPLAY);
+  app* self = app_open(CAMERA_WALK, ODO_RUN_REPLAY);
   EXPECT(pose_at(self, ODO_TIME_LATEST, &pose), ODO_NOT_READY);
   walk_second(self, 0);
   walk_second(self, 1);
@@ -97,28 +91,25 @@ static void poses_of_a_walk(int unused) {
 static void sums_hold(int run) {
   app* self = app_open(FIXER_ALONE, (uint32_t)run);
   odo_barometer sample;
-  odo_statistics counts;
   const double nan3[3] = {(double)NAN, 0, 0}, zero[3] = {0, 0, 0}, wild[3] = {1e6, 0, 0};
-  uint64_t dropped;
-  int i;
   NEED(session_push_imu);
   push_rest_between(self, T0, T0 + SECOND);
   app_flush(self);
-  for (i = 0; i < 3; ++i) odo.session_push_imu(self->session, T0 + 2 * SECOND, nan3, zero);
-  for (i = 0; i < 4; ++i) odo.session_push_imu(self->session, T0 + 2 * SECOND, wild, zero);
-  for (i = 0; i < 5; ++i) {
+  for (int i = 0; i < 3; ++i) odo.session_push_imu(self->session, T0 + 2 * SECOND, nan3, zero);
+  for (int i = 0; i < 4; ++i) odo.session_push_imu(self->session, T0 + 2 * SECOND, wild, zero);
+  for (int i = 0; i < 5; ++i) {
     put_barometer(&sample, T0 + i * MS); /* late */
     push(self, &sample);
   }
   put_barometer(&sample, T0 + 1100 * MS);
-  for (i = 0; i < 7; ++i) push(self, &sample); /* one, and six times the same */
+  for (int i = 0; i < 7; ++i) push(self, &sample); /* one, and six times the same */
   put_header(&sample, sizeof sample, PROBE_UNDECLARED, T0 + 1100 * MS);
   push(self, &sample);
   put_header(&sample, sizeof sample, ODO_TYPE_POSE, T0 + 1100 * MS);
   push(self, &sample);
   app_flush(self);
-  counts = app_statistics(self);
-  dropped = counts.late + counts.duplicate + counts.invalid + counts.overflow + counts.wild;
+  odo_statistics counts = app_statistics(self);
+  uint64_t dropped = counts.late + counts.duplicate + counts.invalid + counts.overflow + counts.wild;
   CHECK(counts.late == 5 && counts.duplicate == 6 && counts.wild == 4 && counts.invalid >= 3 && counts.unknown == 1,
         "late is %llu, duplicate %llu, wild %llu, invalid %llu, unknown %llu; expected 5, 6, 4, 3 or 4, 1",
         (unsigned long long)counts.late, (unsigned long long)counts.duplicate, (unsigned long long)counts.wild,
@@ -129,15 +120,12 @@ static void sums_hold(int run) {
 }
 
 static void walk_is_counted(int unused) {
-  app* self;
-  odo_statistics counts;
-  (void)unused;
   hooks.on_message = walk_message;
-  self = app_open(CAMERA_WALK, ODO_RUN_REPLAY);
+  app* self = app_open(CAMERA_WALK, ODO_RUN_REPLAY);
   walk_second(self, 0);
   walk_second(self, 1);
   app_flush(self);
-  counts = app_statistics(self);
+  odo_statistics counts = app_statistics(self);
   CHECK(counts.frames == 20, "frames is %llu; expected 20", (unsigned long long)counts.frames);
   CHECK(fabs(counts.distance_m - 1.9) < 0.1, "distance_m is %g; expected 1.9", counts.distance_m);
   CHECK(counts.tracking_s + counts.degraded_s + counts.lost_s > 1.5, "the time in all states is %g s",
@@ -149,7 +137,6 @@ static void last_error_once(int unused) {
   app* self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
   odo_error error = {sizeof error, 0, ""};
   odo_barometer sample;
-  (void)unused;
   NEED(session_last_error);
   error.status = ODO_E_DATA;
   EXPECT(odo.session_last_error(self->session, &error), ODO_OK);
@@ -172,15 +159,13 @@ static void there_and_back(int unused) {
       app_open(FIXER_ALONE "navigation:\n  origin: {latitude: 0.83, longitude: 0.15, height: 400 m}\n", ODO_RUN_REPLAY);
   const double p[3] = {1000, -2000, 30};
   double geodetic[3], back[3];
-  int i;
-  (void)unused;
   NEED(session_to_geodetic);
   NEED(session_from_geodetic);
   EXPECT(odo.session_to_geodetic(self->session, p, geodetic), ODO_OK);
   CHECK(fabs(geodetic[0] - 0.83) < 1e-3 && fabs(geodetic[1] - 0.15) < 1e-3 && fabs(geodetic[2] - 370) < 1,
         "1000 m to the north and -2000 m to the east it is %g, %g, %g", geodetic[0], geodetic[1], geodetic[2]);
   EXPECT(odo.session_from_geodetic(self->session, geodetic, back), ODO_OK);
-  for (i = 0; i < 3; ++i) CHECK(fabs(back[i] - p[i]) < 1e-6, "component %d came back as %.9g", i, back[i]);
+  for (int i = 0; i < 3; ++i) CHECK(fabs(back[i] - p[i]) < 1e-6, "component %d came back as %.9g", i, back[i]);
   self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
   EXPECT(odo.session_to_geodetic(self->session, p, geodetic), ODO_NOT_READY);
   EXPECT(odo.session_from_geodetic(self->session, geodetic, back), ODO_NOT_READY);
@@ -188,11 +173,8 @@ static void there_and_back(int unused) {
 
 static void replay_repeats(int unused) {
   app* sessions[2];
-  size_t i;
-  int n;
-  (void)unused;
   hooks.on_message = walk_message;
-  for (n = 0; n < 2; ++n) {
+  for (int n = 0; n < 2; ++n) {
     sessions[n] = app_open(CAMERA_WALK, ODO_RUN_REPLAY);
     walk_second(sessions[n], 0);
     app_flush(sessions[n]);
@@ -200,7 +182,7 @@ static void replay_repeats(int unused) {
   }
   REQUIRE(sessions[0]->count == sessions[1]->count, "%u and %u events", (unsigned)sessions[0]->count,
           (unsigned)sessions[1]->count);
-  for (i = 0; i < sessions[0]->count; ++i) {
+  for (size_t i = 0; i < sessions[0]->count; ++i) {
     const odo_header *one = sessions[0]->events[i], *other = sessions[1]->events[i];
     REQUIRE(one->struct_size == other->struct_size && memcmp(one, other, one->struct_size) == 0,
             "event %u of type 0x%x differs", (unsigned)i, one->type);

@@ -41,10 +41,7 @@ static int32_t fill_last_error(app* self, void* out) {
   CHECK(push(self, &sample) < 0, "a pressure of -1e9 Pa was taken");
   return odo.session_last_error(self->session, (odo_error*)out);
 }
-static int32_t fill_loss(app* self, void* out) {
-  (void)self;
-  return odo.recording_loss(damaged, (odo_error*)out);
-}
+static int32_t fill_loss(app* self, void* out) { return odo.recording_loss(damaged, (odo_error*)out); }
 
 static const output outputs[] = {
     {"odo_session_get_pose", sizeof(odo_pose), ODO_POSE_SIZE_MIN, fill_pose},
@@ -81,13 +78,12 @@ static void open_a_recording(void) {
 
 /* If the call needs more than a session. */
 static app* prepare(const output* of) {
-  app* self;
   NEED(session_get_pose);
   NEED(session_get_pose_of);
   NEED(session_get_smooth_pose);
   NEED(session_last_error);
   hooks.on_message = walk_message;
-  self = app_open(CAMERA_WALK, ODO_RUN_REPLAY);
+  app* self = app_open(CAMERA_WALK, ODO_RUN_REPLAY);
   walk_second(self, 0);
   app_flush(self);
   if (of->fill == fill_anchor) put_anchor(self);
@@ -96,8 +92,7 @@ static app* prepare(const output* of) {
 }
 
 static bool untouched(const unsigned char* bytes, size_t from, size_t to) {
-  size_t i;
-  for (i = from; i < to; ++i)
+  for (size_t i = from; i < to; ++i)
     if (bytes[i] != FILL) return false;
   return true;
 }
@@ -138,8 +133,7 @@ static void out_too_small(int index) {
   const uint32_t sizes[] = {0, 4, of->min_size - 1};
   uint64_t aligned[sizeof(odo_error) / 8 + 1];
   unsigned char* bytes = (unsigned char*)aligned;
-  size_t i;
-  for (i = 0; i < COUNT_OF(sizes); ++i) {
+  for (size_t i = 0; i < COUNT_OF(sizes); ++i) {
     memset(bytes, FILL, sizeof aligned);
     memcpy(bytes, &sizes[i], sizeof sizes[i]);
     expect_status(__FILE__, __LINE__, of->name, of->fill(self, bytes), ODO_E_STRUCT_SIZE);
@@ -150,7 +144,6 @@ static void out_too_small(int index) {
 static void last_error_too_small(int unused) {
   app* self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
   odo_error error = {ODO_ERROR_SIZE_MIN - 1, 77, "x"};
-  (void)unused;
   NEED(session_last_error);
   EXPECT(odo.session_last_error(self->session, &error), ODO_E_STRUCT_SIZE);
   CHECK(error.status == 77 && error.message[0] == 'x', "the struct was written");
@@ -163,7 +156,6 @@ static void error_of_create(int unused) {
   odo_session_options chosen;
   odo_session* session;
   uint32_t capacity;
-  (void)unused;
   NEED(session_create);
   memset(&chosen, 0, sizeof chosen);
   chosen.struct_size = sizeof chosen;
@@ -188,7 +180,6 @@ static void options_sizes(int unused) {
   odo_session* session;
   odo_error error = {sizeof error, 0, ""};
   uint32_t size;
-  (void)unused;
   NEED(session_create);
   NEED(session_destroy);
   need_plugins();
@@ -214,7 +205,6 @@ static void place_sizes(int unused) {
   } place;
   app* self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
   uint64_t id = 0;
-  (void)unused;
   NEED(anchor_create);
   memset(&place, FILL, sizeof place);
   memset(&place.known, 0, sizeof place.known);

@@ -27,8 +27,7 @@ static void* push_sensor(void* user) {
     odo_header header;
     unsigned char bytes[LARGEST_SAMPLE];
   } sample;
-  int i;
-  for (i = 0; i < 300 && !stop; ++i) {
+  for (int i = 0; i < 300 && !stop; ++i) {
     int32_t status;
     put_sample(self->sensor, i, &sample);
     status = push(self->to, &sample);
@@ -48,15 +47,13 @@ static void push_from_four(int run) {
   app* self = app_open(FIXER_ALONE "time_ordering:\n  max_wait: 5 s\n", (uint32_t)run);
   pusher pushers[4];
   pthread_t threads[4];
-  odo_statistics counts;
   uint64_t taken = 0, refused = 0;
-  int i;
   memset(pushers, 0, sizeof pushers);
-  for (i = 0; i < 4; ++i) pushers[i].to = self, pushers[i].sensor = i, start(&threads[i], push_sensor, &pushers[i]);
-  for (i = 0; i < 4; ++i) pthread_join(threads[i], NULL);
+  for (int i = 0; i < 4; ++i) pushers[i].to = self, pushers[i].sensor = i, start(&threads[i], push_sensor, &pushers[i]);
+  for (int i = 0; i < 4; ++i) pthread_join(threads[i], NULL);
   app_flush(self);
-  counts = app_statistics(self);
-  for (i = 0; i < 4; ++i) {
+  odo_statistics counts = app_statistics(self);
+  for (int i = 0; i < 4; ++i) {
     taken += (uint64_t)pushers[i].taken;
     refused += (uint64_t)(pushers[i].exhausted + pushers[i].discarded);
     CHECK(pushers[i].others == 0, "%d pushes had another status", pushers[i].others);
@@ -78,11 +75,10 @@ static void* ask_for_poses(void* user) {
     odo_statistics counts;
     int32_t status;
     double norm = 0;
-    int i;
     memset(&pose, 0, sizeof pose);
     pose.header.struct_size = sizeof pose;
     status = odo.session_get_pose(self->session, ODO_TIME_LATEST, &pose);
-    for (i = 0; i < 4; ++i) norm += pose.q_n[i] * pose.q_n[i];
+    for (int i = 0; i < 4; ++i) norm += pose.q_n[i] * pose.q_n[i];
     torn += status == ODO_OK && (norm < 0.999 || norm > 1.001);
     memset(&counts, 0, sizeof counts);
     counts.struct_size = sizeof counts;
@@ -95,11 +91,10 @@ static void* ask_for_poses(void* user) {
 
 static void poses_meanwhile(int run) {
   pthread_t thread;
-  app* self;
   int second;
   NEED(session_get_pose);
   hooks.on_message = walk_message;
-  self = app_open(CAMERA_WALK, (uint32_t)run);
+  app* self = app_open(CAMERA_WALK, (uint32_t)run);
   start(&thread, ask_for_poses, self);
   while (asked == 0) sleep_ms(1);
   for (second = 0; second < 5; ++second) {
@@ -112,7 +107,6 @@ static void poses_meanwhile(int run) {
 }
 
 static int32_t linger(odo_instance* instance, const odo_header* message) {
-  (void)instance, (void)message;
   sleep_ms(5);
   return ODO_OK;
 }
@@ -120,14 +114,10 @@ static int32_t linger(odo_instance* instance, const odo_header* message) {
 /* Frames wait, and one is being processed. */
 static void destroyed_in_flight(int unused) {
   uint8_t pixels[64 * 48] = {0};
-  lent memory;
-  app* self;
-  int i;
-  (void)unused;
+  lent memory = NOT_LENT;
   hooks.on_message = linger;
-  lent_init(&memory);
-  self = app_open(FIXER_ALONE, ODO_RUN_LIVE);
-  for (i = 0; i < 8; ++i) {
+  app* self = app_open(FIXER_ALONE, ODO_RUN_LIVE);
+  for (int i = 0; i < 8; ++i) {
     odo_frame frame;
     put_frame(&frame, 0, T0 + i * 10 * MS);
     frame.planes[0].data = pixels;
@@ -146,17 +136,15 @@ static void sessions_are_independent(int unused) {
   app* sessions[SESSIONS];
   pusher pushers[SESSIONS];
   pthread_t threads[SESSIONS];
-  int i;
-  (void)unused;
   memset(pushers, 0, sizeof pushers);
-  for (i = 0; i < SESSIONS; ++i) sessions[i] = app_open(FIXER_ALONE, i % 2 ? ODO_RUN_LIVE : ODO_RUN_REPLAY);
-  for (i = 0; i < SESSIONS; ++i) {
+  for (int i = 0; i < SESSIONS; ++i) sessions[i] = app_open(FIXER_ALONE, i % 2 ? ODO_RUN_LIVE : ODO_RUN_REPLAY);
+  for (int i = 0; i < SESSIONS; ++i) {
     pushers[i].to = sessions[i];
     pushers[i].sensor = 1;
     start(&threads[i], push_sensor, &pushers[i]);
   }
-  for (i = 0; i < SESSIONS; ++i) pthread_join(threads[i], NULL);
-  for (i = 0; i < SESSIONS; ++i) {
+  for (int i = 0; i < SESSIONS; ++i) pthread_join(threads[i], NULL);
+  for (int i = 0; i < SESSIONS; ++i) {
     app_flush(sessions[i]);
     CHECK(app_statistics(sessions[i]).processed == 300, "session %d processed %llu samples; expected 300", i,
           (unsigned long long)app_statistics(sessions[i]).processed);
@@ -168,7 +156,6 @@ static void sessions_are_independent(int unused) {
 
 /* One thread processes, including what the other pushes meanwhile. */
 static int32_t take_long(odo_instance* instance, const odo_header* message) {
-  (void)instance, (void)message;
   sleep_ms(20);
   return ODO_OK;
 }
@@ -184,13 +171,10 @@ static void* push_one(void* user) {
 
 static void replay_has_one_owner(int unused) {
   pthread_t thread;
-  app* self;
-  int i;
-  (void)unused;
   hooks.on_message = take_long;
-  self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
+  app* self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
   start(&thread, push_one, self);
-  for (i = 0; i < 100 && given_count(ODO_TYPE_IMU, FIXER) == 0; ++i) sleep_ms(1);
+  for (int i = 0; i < 100 && given_count(ODO_TYPE_IMU, FIXER) == 0; ++i) sleep_ms(1);
   {
     odo_barometer sample;
     put_barometer(&sample, T0 + 100 * MS);
@@ -205,15 +189,12 @@ static void statistics_do_not_wait(int unused) {
   double start_s, longest_s = 0;
   pthread_t thread;
   pusher slow = {NULL, 1, 0, 0, 0, 0};
-  app* self;
-  int i;
-  (void)unused;
   NEED(session_get_pose);
   hooks.on_message = linger;
-  self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
+  app* self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
   slow.to = self;
   start(&thread, push_sensor, &slow);
-  for (i = 0; i < 200; ++i) {
+  for (int i = 0; i < 200; ++i) {
     odo_pose pose;
     memset(&pose, 0, sizeof pose);
     pose.header.struct_size = sizeof pose;

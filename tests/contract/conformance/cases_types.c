@@ -15,20 +15,18 @@ static union {
 } sample;
 
 static void put_sample(const sample_kind* kind, int64_t t_ns, uint32_t size) {
-  uint32_t i;
   memset(&sample, 0, sizeof sample);
   kind->put(&sample, t_ns);
-  for (i = kind->size; i < size; ++i) sample.bytes[i] = (unsigned char)(i * 7 + 1);
+  for (uint32_t i = kind->size; i < size; ++i) sample.bytes[i] = (unsigned char)(i * 7 + 1);
   sample.header.struct_size = size;
 }
 
 /* An inertial sample is joined with its neighbours and checked for spikes against them, so it is pushed among others.
  */
 static int32_t push_among_others(app* self, const sample_kind* kind) {
-  int32_t status;
   if (kind->type != ODO_TYPE_IMU) return push(self, &sample);
   push_rest_between(self, T0 - 50 * MS, T0);
-  status = push(self, &sample);
+  int32_t status = push(self, &sample);
   push_rest_between(self, T0 + 10 * MS, T0 + 50 * MS);
   return status;
 }
@@ -36,8 +34,7 @@ static int32_t push_among_others(app* self, const sample_kind* kind) {
 /* The fixer's input at T0; ends the case if there is none. */
 static const odo_header* given_at_t0(const sample_kind* kind) {
   const odo_header* found;
-  size_t i;
-  for (i = 0; (found = given_message(kind->type, FIXER, i)) != NULL; ++i)
+  for (size_t i = 0; (found = given_message(kind->type, FIXER, i)) != NULL; ++i)
     if (found->t_ns == T0) return found;
   REQUIRE(found, "the plugin was not given the %s", kind->name);
   return found;
@@ -46,7 +43,6 @@ static const odo_header* given_at_t0(const sample_kind* kind) {
 static void taken_at_1_0(int index) {
   const sample_kind* kind = &sample_kinds[index];
   app* self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
-  const odo_header* found;
   put_sample(kind, T0, kind->min_size);
   sample.header.flags |= ODO_FLAG_QUALITY;
   sample.header.quality = 0.5f;
@@ -54,7 +50,7 @@ static void taken_at_1_0(int index) {
   if (kind->type == ODO_TYPE_IMU) sample.header.source = 0, sample.header.flags &= ~ODO_FLAG_QUALITY;
   EXPECT(push_among_others(self, kind), ODO_OK);
   app_flush(self);
-  found = given_at_t0(kind);
+  const odo_header* found = given_at_t0(kind);
   REQUIRE(found->struct_size >= kind->min_size, "it was given with %u bytes", found->struct_size);
   CHECK(found->flags == sample.header.flags && found->source == sample.header.source,
         "it was given with flags 0x%x and source %u; expected 0x%x and %u", found->flags, found->source,
@@ -68,8 +64,7 @@ static void too_small_is_refused(int index) {
   const sample_kind* kind = &sample_kinds[index];
   app* self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
   const uint32_t sizes[] = {0, 8, sizeof(odo_header), kind->min_size - 8, kind->min_size - 1};
-  size_t i;
-  for (i = 0; i < COUNT_OF(sizes); ++i) {
+  for (size_t i = 0; i < COUNT_OF(sizes); ++i) {
     put_sample(kind, T0 + (int64_t)i * MS, kind->size);
     sample.header.struct_size = sizes[i];
     expect_status(__FILE__, __LINE__, "odo_session_push", push(self, &sample), ODO_E_STRUCT_SIZE);
@@ -82,11 +77,10 @@ static void too_small_is_refused(int index) {
 static void later_end_is_passed_on(int index) {
   const sample_kind* kind = &sample_kinds[index];
   app* self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
-  const odo_header* found;
   put_sample(kind, T0, kind->size + LATER);
   EXPECT(push_among_others(self, kind), ODO_OK);
   app_flush(self);
-  found = given_at_t0(kind);
+  const odo_header* found = given_at_t0(kind);
   REQUIRE(found->struct_size == kind->size + LATER, "it was given with %u bytes; expected %u", found->struct_size,
           kind->size + LATER);
   CHECK(memcmp((const unsigned char*)found + kind->size, sample.bytes + kind->size, LATER) == 0, "its end is another");
@@ -96,7 +90,6 @@ static void later_end_is_passed_on(int index) {
 static void later_inertial_sample_is_taken(int unused) {
   const sample_kind* kind = &sample_kinds[0];
   app* self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
-  (void)unused;
   put_sample(kind, T0, kind->size + LATER);
   EXPECT(push_among_others(self, kind), ODO_OK);
   app_flush(self);
@@ -107,8 +100,7 @@ static void not_finite_is_refused(int index) {
   const sample_kind* kind = &sample_kinds[index];
   app* self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
   const double wrong[] = {(double)NAN, (double)INFINITY, -(double)INFINITY};
-  size_t i;
-  for (i = 0; i < COUNT_OF(wrong); ++i) {
+  for (size_t i = 0; i < COUNT_OF(wrong); ++i) {
     odo_statistics counts;
     put_sample(kind, T0 + (int64_t)i * MS, kind->size);
     memcpy(sample.bytes + kind->number_at, &wrong[i], sizeof wrong[i]);
@@ -124,12 +116,11 @@ static void not_finite_is_refused(int index) {
 static void host_bits_are_cleared(int index) {
   const sample_kind* kind = &sample_kinds[index];
   app* self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
-  const odo_header* found;
   put_sample(kind, T0, kind->size);
   sample.header.flags |= ODO_FLAG_HOST_MASK;
   EXPECT(push_among_others(self, kind), ODO_OK);
   app_flush(self);
-  found = given_at_t0(kind);
+  const odo_header* found = given_at_t0(kind);
   CHECK((found->flags & ODO_FLAG_HOST_MASK) == 0, "it was given with flags 0x%x", found->flags);
 }
 

@@ -9,7 +9,6 @@
 static void version_is_three_numbers(int unused) {
   unsigned major, minor, patch;
   char rest[2];
-  (void)unused;
   NEED(version);
   REQUIRE(odo.version() != NULL, "odo_version gives null");
   CHECK(sscanf(odo.version(), "%u.%u.%u%1s", &major, &minor, &patch, rest) == 3, "odo_version gives \"%s\"",
@@ -17,13 +16,11 @@ static void version_is_three_numbers(int unused) {
 }
 
 static void abi_is_of_these_headers(int unused) {
-  (void)unused;
   NEED(abi_version);
   CHECK(odo.abi_version() >> 16 == ODO_ABI_MAJOR, "odo_abi_version gives major %u", odo.abi_version() >> 16);
 }
 
 static void all_functions_are_there(int unused) {
-  (void)unused;
   if (library_missing()[0]) skip_case("the library lacks %s", library_missing());
 }
 
@@ -50,7 +47,6 @@ static void check_texts(const char* of, const char* (*text)(int64_t), int64_t fr
 }
 
 static void numbers_have_words(int unused) {
-  (void)unused;
   NEED(status_text);
   NEED(state_text);
   NEED(reason_text);
@@ -65,7 +61,6 @@ static void null_is_an_argument(int unused) {
   odo_session* session = (odo_session*)&session;
   odo_session_options chosen;
   odo_error error = {sizeof error, 0, ""};
-  (void)unused;
   NEED(session_create);
   memset(&chosen, 0, sizeof chosen);
   chosen.struct_size = sizeof chosen;
@@ -80,7 +75,6 @@ static void null_is_an_argument(int unused) {
 }
 
 static void null_is_destroyed(int unused) {
-  (void)unused;
   NEED(session_destroy);
   odo.session_destroy(NULL);
 }
@@ -89,7 +83,6 @@ static char within[128], cut[8];
 static uint64_t within_size, cut_size;
 
 static int32_t ask_for_call(odo_instance* instance, const odo_header* message) {
-  (void)instance, (void)message;
   within_size = odo.current_plugin_call(within, sizeof within - 1);
   memset(cut, '#', sizeof cut);
   cut_size = odo.current_plugin_call(cut, 4);
@@ -99,11 +92,9 @@ static int32_t ask_for_call(odo_instance* instance, const odo_header* message) {
 static void current_call_is_named(int unused) {
   odo_barometer sample;
   char outside[64];
-  app* self;
-  (void)unused;
   NEED(current_plugin_call);
   hooks.on_message = ask_for_call;
-  self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
+  app* self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
   CHECK(odo.current_plugin_call(outside, sizeof outside) == 0, "there is a call outside of any plugin's");
   put_barometer(&sample, T0);
   EXPECT(push(self, &sample), ODO_OK);

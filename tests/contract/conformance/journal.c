@@ -38,8 +38,7 @@ static void note(const probe_call* call, uint32_t what, const odo_header* messag
 
 static int32_t give(const probe_call* call) {
   int32_t status = ODO_OK;
-  uint32_t i;
-  for (i = 0; i < call->batch->count && status >= 0; ++i) {
+  for (uint32_t i = 0; i < call->batch->count && status >= 0; ++i) {
     const odo_header* message = call->batch->messages[i];
     pthread_mutex_lock(&journal.lock);
     note(call, PROBE_GIVEN, message);
@@ -68,27 +67,26 @@ static bool matches(const journal_entry* entry, uint32_t what, const char* kind)
 }
 
 size_t journal_count(uint32_t what, const char* kind) {
-  size_t count = 0, i;
+  size_t count = 0;
   pthread_mutex_lock(&journal.lock);
-  for (i = 0; i < journal.count; ++i) count += matches(journal.entries[i], what, kind);
+  for (size_t i = 0; i < journal.count; ++i) count += matches(journal.entries[i], what, kind);
   pthread_mutex_unlock(&journal.lock);
   return count;
 }
 
 const journal_entry* journal_find(uint32_t what, const char* kind, size_t index) {
   const journal_entry* found = NULL;
-  size_t i;
   pthread_mutex_lock(&journal.lock);
-  for (i = 0; i < journal.count && !found; ++i)
+  for (size_t i = 0; i < journal.count && !found; ++i)
     if (matches(journal.entries[i], what, kind) && index-- == 0) found = journal.entries[i];
   pthread_mutex_unlock(&journal.lock);
   return found;
 }
 
 size_t given_count(uint32_t type, const char* kind) {
-  size_t count = 0, i;
+  size_t count = 0;
   pthread_mutex_lock(&journal.lock);
-  for (i = 0; i < journal.count; ++i)
+  for (size_t i = 0; i < journal.count; ++i)
     count += matches(journal.entries[i], PROBE_GIVEN, kind) && journal.entries[i]->message->type == type;
   pthread_mutex_unlock(&journal.lock);
   return count;
@@ -96,9 +94,8 @@ size_t given_count(uint32_t type, const char* kind) {
 
 const odo_header* given_message(uint32_t type, const char* kind, size_t index) {
   const odo_header* found = NULL;
-  size_t i;
   pthread_mutex_lock(&journal.lock);
-  for (i = 0; i < journal.count && !found; ++i) {
+  for (size_t i = 0; i < journal.count && !found; ++i) {
     const journal_entry* entry = journal.entries[i];
     if (matches(entry, PROBE_GIVEN, kind) && entry->message->type == type && index-- == 0) found = entry->message;
   }
@@ -107,9 +104,8 @@ const odo_header* given_message(uint32_t type, const char* kind, size_t index) {
 }
 
 unsigned journal_overlaps(void) {
-  unsigned overlaps;
   pthread_mutex_lock(&journal.lock);
-  overlaps = journal.overlaps;
+  unsigned overlaps = journal.overlaps;
   pthread_mutex_unlock(&journal.lock);
   return overlaps;
 }
@@ -118,10 +114,10 @@ const char* journal_words(const char* kind) {
   static const char* const names[] = {"entry", "create", "configure", "activate", "process",
                                       "reset", "save",   "load",      "destroy",  "given"};
   static char words[1024];
-  size_t used = 0, i;
+  size_t used = 0;
   words[0] = 0;
   pthread_mutex_lock(&journal.lock);
-  for (i = 0; i < journal.count && used < sizeof words - 16; ++i)
+  for (size_t i = 0; i < journal.count && used < sizeof words - 16; ++i)
     if (journal.entries[i]->what != PROBE_GIVEN && matches(journal.entries[i], journal.entries[i]->what, kind))
       used +=
           (size_t)snprintf(words + used, sizeof words - used, "%s%s", used ? " " : "", names[journal.entries[i]->what]);

@@ -52,8 +52,7 @@ const size_t status_count = COUNT_OF(statuses);
 const char* status_name(int64_t status) {
   static char number[2][32];
   static int next;
-  size_t i;
-  for (i = 0; i < status_count; ++i)
+  for (size_t i = 0; i < status_count; ++i)
     if (statuses[i].number == status) return statuses[i].name;
   next = !next;
   snprintf(number[next], sizeof number[next], "%lld", (long long)status);

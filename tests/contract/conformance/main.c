@@ -43,8 +43,7 @@ static int bad_usage(const char* what, const char* detail) {
 
 /* 0, or the exit status. */
 static int read_command(int argc, char** argv, command* out) {
-  int i;
-  for (i = 1; i < argc; ++i) {
+  for (int i = 1; i < argc; ++i) {
     const char* word = argv[i];
     const bool takes_value = strcmp(word, "--only") == 0 || strcmp(word, "--limit") == 0;
     if (takes_value && i + 1 == argc) return bad_usage("a value is missing behind ", word);
@@ -134,8 +133,7 @@ static void print_case(const conformance_case* of, const result* found) {
 /* Runs or lists the selected cases. */
 static void go_through(const command* chosen, unsigned counts[3]) {
   bool first = true;
-  size_t i;
-  for (i = 0; i < COUNT_OF(groups); ++i) {
+  for (size_t i = 0; i < COUNT_OF(groups); ++i) {
     const conformance_case* of;
     for (of = groups[i]; of->name; ++of) {
       result found;
@@ -156,7 +154,6 @@ static void go_through(const command* chosen, unsigned counts[3]) {
 /* 0, or the exit status if the library cannot be tested. */
 static int check_library(const char* path) {
   const char* why = library_open(path);
-  uint32_t abi;
   if (why) {
     fprintf(stderr, "odograph-host-conformance: %s\n", why);
     return 2;
@@ -165,7 +162,7 @@ static int check_library(const char* path) {
     fprintf(stderr, "odograph-host-conformance: %s is no libodograph: it has no odo_abi_version\n", path);
     return 2;
   }
-  abi = odo.abi_version();
+  uint32_t abi = odo.abi_version();
   if (abi >> 16 == ODO_ABI_MAJOR) return 0;
   fprintf(
       stderr,

@@ -51,16 +51,12 @@ static const odo_parameter parameters[] = {{sizeof(odo_parameter),
 
 #if defined(PROBE_MODULE)
 static probe_handler handler_of(const odo_host* host) {
-  const probe_service* service;
   if (!host || !ODO_HAS(host, get_service) || !host->get_service) return 0;
-  service = (const probe_service*)host->get_service(host, PROBE_SERVICE, sizeof PROBE_SERVICE - 1);
+  const probe_service* service = (const probe_service*)host->get_service(host, PROBE_SERVICE, sizeof PROBE_SERVICE - 1);
   return service ? service->called : 0;
 }
 #else
-static probe_handler handler_of(const odo_host* host) {
-  (void)host;
-  return probe_called;
-}
+static probe_handler handler_of(const odo_host* host) { return probe_called; }
 #endif
 
 static int64_t forward(probe_call* call, uint32_t what, const odo_host* host) {
@@ -84,13 +80,12 @@ static void copy_text(char* to, size_t capacity, const odo_string* from) {
 
 static int32_t create(const odo_host* host, uint32_t number, const odo_string* kind, odo_instance** out, int variant) {
   odo_instance* self = (odo_instance*)calloc(1, sizeof *self);
-  int32_t status;
   if (!self) return ODO_E_MEMORY;
   self->host = host;
   self->number = number;
   copy_text(self->plugin, sizeof self->plugin, &ids[variant]);
   copy_text(self->kind, sizeof self->kind, kind);
-  status = (int32_t)of_instance(self, PROBE_CREATE);
+  int32_t status = (int32_t)of_instance(self, PROBE_CREATE);
   if (status < 0)
     free(self);
   else
@@ -181,7 +176,6 @@ static void put_table(odo_plugin* table, int variant) {
 static int32_t enter(const odo_host* host, odo_plugin* out, int variant) {
   odo_plugin table;
   probe_call call;
-  uint32_t size;
   if (!host || !out) return ODO_E_ARGUMENT;
   if (!ODO_HOST_FITS(host)) return ODO_E_VERSION;
   memset(&call, 0, sizeof call);
@@ -189,7 +183,7 @@ static int32_t enter(const odo_host* host, odo_plugin* out, int variant) {
   call.data = out;
   forward(&call, PROBE_ENTRY, host);
   put_table(&table, variant);
-  size = out->struct_size < table.struct_size ? out->struct_size : table.struct_size;
+  uint32_t size = out->struct_size < table.struct_size ? out->struct_size : table.struct_size;
   memcpy(out, &table, size);
   out->struct_size = size;
   return ODO_OK;

@@ -97,11 +97,10 @@ static void put_earth_field(void* out, int64_t t_ns) {
 
 static void put_platform_pose(void* out, int64_t t_ns) {
   odo_platform_pose* pose = (odo_platform_pose*)out;
-  int i;
   put_header(pose, sizeof *pose, ODO_TYPE_PLATFORM_POSE, t_ns);
   pose->header.flags = ODO_PLATFORM_POSE_COVARIANCE;
   pose->q_w[0] = 1;
-  for (i = 0; i < 6; ++i) pose->covariance[7 * i] = 0.01;
+  for (int i = 0; i < 6; ++i) pose->covariance[7 * i] = 0.01;
   pose->state = ODO_TRACKING;
 }
 
@@ -168,7 +167,6 @@ static int32_t answer_imu(odo_instance* instance, const odo_header* message) {
 static int32_t answer_frame(odo_instance* instance, const odo_header* message) {
   odo_vo_motion motion;
   const int64_t from_ns = last_motion_ns;
-  int i;
   last_motion_ns = message->t_ns;
   if (from_ns == 0) return ODO_OK;
   put_header(&motion, sizeof motion, ODO_TYPE_VO_MOTION, message->t_ns);
@@ -176,7 +174,7 @@ static int32_t answer_frame(odo_instance* instance, const odo_header* message) {
   motion.t_from_ns = from_ns;
   motion.q_c0_c1[0] = 1;
   motion.p_c0_c1[0] = (double)(message->t_ns - from_ns) * 1e-9;
-  for (i = 0; i < 6; ++i) motion.covariance[7 * i] = 1e-4;
+  for (int i = 0; i < 6; ++i) motion.covariance[7 * i] = 1e-4;
   motion.camera = message->source;
   motion.state = ODO_TRACKING;
   motion.tracked = motion.inliers = 100;
@@ -220,9 +218,8 @@ void walk_second(app* self, int second) {
 /* ---- loans ---- */
 static int32_t ODO_CALL retain(void* owner) {
   lent* self = (lent*)owner;
-  int32_t status;
   pthread_mutex_lock(&self->lock);
-  status = self->refuse ? ODO_E_EXHAUSTED : ODO_OK;
+  int32_t status = self->refuse ? ODO_E_EXHAUSTED : ODO_OK;
   if (!self->refuse) ++self->retains;
   pthread_mutex_unlock(&self->lock);
   return status;
@@ -240,11 +237,6 @@ static const void* ODO_CALL native(void* owner, const char* id, uint64_t id_size
   return id_size == sizeof ODO_NATIVE_HARDWARE_BUFFER - 1 && memcmp(id, ODO_NATIVE_HARDWARE_BUFFER, id_size) == 0
              ? self->native
              : NULL;
-}
-
-void lent_init(lent* self) {
-  memset(self, 0, sizeof *self);
-  pthread_mutex_init(&self->lock, NULL);
 }
 
 void lend(odo_loan* loan, lent* self) {

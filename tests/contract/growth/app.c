@@ -66,10 +66,9 @@ static int write_recording(const char* path) {
   union message m;
   struct large large;
   int32_t worst = ODO_OK;
-  int i;
   file.data = path, file.size = strlen(path);
   if (recorder_create(&file, &recorder, NULL) != ODO_OK) return 3;
-  for (i = 0; i < 100; ++i) {
+  for (int i = 0; i < 100; ++i) {
     const int64_t t_ns = 1000000000 + i * (int64_t)10000000;
     fill(&m, ODO_TYPE_IMU, t_ns), worst |= recorder_write(recorder, &m.header, NULL, 0);
     if (i != 50) continue;
@@ -90,13 +89,12 @@ static int32_t push_rest(int32_t (*push)(odo_session*, const odo_header*), odo_s
   union message m;
   odo_header question;
   int32_t worst = ODO_OK;
-  int i;
   fill(&m, ODO_TYPE_FRAME, 2000000000), m.frame.planes[0].data = pixels;
   worst |= push(session, &m.header);
   memset(&question, 0, sizeof question);
   question.struct_size = sizeof question, question.type = QUESTION, question.t_ns = 2100000000;
   worst |= push(session, &question);
-  for (i = 100; i < 130; ++i)
+  for (int i = 100; i < 130; ++i)
     fill(&m, ODO_TYPE_IMU, 1000000000 + i * (int64_t)10000000), worst |= push(session, &m.header);
   return worst;
 }
@@ -124,9 +122,8 @@ static int load_state(odo_session* session, const char* path) {
   LOAD(int32_t, session_load, (odo_session*, const void*, uint64_t));
   static char data[65536];
   FILE* file = fopen(path, "rb");
-  size_t size;
   if (!file) return 0;
-  size = fread(data, 1, sizeof data, file);
+  size_t size = fread(data, 1, sizeof data, file);
   fclose(file);
   expect(session_load(session, data, size), ODO_OK, "odo_session_load");
   return 1;
@@ -201,8 +198,7 @@ static int run(char** argv) {
   odo_session_options options;
   odo_error error;
   odo_session* session;
-  int i, loaded;
-  for (i = 0; i < (int)MAX_ROWS; ++i) seen.grown[i] = -2;
+  for (int i = 0; i < (int)MAX_ROWS; ++i) seen.grown[i] = -2;
   memset(&options, 0, sizeof options), memset(&error, 0, sizeof error);
   error.struct_size = sizeof error;
   options.struct_size = sizeof options, options.run = ODO_RUN_REPLAY;
@@ -210,7 +206,7 @@ static int run(char** argv) {
   options.plugin_path.data = argv[5], options.plugin_path.size = strlen(argv[5]);
   if (session_create(&options, &session, &error) != ODO_OK) return printf("  %s\n", error.message), 3;
   session_set_callback(session, NULL, ODO_ALL_EVENTS, on_event, NULL);
-  loaded = load_state(session, argv[6]);
+  int loaded = load_state(session, argv[6]);
   expect(replay(session, argv[3]), ODO_OK, "the worst status");
   expect(seen.answer.header.type == ANSWER, 1, "an answer came");
   check_messages(host_is_new, plugin_is_new, recorded_is_new);

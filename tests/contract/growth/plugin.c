@@ -24,12 +24,11 @@ struct state {
 };
 
 static int32_t ODO_CALL create(const odo_host* host, uint32_t number, const odo_string* kind, odo_instance** out) {
-  uint32_t i;
   (void)kind;
   *out = (odo_instance*)calloc(1, sizeof **out);
   if (!*out) return ODO_E_MEMORY;
   (*out)->host = host, (*out)->number = number;
-  for (i = 0; i < MAX_ROWS; ++i) (*out)->answer.grown[i] = -2;
+  for (uint32_t i = 0; i < MAX_ROWS; ++i) (*out)->answer.grown[i] = -2;
   return ODO_OK;
 }
 
@@ -49,9 +48,9 @@ static int32_t ODO_CALL activate(odo_instance* self, const odo_sink* sink) {
   const odo_report_service* report = (const odo_report_service*)service(self, ODO_SERVICE_REPORT);
   const odo_random_service* random = (const odo_random_service*)service(self, ODO_SERVICE_RANDOM);
   const odo_string key = {"every", 5}, text = {"a report", 8};
-  uint32_t i, found = 0;
+  uint32_t found = 0;
   self->sink = sink;
-  for (i = 0; i < 5; ++i) found |= (service(self, ids[i]) != NULL) << i;
+  for (uint32_t i = 0; i < 5; ++i) found |= (service(self, ids[i]) != NULL) << i;
   self->answer.services = found;
   if (random) self->answer.seed = (double)(random->seed(self->host, self->number, 3) % 100000);
   if (report) report->report(self->host, self->number, ODO_SEVERITY_INFO, &key, &text);
@@ -63,8 +62,7 @@ static const uint32_t events[] = {ODO_TYPE_STEP, ODO_TYPE_MOTION_MODE, ODO_TYPE_
 
 static int32_t answer(odo_instance* self, int64_t t_ns) {
   union message event;
-  size_t i;
-  for (i = 0; i < sizeof events / sizeof *events; ++i) {
+  for (size_t i = 0; i < sizeof events / sizeof *events; ++i) {
     fill(&event, events[i], t_ns);
     if (self->sink->emit(self->sink, &event.header) < 0) return ODO_E_ERROR;
   }
@@ -74,8 +72,7 @@ static int32_t answer(odo_instance* self, int64_t t_ns) {
 }
 
 static int32_t ODO_CALL process(odo_instance* self, const odo_batch* batch) {
-  uint32_t i;
-  for (i = 0; i < batch->count; ++i) {
+  for (uint32_t i = 0; i < batch->count; ++i) {
     const odo_header* message = batch->messages[i];
     const uint32_t row = row_of(message->type);
     union message attitude;

@@ -54,7 +54,7 @@ int main(int argc, char** argv) {
   odo_plugin_entry entries[2] = {NULL, NULL};
   odo_plugin tables[2];
   odo_host host;
-  int i, wrong = 0;
+  int wrong = 0;
   memset(&host, 0, sizeof host), memset(tables, 0, sizeof tables);
   host.struct_size = sizeof host, host.abi_minor = ODO_ABI_MINOR, host.get_service = get_service;
   host.abi_major_min = host.abi_major_max = ODO_ABI_MAJOR;
@@ -62,16 +62,16 @@ int main(int argc, char** argv) {
   (void)argc, (void)argv;
   entries[0] = twin_entry_1, entries[1] = twin_entry_2;
 #else
-  for (i = 0; i < 2 && argc == 3; ++i) {
+  for (int i = 0; i < 2 && argc == 3; ++i) {
     void* library = dlopen(argv[i + 1], RTLD_NOW | RTLD_LOCAL);
     if (library) *(void**)(&entries[i]) = dlsym(library, ODO_PLUGIN_ENTRY_SYMBOL);
   }
 #endif
-  for (i = 0; i < 2; ++i) {
+  for (int i = 0; i < 2; ++i) {
     tables[i].struct_size = sizeof tables[i];
     if (!entries[i] || entries[i](&host, &tables[i]) != ODO_OK) return puts("an entry is missing or refuses"), 1;
   }
-  for (i = 0; i < 2; ++i) {
+  for (int i = 0; i < 2; ++i) {
     const double gain = run(&host, &tables[i]);
     const int is_own = tables[i].id.size == strlen(ids[i]) && memcmp(tables[i].id.data, ids[i], tables[i].id.size) == 0;
     if (is_own && gain == i + 1) continue;
