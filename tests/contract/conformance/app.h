@@ -65,6 +65,7 @@ void push_rest_between(app* self, int64_t from_ns, int64_t to_ns);
 /* The same on a clock that was set back, and flushes. */
 void push_set_back(app* self, int64_t from_ns, int64_t to_ns);
 void put_barometer(odo_barometer* out, int64_t t_ns);
+int32_t push_barometer(app* self, int64_t t_ns);
 void put_calibration(odo_calibration* out, uint32_t camera, int64_t t_ns);
 /* A grey frame of 64 x 48 pixels without retain and release. */
 void put_frame(odo_frame* out, uint32_t camera, int64_t t_ns);

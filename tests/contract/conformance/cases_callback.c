@@ -128,12 +128,10 @@ static void it_may_call(int run) {
 static int pushed_within, processed_within;
 static bool run_is_live;
 static void push_within(app* self, const odo_header* event) {
-  odo_barometer sample;
   if (event->type != PROBE_EVENT || pushed_within >= 20 || event->t_ns % (10 * MS) != 0) return;
   size_t before = given_count(ODO_TYPE_BAROMETER, FIXER);
   ++pushed_within;
-  put_barometer(&sample, event->t_ns + MS);
-  EXPECT(push(self, &sample), ODO_OK);
+  EXPECT(push_barometer(self, event->t_ns + MS), ODO_OK);
   processed_within += run_is_live ? 0 : given_count(ODO_TYPE_BAROMETER, FIXER) != before;
 }
 

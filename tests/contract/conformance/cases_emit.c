@@ -83,11 +83,9 @@ static int32_t emit_by_other(odo_instance* instance, const odo_header* message) 
 }
 
 static void emit_of_another_instance(int unused) {
-  odo_barometer sample;
   hooks.on_message = emit_by_other;
   app* self = app_open(FIXER_ALONE "  - plugin: conformance/probe\n", ODO_RUN_REPLAY);
-  put_barometer(&sample, T0);
-  EXPECT(push(self, &sample), ODO_OK);
+  EXPECT(push_barometer(self, T0), ODO_OK);
   app_flush(self);
   CHECK(plan.calls == 1, "the two instances were not both called");
   CHECK(plan.status == ODO_E_STATE, "emit = %s; expected ODO_E_STATE", status_name(plan.status));
@@ -108,11 +106,9 @@ static int32_t emit_by_thread(odo_instance* instance, const odo_header* message)
 }
 
 static void emit_of_another_thread(int unused) {
-  odo_barometer sample;
   hooks.on_message = emit_by_thread;
   app* self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
-  put_barometer(&sample, T0);
-  EXPECT(push(self, &sample), ODO_OK);
+  EXPECT(push_barometer(self, T0), ODO_OK);
   app_flush(self);
   CHECK(plan.status == ODO_E_STATE, "emit = %s; expected ODO_E_STATE", status_name(plan.status));
   CHECK(app_events(self, PROBE_EVENT) == 0, "the event was published");
@@ -137,9 +133,7 @@ static int32_t emit_many(odo_instance* instance, const odo_header* message) {
 static app* open_and_push(int samples) {
   app* self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
   for (int i = 0; i < samples; ++i) {
-    odo_barometer sample;
-    put_barometer(&sample, T0 + i * 10 * MS);
-    EXPECT(push(self, &sample), ODO_OK);
+    EXPECT(push_barometer(self, T0 + i * 10 * MS), ODO_OK);
     app_flush(self);
   }
   return self;

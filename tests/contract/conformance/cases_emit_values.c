@@ -26,13 +26,11 @@ static int32_t offer_with_barometer(odo_instance* instance, const odo_header* me
 
 /* Within a walk, so that there is a position to fix. */
 static app* offer(void) {
-  odo_barometer sample;
   hooks.on_message = offer_with_barometer;
   app* self = app_open(CAMERA_WALK, ODO_RUN_REPLAY);
   walk_second(self, 0);
   walk_second(self, 1);
-  put_barometer(&sample, T0 + 1995 * MS);
-  EXPECT(push(self, &sample), ODO_OK);
+  EXPECT(push_barometer(self, T0 + 1995 * MS), ODO_OK);
   walk_second(self, 2);
   app_flush(self);
   CHECK(offers == 1, "the fixer was not called");
@@ -129,11 +127,7 @@ static void correction_comes_first(int unused) {
   app* self = app_open(CAMERA_WALK "coupling:\n  fix_gate: 0\n", ODO_RUN_REPLAY);
   walk_second(self, 0);
   walk_second(self, 1);
-  {
-    odo_barometer sample;
-    put_barometer(&sample, T0 + 1995 * MS);
-    EXPECT(push(self, &sample), ODO_OK);
-  }
+  EXPECT(push_barometer(self, T0 + 1995 * MS), ODO_OK);
   walk_second(self, 2);
   app_flush(self);
   for (size_t i = 0; i < self->count && !checked; ++i) {

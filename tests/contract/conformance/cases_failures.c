@@ -49,9 +49,7 @@ static app* run_failing(int32_t status, int times, int count) {
   hooks.on_call = fail_call;
   app* self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
   for (int i = 0; i < count; ++i) {
-    odo_barometer sample;
-    put_barometer(&sample, T0 + i * SECOND);
-    EXPECT(push(self, &sample), ODO_OK);
+    EXPECT(push_barometer(self, T0 + i * SECOND), ODO_OK);
     app_flush(self);
   }
   return self;

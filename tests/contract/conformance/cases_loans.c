@@ -67,10 +67,8 @@ static void queue_full(int unused) {
   int refused = 0;
   push_rest_between(self, T0, T0 + 10 * MS); /* frames wait for this sensor */
   for (int i = 1; i <= 40; ++i) {            /* two messages each: more than the queue's capacity */
-    odo_barometer sample;
     int32_t status;
-    put_barometer(&sample, T0 + i * 50 * MS);
-    push(self, &sample);
+    push_barometer(self, T0 + i * 50 * MS);
     status = push_lent(self, &memory, T0 + i * 50 * MS);
     refused += status == ODO_E_EXHAUSTED;
     CHECK(status == ODO_OK || status == ODO_E_EXHAUSTED, "odo_session_push = %s", status_name(status));

@@ -5,12 +5,6 @@
 
 #include <string.h>
 
-static int32_t push_barometer(app* self, int64_t t_ns) {
-  odo_barometer sample;
-  put_barometer(&sample, t_ns);
-  return push(self, &sample);
-}
-
 static int32_t push_magnetometer(app* self, int64_t t_ns) {
   odo_magnetometer sample;
   sample_kinds[1].put(&sample, t_ns);

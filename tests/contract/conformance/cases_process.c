@@ -85,14 +85,12 @@ static void crash_is_noted(int unused) {
   pid_t child = fork();
   if (child == 0) {
     odo_session_options chosen = app_options(FIXER_ALONE, ODO_RUN_REPLAY);
-    odo_barometer sample;
     app* self;
     dup2(note_pipe[1], STDERR_FILENO);
     chosen.flags = ODO_SESSION_CRASH_NOTES;
     hooks.on_message = crash;
     self = app_open_options(&chosen);
-    put_barometer(&sample, T0);
-    push(self, &sample);
+    push_barometer(self, T0);
     odo.session_flush(self->session);
     _exit(0);
   }

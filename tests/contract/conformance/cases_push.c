@@ -83,11 +83,9 @@ static void undeclared_is_counted(int unused) {
 
 static void unknown_is_ordered(int unused) {
   app* self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
-  odo_barometer sample;
   odo_header* message = pattern(48, PROBE_MESSAGE, T0 + 10 * MS);
   const journal_entry *first, *second;
-  put_barometer(&sample, T0 + 20 * MS);
-  EXPECT(push(self, &sample), ODO_OK);
+  EXPECT(push_barometer(self, T0 + 20 * MS), ODO_OK);
   EXPECT(push(self, message), ODO_OK);
   app_flush(self);
   first = journal_find(PROBE_GIVEN, FIXER, 0), second = journal_find(PROBE_GIVEN, FIXER, 1);

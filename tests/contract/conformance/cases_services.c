@@ -69,11 +69,9 @@ static int32_t report_thrice(odo_instance* instance, const odo_header* message) 
 }
 
 static void reports_are_events(int unused) {
-  odo_barometer sample;
   hooks.on_message = report_thrice;
   app* self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
-  put_barometer(&sample, T0);
-  EXPECT(push(self, &sample), ODO_OK);
+  EXPECT(push_barometer(self, T0), ODO_OK);
   app_flush(self);
   REQUIRE(app_events(self, ODO_TYPE_REPORT) == 1, "%u reports of one key came in a moment; expected 1",
           (unsigned)app_events(self, ODO_TYPE_REPORT));
@@ -86,8 +84,7 @@ static void reports_are_events(int unused) {
   CHECK(report->header.source == journal_find(PROBE_CREATE, FIXER, 0)->number, "its source is %u",
         report->header.source);
   sleep_ms(1100);
-  put_barometer(&sample, T0 + SECOND);
-  EXPECT(push(self, &sample), ODO_OK);
+  EXPECT(push_barometer(self, T0 + SECOND), ODO_OK);
   app_flush(self);
   report = (const odo_report*)(const void*)app_event(self, ODO_TYPE_REPORT, 1);
   REQUIRE(report, "a second later there was no report");

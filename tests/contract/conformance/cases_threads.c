@@ -175,11 +175,7 @@ static void replay_has_one_owner(int unused) {
   app* self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
   start(&thread, push_one, self);
   for (int i = 0; i < 100 && given_count(ODO_TYPE_IMU, FIXER) == 0; ++i) sleep_ms(1);
-  {
-    odo_barometer sample;
-    put_barometer(&sample, T0 + 100 * MS);
-    push(self, &sample);
-  }
+  push_barometer(self, T0 + 100 * MS);
   pthread_join(thread, NULL);
   app_flush(self);
   CHECK(journal_overlaps() == 0, "calls of one instance overlapped");

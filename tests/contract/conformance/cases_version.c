@@ -90,14 +90,12 @@ static int32_t ask_for_call(odo_instance* instance, const odo_header* message) {
 }
 
 static void current_call_is_named(int unused) {
-  odo_barometer sample;
   char outside[64];
   NEED(current_plugin_call);
   hooks.on_message = ask_for_call;
   app* self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
   CHECK(odo.current_plugin_call(outside, sizeof outside) == 0, "there is a call outside of any plugin's");
-  put_barometer(&sample, T0);
-  EXPECT(push(self, &sample), ODO_OK);
+  EXPECT(push_barometer(self, T0), ODO_OK);
   app_flush(self);
   CHECK(strcmp(within, "conformance/probe in process") == 0, "within process it gives \"%s\"", within);
   CHECK(within_size == strlen("conformance/probe in process"), "it returned %llu", (unsigned long long)within_size);

@@ -48,6 +48,12 @@ void put_barometer(odo_barometer* out, int64_t t_ns) {
   out->pressure_pa = 101325;
 }
 
+int32_t push_barometer(app* self, int64_t t_ns) {
+  odo_barometer sample;
+  put_barometer(&sample, t_ns);
+  return push(self, &sample);
+}
+
 static void put_magnetometer(void* out, int64_t t_ns) {
   odo_magnetometer* field = (odo_magnetometer*)out;
   put_header(field, sizeof *field, ODO_TYPE_MAGNETOMETER, t_ns);
