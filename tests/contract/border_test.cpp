@@ -152,8 +152,7 @@ TEST_CASE("a saved state whose plugin's part is rejected is restored in part, an
   sign_state(blob);
   App after(yaml);
   CHECK(odo_session_load(after.session, blob.data(), blob.size()) == ODO_PARTIAL);
-  odo_error error{};
-  error.struct_size = sizeof error;
+  odo_error error{sizeof error, ODO_OK, {}};
   CHECK(odo_session_last_error(after.session, &error) == ODO_OK);
   CHECK(std::string(error.message).find("saved state rejected by: step/odograph") != std::string::npos);
   CHECK(odo_anchor_list(after.session, nullptr, 0) == 1);
@@ -180,8 +179,7 @@ TEST_CASE("relative names in a config's text are searched in asset_path alone, t
     o.config_text = {yaml.data(), yaml.size()}, o.config_path = {file.data(), file.size()};
     o.asset_path = {assets.data(), assets.size()};
     odo_session* session = nullptr;
-    odo_error error{};
-    error.struct_size = sizeof error;
+    odo_error error{sizeof error, ODO_OK, {}};
     odo_session_create(&o, &session, &error);
     odo_session_destroy(session);
     return std::string(error.message);

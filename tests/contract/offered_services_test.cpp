@@ -72,8 +72,7 @@ Outcome outcome(const std::string& isolation) {
   o.asset_path = {asset_path.data(), asset_path.size()};
   o.user = &out.asked;
   o.get_service = offer;
-  odo_error error{};
-  error.struct_size = sizeof error;
+  odo_error error{sizeof error, ODO_OK, {}};
   odo_session* session = nullptr;
   REQUIRE_MESSAGE(odo_session_create(&o, &session, &error) == ODO_OK, std::string(error.message));
   const auto on_report = [](void* user, const odo_header* event) {

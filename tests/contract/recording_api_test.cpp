@@ -77,8 +77,7 @@ TEST_CASE("a truncated recording is read up to its end, and a file that is not a
     std::filesystem::resize_file(path, whole - static_cast<uintmax_t>(cut));
     odo_recording* in = recording(path);
     REQUIRE(in);
-    odo_error loss{};
-    loss.struct_size = sizeof loss;
+    odo_error loss{sizeof loss, ODO_OK, {}};
     CHECK(odo_recording_loss(in, &loss) == ODO_OK);
     CHECK(loss.status == (cut > 0 ? ODO_E_DATA : ODO_OK));
     CHECK(std::string(loss.message).find(words) != std::string::npos);
@@ -200,8 +199,7 @@ TEST_CASE("the second recorder on a path is rejected, for new and existing files
   for (const int32_t count : {1000, 300}) {  // a new file, then one beside an existing one
     odo_recorder* first = recorder(path);
     odo_recorder* second = nullptr;
-    odo_error error{};
-    error.struct_size = sizeof error;
+    odo_error error{sizeof error, ODO_OK, {}};
     CHECK(odo_recorder_create(&name, &second, &error) == ODO_E_STATE);
     CHECK(second == nullptr);
     CHECK(std::string(error.message).find("is being written by another recorder") != std::string::npos);

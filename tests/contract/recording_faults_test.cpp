@@ -51,8 +51,7 @@ TEST_CASE("records that become unreadable after opening cost themselves alone, a
   }
   CHECK(times == std::vector<int64_t>{0, 1, 4, 5, 6, 7, 8});
   CHECK(std::count(statuses.begin(), statuses.end(), ODO_E_DATA) == 3);
-  odo_error loss{};
-  loss.struct_size = sizeof loss;
+  odo_error loss{sizeof loss, ODO_OK, {}};
   CHECK(odo_recording_loss(in, &loss) == ODO_OK);
   CHECK(loss.status == ODO_E_DATA);
   CHECK(std::string(loss.message) == "3 records could be read when it was opened, but not later");
@@ -72,8 +71,7 @@ TEST_CASE("a closed recording without messages is complete, an unclosed one is d
   CHECK(odo_recorder_close(recorder(folder / "empty.odo")) == ODO_OK);
   odo_recording* in = recording(folder / "empty.odo");
   REQUIRE(in);
-  odo_error loss{};
-  loss.struct_size = sizeof loss;
+  odo_error loss{sizeof loss, ODO_OK, {}};
   CHECK(odo_recording_loss(in, &loss) == ODO_OK);
   CHECK(loss.status == ODO_OK);
   const odo_header* message = nullptr;
@@ -111,8 +109,7 @@ TEST_CASE("what cannot be created, read or written is a failure of input and out
     const std::string text = path.string();
     const odo_string name{text.data(), text.size()};
     odo_recorder* recorder = nullptr;
-    odo_error error{};
-    error.struct_size = sizeof error;
+    odo_error error{sizeof error, ODO_OK, {}};
     CHECK(odo_recorder_create(&name, &recorder, &error) == ODO_E_IO);
     CHECK(error.status == ODO_E_IO);
     CHECK(std::string(error.message).find("cannot be written") != std::string::npos);

@@ -247,8 +247,7 @@ class Caller {
     statistics.struct_size = take<uint8_t>() < 200 ? static_cast<uint32_t>(sizeof statistics) : 4;
     odo_session_get_statistics(session_, &statistics);
     fuzz::require(std::isfinite(statistics.distance_m + statistics.scale_sigma), "statistics are numbers");
-    odo_error error{};
-    error.struct_size = sizeof error;
+    odo_error error{sizeof error, ODO_OK, {}};
     odo_session_last_error(session_, &error);
     double place[3], there[3];
     numbers(place, 3, 1);

@@ -72,8 +72,7 @@ inline odo_session* open(const std::string& pipeline, uint32_t run = ODO_RUN_REP
   options.struct_size = sizeof options;
   options.run = run;
   options.config_text = {yaml.data(), yaml.size()};
-  odo_error error{};
-  error.struct_size = sizeof error;
+  odo_error error{sizeof error, ODO_OK, {}};
   odo_session* session = nullptr;
   if (odo_session_create(&options, &session, &error) != ODO_OK) require(false, error.message);
   odo_session_set_callback(

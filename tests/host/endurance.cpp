@@ -110,8 +110,7 @@ odo_session* open(const std::string& yaml, const std::string& plugins) {
   options.run = ODO_RUN_REPLAY;
   options.config_text = {yaml.data(), yaml.size()};
   options.plugin_path = {plugins.data(), plugins.size()};
-  odo_error error{};
-  error.struct_size = sizeof error;
+  odo_error error{sizeof error, ODO_OK, {}};
   odo_session* session = nullptr;
   if (odo_session_create(&options, &session, &error) < 0) std::printf("FAILED: %s\n", error.message);
   return session;

@@ -41,8 +41,7 @@ int check(const std::string& attitude, const std::string& steps, const std::stri
   options.plugin_path = {plugins.data(), plugins.size()};
   odo_session* session = nullptr;
   const long before = allocations;
-  odo_error error{};
-  error.struct_size = sizeof error;
+  odo_error error{sizeof error, ODO_OK, {}};
   if (odo_session_create(&options, &session, &error) < 0) {
     std::printf("FAILED: %s\n", error.message);
     return 1;
@@ -76,8 +75,7 @@ int check_camera(const std::string& plugins) {
   options.config_text = {yaml.data(), yaml.size()};
   options.plugin_path = {plugins.data(), plugins.size()};
   odo_session* session = nullptr;
-  odo_error error{};
-  error.struct_size = sizeof error;
+  odo_error error{sizeof error, ODO_OK, {}};
   if (odo_session_create(&options, &session, &error) < 0) {
     std::printf("FAILED: %s\n", error.message);
     return 1;

@@ -39,8 +39,7 @@ Made make(const std::string& config, uint32_t run = ODO_RUN_REPLAY) {
   options.struct_size = sizeof options;
   options.run = run;
   options.config_text = str(config);
-  odo_error error{};
-  error.struct_size = sizeof error;
+  odo_error error{sizeof error, ODO_OK, {}};
   odo_session* session = nullptr;
   const int32_t status = odo_session_create(&options, &session, &error);
   return {status, error.message, session};

@@ -50,8 +50,7 @@ TEST_CASE("plugins that answer each other endlessly are cut off and reported") {
   CHECK(s.events_dropped >= 1);
   CHECK(s.steps > 100);  // for one sample
   CHECK(s.steps < 1000);
-  odo_error error{};
-  error.struct_size = sizeof error;
+  odo_error error{sizeof error, ODO_OK, {}};
   CHECK((odo_session_last_error(app.session, &error) == ODO_OK && error.status != ODO_OK));
   CHECK(std::string(error.message).find("in a loop") != std::string::npos);
 }
@@ -174,8 +173,7 @@ TEST_CASE("an outlier is rejected, counted and reported, and changes nothing tha
   auto field = make_message<odo_magnetometer>(ODO_TYPE_MAGNETOMETER, 30'000 * kMs);
   field.field_b[0] = 1e6;
   CHECK(odo_session_push(app.session, &field.header) == ODO_E_DISCARD);
-  odo_error error{};
-  error.struct_size = sizeof error;
+  odo_error error{sizeof error, ODO_OK, {}};
   odo_session_last_error(app.session, &error);
   CHECK(std::string(error.message).find("magnetometer: value outside the range") != std::string::npos);
 }

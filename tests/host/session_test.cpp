@@ -62,8 +62,7 @@ TEST_CASE("a live session with samples from several threads gives the replay's e
     while (!stop) {
       pose.header.struct_size = sizeof pose;
       odo_session_get_pose(live.session, ODO_TIME_LATEST, &pose);
-      odo_error error{};
-      error.struct_size = sizeof error;
+      odo_error error{sizeof error, ODO_OK, {}};
       odo_session_last_error(live.session, &error);
     }
   });
@@ -129,8 +128,7 @@ TEST_CASE("bad samples are counted, and the session recovers from them") {
   CHECK(s.invalid == 3);
   CHECK(s.late == 1);
   CHECK(s.duplicate == 1);
-  odo_error error{};
-  error.struct_size = sizeof error;
+  odo_error error{sizeof error, ODO_OK, {}};
   CHECK(odo_session_last_error(app.session, &error) == ODO_OK);
   CHECK(error.status != ODO_OK);
   CHECK(std::string(error.message).find("imu") != std::string::npos);
@@ -234,8 +232,7 @@ TEST_CASE("a config's camera takes precedence over pushed calibrations, and need
     pose.header.struct_size = sizeof pose;
     CHECK(odo_session_get_pose(app.session, 1'430'000'000, &pose) == ODO_OK);
     CHECK((pose.header.flags & ODO_POSE_CAMERA) != 0);
-    odo_error error{};
-    error.struct_size = sizeof error;
+    odo_error error{sizeof error, ODO_OK, {}};
     odo_session_last_error(app.session, &error);
     CHECK(std::string(error.message).find("calibration") == std::string::npos);  // every frame had the right size
   }

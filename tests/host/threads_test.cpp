@@ -44,8 +44,7 @@ void push_and_poll(odo_session* session, int thread, int round, std::atomic<uint
   pose.header.struct_size = sizeof pose;
   odo_session_get_pose(session, ODO_TIME_LATEST, &pose);
   odo_session_get_smooth_pose(session, t_ns, &pose);
-  odo_error error{};
-  error.struct_size = sizeof error;
+  odo_error error{sizeof error, ODO_OK, {}};
   odo_session_last_error(session, &error);
   odo_anchor_place place{};
   place.struct_size = sizeof place;

@@ -35,8 +35,7 @@ std::string refusal(const std::string& folders, const std::string& config) {
   options.struct_size = sizeof options;
   options.config_text = {config.data(), config.size()};
   options.plugin_path = {folders.data(), folders.size()};
-  odo_error error{};
-  error.struct_size = sizeof error;
+  odo_error error{sizeof error, ODO_OK, {}};
   odo_session* session = nullptr;
   if (odo_session_create(&options, &session, &error) != ODO_OK) return error.message;
   odo_session_destroy(session);

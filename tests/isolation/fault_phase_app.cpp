@@ -38,8 +38,7 @@ int main(int count, char** arguments) {
   options.flags = ODO_SESSION_CRASH_NOTES;
   options.config_text = {yaml.data(), yaml.size()};
   options.plugin_path = {folders.data(), folders.size()};
-  odo_error error{};
-  error.struct_size = sizeof error;
+  odo_error error{sizeof error, ODO_OK, {}};
   odo_session* session = nullptr;
   if (odo_session_create(&options, &session, &error) < 0) {
     std::fprintf(stderr, "%s\n", error.message);

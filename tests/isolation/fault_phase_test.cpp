@@ -262,8 +262,7 @@ TEST_CASE("an app can query a hanging call in a session's thread while it lasts"
   hang.sleep_ms = 9000;
   const auto start = std::chrono::steady_clock::now();
   CHECK(odo_session_push(app.session, &hang.header) == ODO_OK);
-  odo_error error{};
-  error.struct_size = sizeof error;
+  odo_error error{sizeof error, ODO_OK, {}};
   const auto named = [&] {
     odo_session_last_error(app.session, &error);
     return std::string(error.message).find("plugin test/obeys in process for ") != std::string::npos;

@@ -24,8 +24,7 @@ inline odo_recording* recording(const std::filesystem::path& path, int32_t expec
   odo_recording* made = nullptr;
   const std::string name = path.string();
   const odo_string file = text(name);
-  odo_error error{};
-  error.struct_size = sizeof error;
+  odo_error error{sizeof error, ODO_OK, {}};
   CHECK(odo_recording_open(&file, &made, &error) == expected);
   if (why) *why = error.message;
   return made;

@@ -33,8 +33,7 @@ class App {
     o.config_text = {yaml.data(), yaml.size()};
     const std::string folder = plugin_folder().string() + (plugins.empty() ? "" : kPlatform.path_separator + plugins);
     o.plugin_path = {folder.data(), folder.size()};
-    odo_error error{};
-    error.struct_size = sizeof error;
+    odo_error error{sizeof error, ODO_OK, {}};
     status = odo_session_create(&o, &session, &error);
     message = error.message;
     if (session) odo_session_set_callback(session, nullptr, ODO_ALL_EVENTS, on_event, this);

@@ -53,8 +53,7 @@ Result<SessionHandle> replay_session(const RunOptions& options) {
   o.plugin_path = {own->plugin_path.data(), own->plugin_path.size()};
   o.seed = own->seed;
   o.asset_path = {own->asset_path.data(), own->asset_path.size()};
-  odo_error error{};
-  error.struct_size = sizeof error;
+  odo_error error{sizeof error, ODO_OK, {}};
   odo_session* session = nullptr;
   if (const int32_t status = odo_session_create(&o, &session, &error); status != ODO_OK)
     return named_as(options.config, own->config, {status, error.message});

@@ -156,8 +156,7 @@ Result<bool> read_state(odo_session* session, const std::string& path) {
   bytes << file.rdbuf();
   const std::string blob = bytes.str();
   if (odo_session_load(session, blob.data(), blob.size()) == ODO_OK) return true;
-  odo_error error{};
-  error.struct_size = sizeof error;
+  odo_error error{sizeof error, ODO_OK, {}};
   odo_session_last_error(session, &error);
   return Failure{ODO_E_DATA, path + ": " + error.message};
 }
