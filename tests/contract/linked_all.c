@@ -24,9 +24,7 @@ int main(void) {
   size_t i;
   int failed = 0;
   for (i = 0; i < sizeof plugins / sizeof plugins[0]; ++i) {
-    odo_error error;
-    memset(&error, 0, sizeof error);
-    error.struct_size = sizeof error;
+    odo_error error = {.struct_size = sizeof error};
     if (odo_register_plugin(plugins[i].entry, &error) == ODO_OK) continue;
     printf("FAILED: %s: %s\n", plugins[i].name, error.message);
     failed = 1;

@@ -24,9 +24,7 @@ void need_plugins(void) {
 }
 
 odo_session_options app_options(const char* config, uint32_t run) {
-  odo_session_options chosen;
-  memset(&chosen, 0, sizeof chosen);
-  chosen.struct_size = sizeof chosen;
+  odo_session_options chosen = {.struct_size = sizeof chosen};
   chosen.run = run;
   chosen.config_text = string_of(config);
   if (options.plugin_folder) chosen.plugin_path = string_of(options.plugin_folder);
@@ -103,9 +101,7 @@ bool app_reported(app* self, const char* key_or_text) {
 }
 
 odo_statistics app_statistics(app* self) {
-  odo_statistics statistics;
-  memset(&statistics, 0, sizeof statistics);
-  statistics.struct_size = sizeof statistics;
+  odo_statistics statistics = {.struct_size = sizeof statistics};
   EXPECT(odo.session_get_statistics(self->session, &statistics), ODO_OK);
   return statistics;
 }

@@ -10,9 +10,7 @@
 #define START "  start: {position: [0 m, 0 m, 0 m], heading: 0}\n"
 
 static odo_anchor_place place_of(uint32_t kind) {
-  odo_anchor_place place;
-  memset(&place, 0, sizeof place);
-  place.struct_size = sizeof place;
+  odo_anchor_place place = {.struct_size = sizeof place};
   place.kind = kind;
   place.t_ns = ODO_TIME_LATEST;
   if (kind == ODO_ANCHOR_GEODETIC) {

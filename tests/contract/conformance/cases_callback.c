@@ -93,14 +93,13 @@ static void ended_from_within(int run) {
 
 /* ---- what it may call ---- */
 static void call_everything(app* self, const odo_header* event) {
-  odo_pose pose;
   odo_statistics counts;
   odo_error error;
   odo_anchor anchor;
   uint64_t ids[4];
   char text[64];
   if (event->type != PROBE_EVENT) return;
-  memset(&pose, 0, sizeof pose), pose.header.struct_size = sizeof pose;
+  odo_pose pose = {.header.struct_size = sizeof pose};
   memset(&counts, 0, sizeof counts), counts.struct_size = sizeof counts;
   memset(&error, 0, sizeof error), error.struct_size = sizeof error;
   memset(&anchor, 0, sizeof anchor), anchor.struct_size = sizeof anchor;

@@ -15,9 +15,7 @@ typedef struct view {
 } view;
 
 static odo_pose pose_in(app* self, uint32_t world, int64_t t_ns) {
-  odo_pose pose;
-  memset(&pose, 0, sizeof pose);
-  pose.header.struct_size = sizeof pose;
+  odo_pose pose = {.header.struct_size = sizeof pose};
   EXPECT(odo.session_get_pose_of(self->session, ODO_OF_PIPELINE, world, t_ns, &pose), ODO_OK);
   return pose;
 }
@@ -47,7 +45,6 @@ static double apart(const double* a, const double* b) {
 
 /* A walk of three seconds with an anchor seen after two, corrected by a fix 3 m beside its end. */
 static odo_correction corrected_walk(view* before, view* after) {
-  odo_anchor_place place;
   odo_barometer trigger;
   uint64_t anchor = 0;
   int second;
@@ -58,8 +55,7 @@ static odo_correction corrected_walk(view* before, view* after) {
   app* self = app_open(CAMERA_WALK, ODO_RUN_REPLAY);
   for (second = 0; second < 3; ++second) walk_second(self, second);
   app_flush(self);
-  memset(&place, 0, sizeof place);
-  place.struct_size = sizeof place;
+  odo_anchor_place place = {.struct_size = sizeof place};
   place.kind = ODO_ANCHOR_VIEW;
   place.t_ns = moments[1];
   place.p[2] = 4;
@@ -116,14 +112,12 @@ static void anchors_move_too(int unused) {
 
 /* `what`: 0: no extrinsics, 1: another world. */
 static void pose_is_refused(int what) {
-  odo_pose pose;
   NEED(session_get_pose_of);
   hooks.on_message = walk_message;
   app* self = app_open(CONFIG WITH_ATTITUDE WITH_STEPS, ODO_RUN_REPLAY);
   push_rest_between(self, T0, T0 + SECOND);
   app_flush(self);
-  memset(&pose, 0, sizeof pose);
-  pose.header.struct_size = sizeof pose;
+  odo_pose pose = {.header.struct_size = sizeof pose};
   EXPECT(odo.session_get_pose_of(self->session, ODO_OF_BODY, ODO_WORLD_SMOOTH, ODO_TIME_LATEST, &pose), ODO_OK);
   if (what == 0)
     EXPECT(odo.session_get_pose_of(self->session, ODO_OF_CAMERA, ODO_WORLD_SMOOTH, ODO_TIME_LATEST, &pose),

@@ -58,7 +58,7 @@ static int32_t pose_at(app* self, int64_t t_ns, odo_pose* pose) {
 }
 
 static void poses_of_a_walk(int unused) {
-  odo_pose pose, body;
+  odo_pose pose;
   NEED(session_get_pose);
   NEED(session_get_pose_of);
   hooks.on_message = walk_message;
@@ -80,7 +80,7 @@ static void poses_of_a_walk(int unused) {
   CHECK(pose.header.flags & ODO_POSE_EXTRAPOLATED, "a pose ahead is not flagged as extrapolated");
   EXPECT(pose_at(self, T0 + 60 * SECOND, &pose), ODO_E_NOT_FOUND);
   EXPECT(pose_at(self, T0 - 60 * SECOND, &pose), ODO_E_NOT_FOUND);
-  memset(&body, 0, sizeof body), body.header.struct_size = sizeof body;
+  odo_pose body = {.header.struct_size = sizeof body};
   EXPECT(odo.session_get_pose_of(self->session, ODO_OF_BODY, 0, ODO_TIME_LATEST, &body), ODO_OK);
   CHECK((body.header.flags & ODO_POSE_CAMERA) == 0, "the body's pose is flagged as the camera's");
   body.header.struct_size = sizeof body;

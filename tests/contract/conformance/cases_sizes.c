@@ -53,11 +53,9 @@ static const output outputs[] = {
     {"odo_recording_loss", sizeof(odo_error), ODO_ERROR_SIZE_MIN, fill_loss}};
 
 static void put_anchor(app* self) {
-  odo_anchor_place place;
   NEED(anchor_create);
   NEED(anchor_get);
-  memset(&place, 0, sizeof place);
-  place.struct_size = sizeof place;
+  odo_anchor_place place = {.struct_size = sizeof place};
   place.kind = ODO_ANCHOR_GEODETIC;
   place.height_above = ODO_HEIGHT_ELLIPSOID;
   EXPECT(odo.anchor_create(self->session, &place, &anchor_id), ODO_OK);
@@ -153,12 +151,10 @@ static void error_of_create(int unused) {
   static uint64_t aligned[(sizeof(odo_error) + SPARE) / 8];
   unsigned char* bytes = (unsigned char*)aligned;
   odo_error* error = (odo_error*)(void*)aligned;
-  odo_session_options chosen;
   odo_session* session;
   uint32_t capacity;
   NEED(session_create);
-  memset(&chosen, 0, sizeof chosen);
-  chosen.struct_size = sizeof chosen;
+  odo_session_options chosen = {.struct_size = sizeof chosen};
   for (capacity = 0; capacity <= sizeof aligned; capacity += 16) {
     memset(bytes, FILL, sizeof aligned);
     error->struct_size = capacity;

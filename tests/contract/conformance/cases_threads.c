@@ -71,12 +71,10 @@ static int torn;
 static void* ask_for_poses(void* user) {
   app* self = (app*)user;
   while (!stop) {
-    odo_pose pose;
     odo_statistics counts;
     int32_t status;
     double norm = 0;
-    memset(&pose, 0, sizeof pose);
-    pose.header.struct_size = sizeof pose;
+    odo_pose pose = {.header.struct_size = sizeof pose};
     status = odo.session_get_pose(self->session, ODO_TIME_LATEST, &pose);
     for (int i = 0; i < 4; ++i) norm += pose.q_n[i] * pose.q_n[i];
     torn += status == ODO_OK && (norm < 0.999 || norm > 1.001);
@@ -191,9 +189,7 @@ static void statistics_do_not_wait(int unused) {
   slow.to = self;
   start(&thread, push_sensor, &slow);
   for (int i = 0; i < 200; ++i) {
-    odo_pose pose;
-    memset(&pose, 0, sizeof pose);
-    pose.header.struct_size = sizeof pose;
+    odo_pose pose = {.header.struct_size = sizeof pose};
     start_s = now_s();
     odo.session_get_pose(self->session, ODO_TIME_LATEST, &pose);
     app_statistics(self);

@@ -59,11 +59,9 @@ static void numbers_have_words(int unused) {
 
 static void null_is_an_argument(int unused) {
   odo_session* session = (odo_session*)&session;
-  odo_session_options chosen;
   odo_error error = {sizeof error, 0, ""};
   NEED(session_create);
-  memset(&chosen, 0, sizeof chosen);
-  chosen.struct_size = sizeof chosen;
+  odo_session_options chosen = {.struct_size = sizeof chosen};
   EXPECT(odo.session_create(NULL, &session, &error), ODO_E_ARGUMENT);
   CHECK(session == NULL, "*session is not null after a failure");
   CHECK(error.message[0] && memchr(error.message, 0, sizeof error.message), "no reason was written");

@@ -66,9 +66,7 @@ static int64_t forward(probe_call* call, uint32_t what, const odo_host* host) {
 }
 
 static int64_t of_instance(odo_instance* self, uint32_t what) {
-  probe_call call;
-  memset(&call, 0, sizeof call);
-  call.instance = self;
+  probe_call call = {.instance = self};
   return forward(&call, what, self->host);
 }
 
@@ -94,10 +92,7 @@ static int32_t create(const odo_host* host, uint32_t number, const odo_string* k
 }
 
 static int32_t configure(odo_instance* self, const odo_value* values, uint32_t count, uint32_t stride) {
-  probe_call call;
-  memset(&call, 0, sizeof call);
-  call.instance = self;
-  call.values = values, call.count = count, call.size = stride;
+  probe_call call = {.instance = self, .values = values, .count = count, .size = stride};
   return (int32_t)forward(&call, PROBE_CONFIGURE, self->host);
 }
 
@@ -107,10 +102,7 @@ static int32_t activate(odo_instance* self, const odo_sink* sink) {
 }
 
 static int32_t process(odo_instance* self, const odo_batch* batch) {
-  probe_call call;
-  memset(&call, 0, sizeof call);
-  call.instance = self;
-  call.batch = batch;
+  probe_call call = {.instance = self, .batch = batch};
   return (int32_t)forward(&call, PROBE_PROCESS, self->host);
 }
 
@@ -122,18 +114,12 @@ static void destroy(odo_instance* self) {
 static int32_t reset(odo_instance* self) { return (int32_t)of_instance(self, PROBE_RESET); }
 
 static int64_t save(odo_instance* self, void* data, uint64_t capacity) {
-  probe_call call;
-  memset(&call, 0, sizeof call);
-  call.instance = self;
-  call.data = data, call.size = capacity;
+  probe_call call = {.instance = self, .data = data, .size = capacity};
   return forward(&call, PROBE_SAVE, self->host);
 }
 
 static int32_t load(odo_instance* self, const void* data, uint64_t size) {
-  probe_call call;
-  memset(&call, 0, sizeof call);
-  call.instance = self;
-  call.blob = data, call.size = size;
+  probe_call call = {.instance = self, .blob = data, .size = size};
   return (int32_t)forward(&call, PROBE_LOAD, self->host);
 }
 
@@ -175,15 +161,12 @@ static void put_table(odo_plugin* table, int variant) {
 
 static int32_t enter(const odo_host* host, odo_plugin* out, int variant) {
   odo_plugin table;
-  probe_call call;
   if (!host || !out) return ODO_E_ARGUMENT;
   if (!ODO_HOST_FITS(host)) return ODO_E_VERSION;
-  memset(&call, 0, sizeof call);
-  call.host = host;
-  call.data = out;
+  probe_call call = {.host = host, .data = out};
   forward(&call, PROBE_ENTRY, host);
   put_table(&table, variant);
-  uint32_t size = out->struct_size < table.struct_size ? out->struct_size : table.struct_size;
+  const uint32_t size = out->struct_size < table.struct_size ? out->struct_size : table.struct_size;
   memcpy(out, &table, size);
   out->struct_size = size;
   return ODO_OK;
