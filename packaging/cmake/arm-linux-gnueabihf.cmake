@@ -5,5 +5,6 @@ set(CMAKE_SYSTEM_NAME Linux)
 set(CMAKE_SYSTEM_PROCESSOR armv7l)
 set(triplet arm-linux-gnueabihf)
 set(CMAKE_LIBRARY_ARCHITECTURE ${triplet})
+set(CMAKE_CXX_FLAGS_INIT -Wno-psabi) # notes about GCC before 7.1
 include(${CMAKE_CURRENT_LIST_DIR}/debian_cross.cmake)
 set(CMAKE_CROSSCOMPILING_EMULATOR qemu-arm-static;-L;${CMAKE_SYSROOT})
