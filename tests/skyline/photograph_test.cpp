@@ -263,6 +263,8 @@ TEST_CASE("a place is accepted or rejected by other places, its agreement and it
   const PhotographPlace elsewhere{{15, 0, 0}, 59, -9, accurate}, beside{{3, 0, 0}, 60, -9, accurate};
   CHECK(decision_of({best, elsewhere}, 0.9).why.find("determine the place only to") != std::string::npos);
   CHECK(std::sqrt(decision_of({best, beside}, 0.9).tried->covariance(0, 0)) > 2);
+  const PhotographPlace turned{{0, 0, 1.5}, 60, -9, accurate};
+  CHECK(decision_of({best, turned}, 0.9).why.find("determine the heading only to") != std::string::npos);
   const auto chance = "coincides with a roof of the model: that may be chance";
   CHECK(decision_of({best}, 0.4).why.find(chance) != std::string::npos);
   CHECK(decision_of({{{0, 0, 0}, 12, -9, accurate}}, 0.9).why.find(chance) != std::string::npos);

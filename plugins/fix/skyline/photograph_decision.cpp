@@ -11,6 +11,7 @@
 namespace odograph::skyline {
 namespace {
 
+constexpr double kDegrees = 180 / std::numbers::pi;
 constexpr double kThreeSigma2 = 11.829;  // chi-square of two degrees of freedom, 99.73 %
 
 template <class... Numbers>
@@ -89,6 +90,9 @@ PhotographDecision decide(const std::vector<PhotographAttempt>& attempts, const 
   else if (worst_m > p.max_sigma_m)
     decision.why = format_text("the visible roofs determine the place only to %.1f m; %.1f m are required", worst_m,
                                p.max_sigma_m);
+  else if (match.yaw_sigma_rad > p.max_yaw_sigma_rad)
+    decision.why = format_text("the visible roofs determine the heading only to %.0f degrees; %.0f are required",
+                               match.yaw_sigma_rad * kDegrees, p.max_yaw_sigma_rad * kDegrees);
   return decision;
 }
 
