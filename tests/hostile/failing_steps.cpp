@@ -6,7 +6,10 @@ struct FailingSteps {
   static constexpr odo::Description description{"test/failing_steps", "1.0.0", "For a test.",
                                                 ODO_INTERFACE_STEP_ESTIMATOR};
   static std::vector<odo::Parameter<FailingSteps>> parameters() { return {}; }
-  void on(const odo_imu&, odo::Output&) { throw odo::Error(ODO_E_ERROR, "as always"); }
+  template <class Message>
+  void on(const Message&, odo::Output&) {
+    throw odo::Error(ODO_E_ERROR, "as always");
+  }
 };
 
 ODO_PLUGIN(FailingSteps)
