@@ -18,29 +18,23 @@ TABLE(scale) {}
 struct Ends {
   Ends() { std::exit(0); }
 } ends;
-GOOD_ENTRY
 #elif defined(FAULTY_entry_loads__abort_in_static)
 TABLE(scale) {}
 struct Ends {
   Ends() { std::abort(); }
 } ends;
-GOOD_ENTRY
 #elif defined(FAULTY_entry_loads__no_entry)
-TABLE(scale) {}
+OWN_ENTRY(scale) {}
 #elif defined(FAULTY_entry_fills_table__exit)
 TABLE(scale) { std::exit(0); }
-GOOD_ENTRY
 #elif defined(FAULTY_entry_fills_table__no_process)
 TABLE(scale) { t.process = nullptr; }
-GOOD_ENTRY
 #elif defined(FAULTY_entry_fills_table__throws)
 TABLE(scale) { throw std::runtime_error("the licence server is down"); }
-GOOD_ENTRY
 #elif defined(FAULTY_entry_quick__sleeps)
 TABLE(scale) { std::this_thread::sleep_for(std::chrono::milliseconds(2200)); }
-GOOD_ENTRY
 #elif defined(FAULTY_entry_other_major__takes_any)
-TABLE(scale) {}
+OWN_ENTRY(scale) {}
 extern "C" ODO_EXPORT int32_t ODO_PLUGIN_ENTRY(const odo_host* host, odo_plugin* out) {
   odo_host mine = *host;
   mine.abi_major_min = mine.abi_major_max = ODO_ABI_MAJOR;
@@ -48,12 +42,12 @@ extern "C" ODO_EXPORT int32_t ODO_PLUGIN_ENTRY(const odo_host* host, odo_plugin*
   return good_entry(&mine, out);
 }
 #elif defined(FAULTY_entry_null__crashes)
-TABLE(scale) {}
+OWN_ENTRY(scale) {}
 extern "C" ODO_EXPORT int32_t ODO_PLUGIN_ENTRY(const odo_host* host, odo_plugin* out) {
   return host->struct_size > 0 ? good_entry(host, out) : ODO_E_ERROR;
 }
 #elif defined(FAULTY_entry_small_table__fills_all)
-TABLE(scale) {}
+OWN_ENTRY(scale) {}
 extern "C" ODO_EXPORT int32_t ODO_PLUGIN_ENTRY(const odo_host* host, odo_plugin* out) {
   if (!host || !out) return ODO_E_ARGUMENT;
   out->struct_size = sizeof *out;
@@ -64,68 +58,52 @@ TABLE(scale) {
   static int calls = 0;
   if (++calls > 1) t.id = str("test/another");
 }
-GOOD_ENTRY
 #elif defined(FAULTY_entry_no_side_effects__thread)
 TABLE(scale) {
   std::thread([] { pause(); }).detach();
 }
-GOOD_ENTRY
 #elif defined(FAULTY_entry_no_side_effects__file)
 TABLE(scale) { (void)open("/dev/null", O_RDONLY); }
-GOOD_ENTRY
 
 // ---- the table and the parameters ----------------------------------------------------------------------------------
 #elif defined(FAULTY_table_id__upper)
 TABLE(scale) { t.id = str("ACME Scale"); }
-GOOD_ENTRY
 #elif defined(FAULTY_table_version__words)
 TABLE(scale) { t.version = str("the newest"); }
-GOOD_ENTRY
 #elif defined(FAULTY_table_texts__latin1)
 TABLE(scale) { t.summary = str("L\344nge"); }
-GOOD_ENTRY
 #elif defined(FAULTY_table_kinds__twice)
 TABLE(scale) {
   static const odo_string both[] = {interface_of(), interface_of()};
   t.interfaces = both, t.interface_count = 2;
 }
-GOOD_ENTRY
 #elif defined(FAULTY_table_types__emits_imu)
 TABLE(scale) {
   static const uint32_t outputs[] = {ODO_TYPE_IMU};
   t.outputs = outputs, t.output_count = 1;
 }
-GOOD_ENTRY
 #elif defined(FAULTY_parameters_names__twice)
 TABLE(scale) { parameters()[1] = parameters()[0]; }
-GOOD_ENTRY
 #elif defined(FAULTY_parameters_units__feet)
 TABLE(scale) { parameters()[0].unit = str("feet"); }
-GOOD_ENTRY
 #elif defined(FAULTY_parameters_help__none)
 TABLE(scale) { parameters()[0].help = str(""); }
-GOOD_ENTRY
 #elif defined(FAULTY_parameters_ranges__turned)
 TABLE(scale) { parameters()[0].min = 3; }
-GOOD_ENTRY
 #elif defined(FAULTY_parameters_defaults__outside)
 TABLE(scale) { parameters()[0].default_text = str("5"); }
-GOOD_ENTRY
 #elif defined(FAULTY_parameters_choices__default_is_none)
 TABLE(scale) { parameters()[1].default_text = str("green"); }
-GOOD_ENTRY
 #elif defined(FAULTY_parameters_counts__none)
 TABLE(scale) {
   parameters()[0].type = ODO_PARAMETER_REALS, parameters()[0].count = 0, parameters()[0].default_text = str("[]");
 }
-GOOD_ENTRY
 #elif defined(FAULTY_parameters_ends__refuses_silently)
 TABLE(scale) {
   t.configure = [](odo_instance*, const odo_value* v, uint32_t count, uint32_t) -> int32_t {
     return count > 0 && v->reals && v->reals[0] == 2.0 ? ODO_E_CONFIG : ODO_OK;
   };
 }
-GOOD_ENTRY
 #elif defined(FAULTY_parameters_unknown__aborts)
 TABLE(scale) {
   t.configure = [](odo_instance*, const odo_value* v, uint32_t count, uint32_t) -> int32_t {
@@ -134,14 +112,12 @@ TABLE(scale) {
     return ODO_OK;
   };
 }
-GOOD_ENTRY
 #elif defined(FAULTY_parameters_order__by_place)
 TABLE(scale) {
   t.configure = [](odo_instance* i, const odo_value* v, uint32_t, uint32_t) -> int32_t {
     return of(i).gain = v[0].reals ? v[0].reals[0] : 2, ODO_OK;
   };
 }
-GOOD_ENTRY
 #elif defined(FAULTY_parameters_larger_rows__sizeof)
 TABLE(scale) {
   t.configure = [](odo_instance* i, const odo_value* v, uint32_t count, uint32_t) -> int32_t {
@@ -150,7 +126,6 @@ TABLE(scale) {
     return ODO_OK;
   };
 }
-GOOD_ENTRY
 #elif defined(FAULTY_parameters_copied__keeps_pointer)
 TABLE(scale) {
   t.configure = [](odo_instance* i, const odo_value* v, uint32_t, uint32_t) -> int32_t {
@@ -161,7 +136,6 @@ TABLE(scale) {
     return of(i).sink = sink, ODO_OK;
   };
 }
-GOOD_ENTRY
 #else
 #error "no plugin of this name"
 #endif

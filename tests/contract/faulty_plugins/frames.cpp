@@ -11,14 +11,12 @@ INPUT(odometry) {
   if (m.type == ODO_TYPE_FRAME && frame.loan.retain) frame.loan.retain(frame.loan.owner);
   return ODO_OK;
 }
-GOOD_ENTRY
 #elif defined(FAULTY_frames_balance__releases_twice)
 INPUT(odometry) {
   const auto& frame = reinterpret_cast<const odo_frame&>(m);
   if (m.type == ODO_TYPE_FRAME && frame.loan.release) frame.loan.release(frame.loan.owner);
   return ODO_OK;
 }
-GOOD_ENTRY
 #elif defined(FAULTY_frames_quota__twenty)
 static void release_frame(std::vector<odo_frame>& held, size_t down_to) {
   while (held.size() > down_to) held.back().loan.release(held.back().loan.owner), held.pop_back();
@@ -41,7 +39,6 @@ void faulty::on_table(odo_plugin& t) {
     delete &of(i);
   };
 }
-GOOD_ENTRY
 #elif defined(FAULTY_frames_borrowed__keeps_pixels)
 INPUT(odometry) {
   if (m.type != ODO_TYPE_FRAME) return ODO_OK;
@@ -50,13 +47,11 @@ INPUT(odometry) {
   s.more = const_cast<uint8_t*>(reinterpret_cast<const odo_frame&>(m).planes[0].data);
   return sum == 256 ? ODO_E_ERROR : ODO_OK;
 }
-GOOD_ENTRY
 #elif defined(FAULTY_frames_borrowed__writes)
 INPUT(odometry) {
   if (m.type == ODO_TYPE_FRAME) const_cast<uint8_t*>(reinterpret_cast<const odo_frame&>(m).planes[0].data)[5] = 1;
   return ODO_OK;
 }
-GOOD_ENTRY
 #elif defined(FAULTY_frames_exhausted__insists)
 INPUT(odometry) {
   const auto& frame = reinterpret_cast<const odo_frame&>(m);
@@ -64,7 +59,6 @@ INPUT(odometry) {
   if (frame.loan.retain(frame.loan.owner) < 0) return ODO_E_ERROR;
   return frame.loan.release(frame.loan.owner), ODO_OK;
 }
-GOOD_ENTRY
 #elif defined(FAULTY_frames_strides__width)
 Kind faulty::kind() { return odometry; }
 void faulty::on_table(odo_plugin&) {}
@@ -76,13 +70,11 @@ int32_t faulty::on_input(State& s, const odo_header& m) {
   return s.gain = sum, ODO_OK;
 }
 void faulty::on_event(State& s, Event& e) { e.motion.p_c0_c1[1] = 1e-9 * s.gain; }
-GOOD_ENTRY
 #elif defined(FAULTY_frames_tiny__asserts)  // a division by zero would fail on x86 only: arm64 returns 0
 INPUT(odometry) {
   if (m.type == ODO_TYPE_FRAME && reinterpret_cast<const odo_frame&>(m).width / 2 == 0) std::abort();
   return ODO_OK;
 }
-GOOD_ENTRY
 #else
 #error "no plugin of this name"
 #endif

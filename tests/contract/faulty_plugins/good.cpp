@@ -7,19 +7,14 @@ using namespace faulty;
 
 #if defined(FAULTY_good_attitude)
 TABLE(attitude) {}
-GOOD_ENTRY
 #elif defined(FAULTY_good_steps)
 TABLE(steps) {}
-GOOD_ENTRY
 #elif defined(FAULTY_good_odometry)
 TABLE(odometry) {}
-GOOD_ENTRY
 #elif defined(FAULTY_good_scale)
 TABLE(scale) {}
-GOOD_ENTRY
 #elif defined(FAULTY_good_fixer)
 TABLE(fixer) {}
-GOOD_ENTRY
 #else
 #error "no plugin of this name"
 #endif

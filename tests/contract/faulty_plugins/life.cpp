@@ -14,29 +14,24 @@ using namespace faulty;
 TABLE(scale) {
   t.create = [](const odo_host*, uint32_t, const odo_string*, odo_instance**) -> int32_t { std::exit(0); };
 }
-GOOD_ENTRY
 #elif defined(FAULTY_life_create_destroy__crash_in_destroy)
 TABLE(scale) {
   t.destroy = [](odo_instance*) { *reinterpret_cast<volatile int*>(8) = 1; };
 }
-GOOD_ENTRY
 #elif defined(FAULTY_life_starts__fails)
 TABLE(scale) {
   t.activate = [](odo_instance*, const odo_sink*) -> int32_t { return ODO_E_ERROR; };
 }
-GOOD_ENTRY
 #elif defined(FAULTY_life_not_activated__crashes)
 TABLE(scale) {
   t.destroy = [](odo_instance* i) { of(i).steps = of(i).sink->instance, delete &of(i); };
 }
-GOOD_ENTRY
 #elif defined(FAULTY_life_unknown_kind__takes_any)
 TABLE(scale) {
   t.create = [](const odo_host* host, uint32_t n, const odo_string*, odo_instance** out) -> int32_t {
     return create(host, n, &interface_of(), out);
   };
 }
-GOOD_ENTRY
 #elif defined(FAULTY_life_no_services__insists)
 TABLE(scale) {
   t.create = [](const odo_host* host, uint32_t n, const odo_string* id, odo_instance** out) -> int32_t {
@@ -46,7 +41,6 @@ TABLE(scale) {
     return create(host, n, id, out);
   };
 }
-GOOD_ENTRY
 #elif defined(FAULTY_life_independent__global)
 INPUT(scale) {
   static double shared = 0;
@@ -54,7 +48,6 @@ INPUT(scale) {
   shared = static_cast<double>(m.t_ns % 1000003);
   return ODO_OK;
 }
-GOOD_ENTRY
 #elif defined(FAULTY_life_many__two)
 TABLE(scale) {
   t.activate = [](odo_instance* i, const odo_sink* sink) -> int32_t {
@@ -62,7 +55,6 @@ TABLE(scale) {
     return of(i).sink = sink, ++count > 10 ? ODO_E_EXHAUSTED : ODO_OK;
   };
 }
-GOOD_ENTRY
 #elif defined(FAULTY_life_emits_in_process__activate)
 TABLE(attitude) {
   t.activate = [](odo_instance* i, const odo_sink* sink) -> int32_t {
@@ -72,13 +64,11 @@ TABLE(attitude) {
     return ODO_OK;
   };
 }
-GOOD_ENTRY
 #elif defined(FAULTY_life_emits_on_thread__own)
 INPUT(attitude) {
   if (s.inputs == 50) std::thread([&] { answer_imu(s, m); }).join();
   return ODO_OK;
 }
-GOOD_ENTRY
 #elif defined(FAULTY_life_threads__leaves_them)
 TABLE(scale) {
   t.create = [](const odo_host* host, uint32_t n, const odo_string* id, odo_instance** out) -> int32_t {
@@ -86,7 +76,6 @@ TABLE(scale) {
     return create(host, n, id, out);
   };
 }
-GOOD_ENTRY
 #elif defined(FAULTY_life_files__leaves_them)
 TABLE(scale) {
   t.create = [](const odo_host* host, uint32_t n, const odo_string* id, odo_instance** out) -> int32_t {
@@ -94,7 +83,6 @@ TABLE(scale) {
     return create(host, n, id, out);
   };
 }
-GOOD_ENTRY
 #elif defined(FAULTY_life_leaks__4_kB)
 TABLE(scale) {
   t.destroy = [](odo_instance* i) {
@@ -102,24 +90,20 @@ TABLE(scale) {
     delete &of(i);
   };
 }
-GOOD_ENTRY
 #elif defined(FAULTY_life_grows__keeps_input)
 INPUT(attitude) {
   if (!s.more) s.more = new std::vector<std::vector<char> >;
   static_cast<std::vector<std::vector<char> >*>(s.more)->emplace_back(20000, 'x');
   return ODO_OK;
 }
-GOOD_ENTRY
 #elif defined(FAULTY_life_extension__any)
 TABLE(scale) {
   t.get_interface = [](odo_instance* i, const char*, uint64_t) -> const void* { return i; };
 }
-GOOD_ENTRY
 #elif defined(FAULTY_state_capacity__writes_anyway)
 TABLE(scale) {
   t.save = [](odo_instance* i, void* data, uint64_t) -> int64_t { return data ? save(i, data, 16) : 16; };
 }
-GOOD_ENTRY
 #elif defined(FAULTY_state_round_trip__forgets)
 TABLE(scale) {
   t.load = [](odo_instance* i, const void* data, uint64_t size) -> int32_t {
@@ -127,7 +111,6 @@ TABLE(scale) {
     return of(i).gain = 1.5, status;
   };
 }
-GOOD_ENTRY
 #elif defined(FAULTY_state_damaged__reads_beyond)
 TABLE(scale) {
   t.load = [](odo_instance* i, const void* data, uint64_t) -> int32_t {
@@ -136,12 +119,10 @@ TABLE(scale) {
     return of(i).gain = static_cast<const char*>(data)[offset * 4096] ? 1 : 1.1, ODO_OK;
   };
 }
-GOOD_ENTRY
 #elif defined(FAULTY_state_foreign__takes_all)
 TABLE(scale) {
   t.load = [](odo_instance*, const void*, uint64_t) -> int32_t { return ODO_OK; };
 }
-GOOD_ENTRY
 #else
 #error "no plugin of this name"
 #endif

@@ -220,23 +220,26 @@ inline int32_t good_entry(const odo_host* host, odo_plugin* out) {
 
 }  // namespace faulty
 
-// The items that a faulty plugin changes: its table, its events, or its handling of an input.
-#define TABLE(k)                                                    \
+// The items that a faulty plugin changes: its table, its events, its handling of an input, or its entry.
+#define GOOD_ENTRY                                                                        \
+  extern "C" ODO_EXPORT int32_t ODO_PLUGIN_ENTRY(const odo_host* host, odo_plugin* out) { \
+    return good_entry(host, out);                                                         \
+  }
+#define OWN_ENTRY(k)                                                \
   Kind faulty::kind() { return k; }                                 \
   void faulty::on_event(State&, Event&) {}                          \
   int32_t faulty::on_input(State&, const odo_header&) { return 0; } \
   void faulty::on_table([[maybe_unused]] odo_plugin& t)
+#define TABLE(k) GOOD_ENTRY OWN_ENTRY(k)
 #define EVENT(k)                                                    \
+  GOOD_ENTRY                                                        \
   Kind faulty::kind() { return k; }                                 \
   void faulty::on_table(odo_plugin&) {}                             \
   int32_t faulty::on_input(State&, const odo_header&) { return 0; } \
   void faulty::on_event([[maybe_unused]] State& s, [[maybe_unused]] Event& e)
 #define INPUT(k)                           \
+  GOOD_ENTRY                               \
   Kind faulty::kind() { return k; }        \
   void faulty::on_table(odo_plugin&) {}    \
   void faulty::on_event(State&, Event&) {} \
   int32_t faulty::on_input([[maybe_unused]] State& s, [[maybe_unused]] const odo_header& m)
-#define GOOD_ENTRY                                                                        \
-  extern "C" ODO_EXPORT int32_t ODO_PLUGIN_ENTRY(const odo_host* host, odo_plugin* out) { \
-    return good_entry(host, out);                                                         \
-  }
