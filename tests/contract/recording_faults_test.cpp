@@ -81,44 +81,4 @@ TEST_CASE("a closed recording without messages is complete, an unclosed one is d
   CHECK(recording(folder / "empty.odo", ODO_E_DATA) == nullptr);
 }
 
-TEST_CASE("a picture above the limit is a bad argument, also if its size does not fit into 32 bits") {
-  const TemporaryFolder folder;
-  odo_recorder* out = recorder(folder / "large.odo");
-  const auto frame = make_message<odo_frame>(ODO_TYPE_FRAME, 5);
-  for (const uint64_t size :
-       {uint64_t(ODO_LARGEST_PICTURE) + 1, uint64_t(1) << 32, (uint64_t(1) << 32) + 8, UINT64_MAX})
-    CHECK(odo_recorder_write(out, &frame.header, &frame, size) == ODO_E_ARGUMENT);
-  std::vector<unsigned char> picture(ODO_LARGEST_PICTURE, 7);
-  CHECK(odo_recorder_write(out, &frame.header, picture.data(), picture.size()) == ODO_OK);
-  CHECK(odo_recorder_close(out) == ODO_OK);
-  odo_recording* in = recording(folder / "large.odo");
-  REQUIRE(in);
-  const odo_header* message = nullptr;
-  const void* found = nullptr;
-  uint64_t size = 0;
-  CHECK(odo_recording_next(in, &message, &found, &size) == ODO_OK);
-  CHECK(size == picture.size());
-  CHECK(odo_recording_next(in, &message, &found, &size) == ODO_END);
-  odo_recording_close(in);
-}
-
-TEST_CASE("what cannot be created, read or written is a failure of input and output") {
-  const TemporaryFolder folder;
-  CHECK(recording(folder.path(), ODO_E_IO) == nullptr);
-  for (const std::filesystem::path& path : {folder / "none/a.odo", folder.path()}) {
-    const std::string text = path.string();
-    const odo_string name{text.data(), text.size()};
-    odo_recorder* recorder = nullptr;
-    odo_error error{sizeof error, ODO_OK, {}};
-    CHECK(odo_recorder_create(&name, &recorder, &error) == ODO_E_IO);
-    CHECK(error.status == ODO_E_IO);
-    CHECK(std::string(error.message).find("cannot be written") != std::string::npos);
-  }
-  if (!std::filesystem::exists("/dev/full")) return;
-  odo_recorder* out = recorder("/dev/full");
-  const auto imu = make_message<odo_imu>(ODO_TYPE_IMU, 0);
-  CHECK(odo_recorder_write(out, &imu.header, nullptr, 0) == ODO_E_IO);
-  CHECK(odo_recorder_close(out) == ODO_E_IO);
-}
-
 TEST_SUITE_END();

@@ -4,6 +4,7 @@
 #include "app.h"
 
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 typedef union message {
@@ -192,12 +193,18 @@ static void largest_picture(int unused) {
   odo_recorder* recorder = create(path);
   const odo_header* found;
   odo_frame one;
+  uint64_t size = 0;
   put_frame(&one, 2, T0);
   for (size_t i = 0; i < COUNT_OF(sizes); ++i)
     EXPECT(odo.recorder_write(recorder, &one.header, "picture", sizes[i]), ODO_E_ARGUMENT);
+  void* picture = calloc(1, ODO_LARGEST_PICTURE);
+  REQUIRE(picture, "no memory for the largest picture");
+  EXPECT(odo.recorder_write(recorder, &one.header, picture, largest), ODO_OK);
   EXPECT(odo.recorder_close(recorder), ODO_OK);
   odo_recording* recording = open_recording(path);
   check_no_loss(recording);
+  EXPECT(odo.recording_next(recording, &found, NULL, &size), ODO_OK);
+  CHECK(size == largest, "the largest picture was read with %llu bytes", (unsigned long long)size);
   EXPECT(odo.recording_next(recording, &found, NULL, NULL), ODO_END);
   odo.recording_close(recording);
 }
