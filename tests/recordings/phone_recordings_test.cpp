@@ -18,7 +18,7 @@
 #include "sdk/tools/simulation/simulate.hpp"
 #include "tests/recordings/phone/app_files.hpp"
 #include "tests/recordings/phone/video_file.hpp"
-#include "tests/support/support.hpp"
+#include "tests/support/runs.hpp"
 
 using namespace odograph;
 namespace fs = std::filesystem;
@@ -82,14 +82,6 @@ double apart(const Trajectory& a, const Trajectory& b) {
   return farthest;
 }
 
-template <class Message>
-std::vector<Message> all_of(const Recording& recording, uint32_t type) {
-  std::vector<Message> all;
-  for (const auto& m : recording.messages)
-    if (m.message.header().type == type) all.push_back(as<Message>(m.message.header()));
-  return all;
-}
-
 /// Whether vectors are equal up to rounding of units or floats.
 bool same(const double* a, const double* b, double relative) {
   const Eigen::Vector3d x(a[0], a[1], a[2]), y(b[0], b[1], b[2]);
@@ -105,23 +97,23 @@ std::vector<int64_t> shifted(std::vector<int64_t> times_ns, const Recording& rec
 
 /// All samples of the walk in order, without items that an app's format cannot hold.
 void check_samples(const Recording& found, const PhoneWalk& given, double relative) {
-  const auto a = all_of<odo_imu>(found, ODO_TYPE_IMU), b = all_of<odo_imu>(given.recording, ODO_TYPE_IMU);
+  const auto a = messages_of<odo_imu>(found, ODO_TYPE_IMU), b = messages_of<odo_imu>(given.recording, ODO_TYPE_IMU);
   REQUIRE(a.size() == b.size());
   size_t wrong = 0;
   for (size_t i = 0; i < a.size(); ++i)
     wrong += std::abs((a[i].header.t_ns - a[0].header.t_ns) - (b[i].header.t_ns - b[0].header.t_ns)) > 1 ||
              !same(a[i].gyro_b, b[i].gyro_b, relative) || !same(a[i].accel_b, b[i].accel_b, relative);
   CHECK(wrong == 0);
-  if (const auto fields = all_of<odo_magnetometer>(found, ODO_TYPE_MAGNETOMETER); !fields.empty()) {
-    const auto expected = all_of<odo_magnetometer>(given.recording, ODO_TYPE_MAGNETOMETER);
+  if (const auto fields = messages_of<odo_magnetometer>(found, ODO_TYPE_MAGNETOMETER); !fields.empty()) {
+    const auto expected = messages_of<odo_magnetometer>(given.recording, ODO_TYPE_MAGNETOMETER);
     REQUIRE(fields.size() == expected.size());
     CHECK(same(fields[3].field_b, expected[3].field_b, 1e-9));
   }
-  if (const auto p = all_of<odo_barometer>(found, ODO_TYPE_BAROMETER); !p.empty())
+  if (const auto p = messages_of<odo_barometer>(found, ODO_TYPE_BAROMETER); !p.empty())
     CHECK(p[2].pressure_pa ==
-          doctest::Approx(all_of<odo_barometer>(given.recording, ODO_TYPE_BAROMETER)[2].pressure_pa));
-  if (const auto places = all_of<odo_gnss>(found, ODO_TYPE_GNSS); !places.empty()) {
-    const auto expected = all_of<odo_gnss>(given.recording, ODO_TYPE_GNSS);
+          doctest::Approx(messages_of<odo_barometer>(given.recording, ODO_TYPE_BAROMETER)[2].pressure_pa));
+  if (const auto places = messages_of<odo_gnss>(found, ODO_TYPE_GNSS); !places.empty()) {
+    const auto expected = messages_of<odo_gnss>(given.recording, ODO_TYPE_GNSS);
     REQUIRE(places.size() == expected.size());
     CHECK(std::abs(places[1].latitude_rad - expected[1].latitude_rad) < 1e-14);
     CHECK(std::abs(places[1].longitude_rad - expected[1].longitude_rad) < 1e-14);
@@ -133,7 +125,7 @@ void check_samples(const Recording& found, const PhoneWalk& given, double relati
 
 /// Whether the IMU's samples are exact.
 bool exact(const Recording& found, const PhoneWalk& given) {
-  const auto a = all_of<odo_imu>(found, ODO_TYPE_IMU), b = all_of<odo_imu>(given.recording, ODO_TYPE_IMU);
+  const auto a = messages_of<odo_imu>(found, ODO_TYPE_IMU), b = messages_of<odo_imu>(given.recording, ODO_TYPE_IMU);
   return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const odo_imu& x, const odo_imu& y) {
     return std::equal(x.gyro_b, x.gyro_b + 3, y.gyro_b) && std::equal(x.accel_b, x.accel_b + 3, y.accel_b);
   });
@@ -195,7 +187,7 @@ TEST_CASE("guesses are reported: the lens by the phone, the mount by the picture
   CHECK(warns(recording, "guessed a focal length of 265.6 px"));
   CHECK(warns(recording, "iPhone14,5"));
   CHECK(warns(recording, "mount of the camera guessed"));
-  const auto c = all_of<odo_calibration>(recording, ODO_TYPE_CALIBRATION).front();
+  const auto c = messages_of<odo_calibration>(recording, ODO_TYPE_CALIBRATION).front();
   CHECK(c.fx == doctest::Approx(0.83 * 320));
   CHECK(c.cx == doctest::Approx(159.5));
   REQUIRE(write_video(folder / "out/Camera/1781801310305.mp4", walk(false).pictures, walk(false).times_ns));
@@ -211,7 +203,7 @@ TEST_CASE("lens, mount and the time of a video without times are refined against
   Recording recording = read(folder / "out");
   refine_guessed_camera(recording);
   for (const auto& warning : recording.warnings) MESSAGE(warning);
-  const auto c = all_of<odo_calibration>(recording, ODO_TYPE_CALIBRATION).front();
+  const auto c = messages_of<odo_calibration>(recording, ODO_TYPE_CALIBRATION).front();
   const double late_s = 1e-9 * static_cast<double>(walk(false).times_ns.front() - 1'781'801'310'305'000'000);
   CHECK(std::abs(1e-9 * static_cast<double>(c.time_offset_ns) - late_s) < 5e-3);
   const Eigen::Quaterniond q(c.q_b_c[0], c.q_b_c[1], c.q_b_c[2], c.q_b_c[3]);
@@ -232,8 +224,8 @@ TEST_CASE("a magnetometer, a barometer and fixes may be missing, and cached fixe
   CHECK(warns(recording, "not recorded: magnetometer, barometer"));
   CHECK(warns(recording, "1 fixes are older than the recording"));
   CHECK(warns(recording, "1 fixes are marked as invalid"));
-  CHECK(all_of<odo_gnss>(recording, ODO_TYPE_GNSS).size() ==
-        all_of<odo_gnss>(walk(false).recording, ODO_TYPE_GNSS).size());
+  CHECK(messages_of<odo_gnss>(recording, ODO_TYPE_GNSS).size() ==
+        messages_of<odo_gnss>(walk(false).recording, ODO_TYPE_GNSS).size());
 }
 
 TEST_CASE("the platform's own poses are the reference, converted to our axes") {

@@ -6,7 +6,7 @@
 
 #include "sdk/tools/evaluation/degrade.hpp"
 #include "sdk/tools/evaluation/evaluation.hpp"
-#include "tests/support/support.hpp"
+#include "tests/support/runs.hpp"
 
 using namespace odograph;
 
@@ -41,16 +41,8 @@ Recording recording(bool apart = false) {
   return r;
 }
 
-template <class Message>
-std::vector<Message> all(const Recording& r, uint32_t type) {
-  std::vector<Message> out;
-  for (const RecordedMessage& m : r.messages)
-    if (m.message.header().type == type) out.push_back(as<Message>(m.message.header()));
-  return out;
-}
-
-std::vector<odo_imu> imu(const Recording& r) { return all<odo_imu>(r, ODO_TYPE_IMU); }
-std::vector<odo_frame> frames(const Recording& r) { return all<odo_frame>(r, ODO_TYPE_FRAME); }
+std::vector<odo_imu> imu(const Recording& r) { return messages_of<odo_imu>(r, ODO_TYPE_IMU); }
+std::vector<odo_frame> frames(const Recording& r) { return messages_of<odo_frame>(r, ODO_TYPE_FRAME); }
 
 template <class Value>
 Statistics over(const std::vector<odo_imu>& samples, Value value) {
@@ -130,7 +122,7 @@ TEST_CASE("a time offset shifts the IMU against the frames, and a line time chan
   CHECK(imu(after)[5].header.t_ns == imu(before)[5].header.t_ns - 20'000'000);
   CHECK(frames(after)[5].header.t_ns == frames(before)[5].header.t_ns);
   CHECK(frames(after)[5].line_time_ns == 36'000);
-  CHECK(all<odo_calibration>(after, ODO_TYPE_CALIBRATION)[0].line_time_ns == 36'000);
+  CHECK(messages_of<odo_calibration>(after, ODO_TYPE_CALIBRATION)[0].line_time_ns == 36'000);
   CHECK(in_order(after));
 }
 
@@ -181,7 +173,7 @@ TEST_CASE("a cut starts within the recording and keeps the sensors' descriptions
   const Recording r = degraded(recording(), {.cut_s = 60}, 1);
   CHECK(frames(r).front().header.t_ns == kBegin_ns + 61'000'000'000);
   CHECK(imu(r).front().header.t_ns == kBegin_ns + 61'000'000'000);
-  REQUIRE(all<odo_calibration>(r, ODO_TYPE_CALIBRATION).size() == 1);
+  REQUIRE(messages_of<odo_calibration>(r, ODO_TYPE_CALIBRATION).size() == 1);
   CHECK(r.messages.front().message.header().type == ODO_TYPE_CALIBRATION);
   CHECK(in_order(r));
   CHECK(r.truth.size() == recording().truth.size());

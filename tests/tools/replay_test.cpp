@@ -11,7 +11,7 @@
 #include "sdk/tools/replay/app_stream.hpp"
 #include "sdk/tools/replay/marked_run.hpp"
 #include "sdk/tools/simulation/simulate.hpp"
-#include "tests/support/support.hpp"
+#include "tests/support/runs.hpp"
 
 using namespace odograph;
 using Eigen::Vector3d;
@@ -32,9 +32,7 @@ const Recording& walk() {
     s.route = {{0, 0, 0}, {10, 0, 0}, {10, 6, 0}};
     const auto made = simulate(s, 5, folder / "walk.odo", {.threads = 1});
     REQUIRE_MESSAGE(made.ok(), made.failure().text);
-    auto read = read_recording(folder / "walk.odo");
-    REQUIRE(read.ok());
-    return std::move(*read);
+    return recorded(folder / "walk.odo");
   }();
   return recording;
 }

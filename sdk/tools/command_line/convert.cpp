@@ -74,9 +74,7 @@ Result<Trajectory> read_track(const fs::path& input) {
   std::error_code error;
   if (fs::is_directory(input, error) && fs::exists(input / "trajectory.tum", error))
     return read_tum(track_of_run(input));
-  if (input.extension() == ".csv") return read_euroc_truth(input);
-  auto kitti = read_kitti_poses(input, {});
-  return kitti ? std::move(kitti) : read_tum(input);
+  return read_poses(input);
 }
 
 void print_lost_pictures(uint64_t lost) {

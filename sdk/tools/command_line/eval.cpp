@@ -32,19 +32,6 @@ struct Reference {
   RecordingLoss loss;
 };
 
-/// Reads TUM or KITTI poses, distinguished by the first line; EuRoC's by its name.
-Result<Trajectory> read_trajectory_file(const fs::path& file, const fs::path& kitti_times) {
-  if (file.extension() == ".csv") return read_euroc_truth(file);
-  auto tum = read_tum(file);
-  if (tum && tum->front().q.norm() > 0) {
-    auto kitti = read_kitti_poses(file, kitti_times);  // twelve numbers per line would also parse as eight
-    if (kitti) return kitti;
-    return tum;
-  }
-  auto kitti = read_kitti_poses(file, kitti_times);
-  return kitti ? std::move(kitti) : std::move(tum);
-}
-
 Result<Reference> read_reference(const fs::path& path) {
   std::error_code error;
   Reference reference;
@@ -57,8 +44,7 @@ Result<Reference> read_reference(const fs::path& path) {
   const bool is_file = !fs::is_directory(path, error);
   if (is_file && path.extension() != ".odo") {
     const fs::path times = path.parent_path() / "times.txt";
-    auto trajectory =
-        read_trajectory_file(path, fs::exists(times, error) && path.filename() == "poses.txt" ? times : fs::path());
+    auto trajectory = read_poses(path, fs::exists(times, error) && path.filename() == "poses.txt" ? times : fs::path());
     if (trajectory) {
       reference.trajectory = std::move(*trajectory);
       return reference;
@@ -81,7 +67,7 @@ Result<Reference> read_reference(const fs::path& path) {
 
 Result<Trajectory> read_estimate(const fs::path& path) {
   std::error_code error;
-  if (!fs::is_directory(path, error)) return read_trajectory_file(path, {});
+  if (!fs::is_directory(path, error)) return read_poses(path);
   if (const fs::path corrected = track_of_run(path); corrected.filename() != "trajectory.tum")
     std::fprintf(stderr, "poses as published online; for the track with later corrections: --est %s\n",
                  corrected.c_str());

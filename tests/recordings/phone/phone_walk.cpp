@@ -7,7 +7,7 @@
 #include "sdk/tools/recording/odo_file.hpp"
 #include "sdk/tools/simulation/simulate.hpp"
 #include "tests/recordings/phone/app_files.hpp"
-#include "tests/support/support.hpp"
+#include "tests/support/runs.hpp"
 
 using namespace odograph;
 namespace fs = std::filesystem;
@@ -115,9 +115,7 @@ const Recording& street() {
     s.walk_m = 14;
     const auto made = simulate(s, 5, folder / "walk.odo", {.threads = 1});
     REQUIRE_MESSAGE(made.ok(), made.failure().text);
-    auto read = read_recording(folder / "walk.odo");
-    REQUIRE(read.ok());
-    return std::move(*read);
+    return recorded(folder / "walk.odo");
   }();
   return recording;
 }
