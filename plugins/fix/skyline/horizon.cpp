@@ -57,7 +57,7 @@ struct SeenEdge {
     const float begin = cross >= 0 ? steps_of(x, y) : steps_of(x1, y1);
     float end = cross >= 0 ? steps_of(x1, y1) : steps_of(x, y);
     if (end < begin - 1) end += kN;
-    if (end - begin > kN / 2 + 1) return false;
+    if (end - begin > 0.5f * kN + 1) return false;
     first = static_cast<int>(std::floor(begin - 1.1f)), last = static_cast<int>(std::ceil(end + 0.1f));
     return true;
   }

@@ -300,14 +300,14 @@ RoofLineFit::NormalEquations RoofLineFit::normal_equations(const Guess& g) const
     j << nearer * north - aside * east, nearer * east + aside * north, slope, ray.sine + slope * ray.slope * ray.cosine,
         -ray.cosine + slope * ray.slope * ray.sine, -per_m;
     const double w = ray.weight * 3 / (2 + x * x) * r.accuracy.inverse * r.accuracy.inverse / correlated_;
-    normal.information.selfadjointView<Eigen::Lower>().rankUpdate(j, w);
+    normal.information += j * (w * j).transpose();
     normal.gradient += w * value * j;
     if (r.layer->object < 0) continue;
     Height& height = heights[static_cast<size_t>(r.layer->object)];
     height.information += w * per_m * per_m, height.gradient += w * per_m * value, height.coupling += w * per_m * j;
   }
   for (const Height& h : heights) {
-    normal.information.selfadjointView<Eigen::Lower>().rankUpdate(h.coupling, -1 / h.information);
+    normal.information -= h.coupling * (1 / h.information * h.coupling).transpose();
     normal.gradient -= h.gradient / h.information * h.coupling;
   }
   normal.information.triangularView<Eigen::StrictlyUpper>() = normal.information.transpose();
