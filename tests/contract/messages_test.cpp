@@ -29,15 +29,16 @@ enum class Rule { finite, natural, positive, share, unit, direction, lat, lon, h
 struct Field {
   uint32_t type;
   const char* name;
-  size_t offset, count;
+  size_t offset, size;
   Rule rule;
   uint32_t flag;  // its valid flag; 0: always valid
+  size_t count() const { return size / sizeof(double); }
 };
 
 constexpr uint32_t kPosition = ODO_FIX_NORTH | ODO_FIX_EAST | ODO_FIX_DOWN | ODO_FIX_GEODETIC;
 
 #define ODO_FIELD(type, message, field, rule, flag) \
-  Field { type, #field, offsetof(message, field), sizeof(message::field) / sizeof(double), Rule::rule, flag }
+  Field { type, #field, offsetof(message, field), sizeof(message::field), Rule::rule, flag }
 
 const Field kFields[] = {
     ODO_FIELD(ODO_TYPE_IMU, odo_imu, gyro_b, sensed, ODO_IMU_GYRO),
@@ -147,9 +148,10 @@ AnyMessage good(uint32_t type) {
     auto* values = reinterpret_cast<double*>(bytes + field.offset);
     const double value =
         field.rule == Rule::direction ? std::sqrt(1.0 / 3) : 0.5;  // four of these are a unit quaternion
-    for (size_t i = 0; i < field.count; ++i) values[i] = value;
-    const size_t rows = field.count == 36 ? 6 : 3;
-    for (size_t i = 0; field.rule == Rule::matrix && i < field.count; ++i) values[i] = i % (rows + 1) == 0 ? 0.5 : 0.0;
+    for (size_t i = 0; i < field.count(); ++i) values[i] = value;
+    const size_t rows = field.count() == 36 ? 6 : 3;
+    for (size_t i = 0; field.rule == Rule::matrix && i < field.count(); ++i)
+      values[i] = i % (rows + 1) == 0 ? 0.5 : 0.0;
     made.header().flags |= field.flag;
   }
   if (type == ODO_TYPE_FRAME) {
@@ -224,7 +226,7 @@ TEST_CASE("every floating-point field of every external message is in the table 
 TEST_CASE("a non-finite number in a valid field of any message is rejected") {
   for (const uint32_t type : judged_types()) CHECK(message_fault(good(type).header()) == "");
   for (const Field& field : kFields)
-    for (size_t i = 0; i < field.count; ++i)
+    for (size_t i = 0; i < field.count(); ++i)
       for (const double wild : {kNan, kInfinity, -kInfinity}) {
         CAPTURE(field.type);
         CAPTURE(field.name);

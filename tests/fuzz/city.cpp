@@ -7,7 +7,7 @@
 extern "C" int LLVMFuzzerTestOneInput(const unsigned char* data, size_t size) {
   (void)odograph::parse_city_json({reinterpret_cast<const char*>(data), size}, "fuzz");
   try {
-    (void)odograph::skyline::parse_city_outline({reinterpret_cast<const char*>(data), size}, "fuzz", {0, 0, 0});
+    (void)odograph::skyline::parse_city_outline({reinterpret_cast<const char*>(data), size}, "fuzz", {});
   } catch (const std::runtime_error&) {  // rejected with a reason
   }
   return 0;

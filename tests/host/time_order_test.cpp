@@ -254,7 +254,6 @@ TEST_CASE("samples of both sensors at one time are joined in either order of arr
 }
 
 TEST_CASE("a gyroscope without an accelerometer is passed on alone, in order, and once") {
-  constexpr int64_t kMs = 1'000'000;
   ImuJoiner joiner;
   std::vector<odo_imu> taken;
   const auto push = [&](uint32_t flag, int64_t t_ns) {

@@ -190,8 +190,8 @@ TEST_CASE("of equal ids the first folder wins, and manifests of another major ve
     REQUIRE(write_manifest_beside(*folder / (std::string("one") + ODOGRAPH_LIBRARY)).ok());
   }
   std::string text = read_text(later / "one.odoplugin.json");
-  const auto at = text.find("[", text.find("\"abi\"")) + 1;
-  text.replace(at, text.find_first_of(",", at) - at, "2");
+  const auto at = text.find('[', text.find("\"abi\"")) + 1;
+  text.replace(at, text.find(',', at) - at, "2");
   write_text(later / "one.odoplugin.json", text);
   PluginRegistry registry({later.path(), second.path(), first.path()});
   const auto found = registry.find("test/hostile", ODO_INTERFACE_SCALE_SOURCE, {"."}, {});

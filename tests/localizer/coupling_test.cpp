@@ -124,7 +124,7 @@ TEST_CASE("the first fix sets the track, later ones correct it by their weight, 
 TEST_CASE("a wrong track finally follows the fixes") {
   PaperTrack coupling({}, {}, {true, true});
   coupling.on_first_frame(0);
-  coupling.on_fix(position_fix(0, 0, 0, 0.5)).accepted;
+  REQUIRE(coupling.on_fix(position_fix(0, 0, 0, 0.5)).accepted);
   int needed = 0;
   while (!coupling.on_fix(position_fix(0, 500, 0, 0.5)).accepted) REQUIRE(++needed < 20);
   CHECK(coupling.take_correction()->p_n[0] == doctest::Approx(500).epsilon(1e-3));

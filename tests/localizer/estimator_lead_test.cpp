@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sdk/math/atmosphere.hpp"
 #include "tests/support/measured_walk.hpp"
 
 using namespace odograph;
@@ -160,10 +161,10 @@ TEST_CASE("neither barometer readings nor a front-end's gravity shows in the hei
     what.change = [&](double t, odo_vo_motion& m) {
       m.gravity_c1[0] += 0.01;  // a constant error, as from an accelerometer bias
       if (++frame % 10 != 0) return;
-      constexpr double kGust_m = 0.5, kSeaLevel_pa = 101325, kScaleHeight_m = 44330, kPower = 5.25588;
+      constexpr double kGust_m = 0.5;
       auto barometer = make_message<odo_barometer>(ODO_TYPE_BAROMETER, MeasuredWalk::ns(t));
       const double up_m = (frame % 20 == 0 ? kGust_m : -kGust_m) - running->truth(t).p_n_c.z();
-      barometer.pressure_pa = kSeaLevel_pa * std::pow(1 - up_m / kScaleHeight_m, kPower);
+      barometer.pressure_pa = pressure_at_pa(up_m);
       composer.update(&barometer);
     };
     MeasuredWalk walk(walk_scenario(60), what, seed);

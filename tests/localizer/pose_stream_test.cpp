@@ -23,8 +23,6 @@ TEST_SUITE_BEGIN("pose_stream");
 
 namespace {
 
-constexpr int64_t kMs = 1'000'000;
-
 int64_t ns(double t_s) { return std::llround(t_s * 1e9); }
 
 /// A walk passed to a PoseStream as by an app and a pipeline, in simulated time.

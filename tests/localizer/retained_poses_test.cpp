@@ -33,9 +33,7 @@ TEST_CASE("holding a pose does not change the filter, bit for bit") {
   };
   const auto with = run(true), without = run(false);
   REQUIRE(with.size() == without.size());
-  bool same = true;
-  for (size_t i = 0; i < with.size(); ++i) same = same && std::memcmp(&with[i], &without[i], sizeof(odo_pose)) == 0;
-  CHECK(same);
+  CHECK(std::memcmp(with.data(), without.data(), with.size() * sizeof(odo_pose)) == 0);
 }
 
 TEST_CASE("later fixes improve a held pose, consistently with its covariance") {
@@ -110,20 +108,20 @@ TEST_CASE("a shift of the position moves held poses linearly in the path since t
     double fixed_m;
     std::array<double, 4> shares;
   };
-  for (const auto& [fixed_m, shares] : {Case{-1, {1, 1, 1, 1}}, Case{0, {0, 0.2, 0.6, 1}}, Case{2, {0, 0, 0.5, 1}}}) {
-    CAPTURE(fixed_m);
+  for (const Case& c : {Case{-1, {1, 1, 1, 1}}, Case{0, {0, 0.2, 0.6, 1}}, Case{2, {0, 0, 0.5, 1}}}) {
+    CAPTURE(c.fixed_m);
     Localizer localizer;
     const double paths_m[] = {0, 2, 6, 10};
     uint64_t ids[4];
     TrackPoint here;
     for (size_t i = 0; i < 4; ++i) here.path_m = paths_m[i], ids[i] = localizer.retain_pose(here, here);
     const Vector3d by_n(1, -2, 0.5);
-    localizer.shift(by_n, 0.09 * Eigen::Matrix3d::Identity(), fixed_m, 10);
+    localizer.shift(by_n, 0.09 * Eigen::Matrix3d::Identity(), c.fixed_m, 10);
     for (size_t i = 0; i < 4; ++i) {
       RetainedPose held;
       REQUIRE(localizer.retained_pose(ids[i], 0, held));
-      CHECK((held.p_n_b - shares[i] * by_n).norm() < 1e-12);
-      CHECK(held.own(3, 3) == doctest::Approx(0.09 * shares[i] * shares[i]));
+      CHECK((held.p_n_b - c.shares[i] * by_n).norm() < 1e-12);
+      CHECK(held.own(3, 3) == doctest::Approx(0.09 * c.shares[i] * c.shares[i]));
     }
   }
 }

@@ -62,7 +62,7 @@ inline Scenario walk_scenario(double length_m) {
 class MeasuredWalk {
  public:
   MeasuredWalk(const Scenario& scenario, const WalkMeasurements& what, uint64_t seed)
-      : w_(what), journey_(make_walk(scenario, seed)), random_(seed, 77), imu_random_(seed, 78), seed_(seed) {
+      : w_(what), journey_(make_walk(scenario, seed)), random_(seed, 77), imu_random_(seed, 78) {
     for (double* b : {&gyro_bias_[0], &gyro_bias_[1], &gyro_bias_[2]}) *b = 0.005 * random_.normal();
     for (double* b : {&accel_bias_[0], &accel_bias_[1], &accel_bias_[2]}) *b = 0.05 * random_.normal();
     log_units_ = std::log(w_.odometry.inverse_scale) + w_.odometry.scale_sigma * random_.normal();
@@ -238,7 +238,6 @@ class MeasuredWalk {
   WalkMeasurements w_;
   Journey journey_;
   Random random_, imu_random_;
-  uint64_t seed_;
   double gyro_bias_[3], accel_bias_[3];
   Eigen::Quaterniond q_b_c_;
   Eigen::Vector3d p_b_c_{0.03, 0.06, -0.005};
