@@ -250,9 +250,9 @@ TEST_CASE("the sample configs are valid, and the schemas match the tables and th
       {"camera.schema.json", json_schema(camera_spec(), "Odograph camera.yaml")},
       {"scenario.schema.json", json_schema(scenario_spec(), "Odograph simulation scenario")},
       {"odoplugin.schema.json", json_schema(manifest_spec(), "Odograph plugin manifest")}};
-  for (const auto& [file, text] : schemas) {
-    CAPTURE(file);
-    CHECK(read_text(source("schemas") / file) == text);
+  for (const auto& schema : schemas) {
+    CAPTURE(schema.first);
+    CHECK(read_text(source("schemas") / schema.first) == schema.second);
   }
   for (const auto& entry : std::filesystem::directory_iterator(source("samples/configs"))) {
     CAPTURE(entry.path().string());

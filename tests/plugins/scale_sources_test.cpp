@@ -175,10 +175,10 @@ TEST_CASE("between two frames a walker has the speed of the preceding step, and 
   };
   const double intervals[][2] = {{10.2, 10.9}, {10.6, 10.8}, {10.4, 11.3}, {11.2, 12.9}, {12.3, 13.9},
                                  {14.5, 14.9}, {14.9, 15.4}, {15.2, 15.5}, {10.5, 15.5}};
-  for (const auto& [from, to] : intervals) {
-    CAPTURE(from);
-    const auto seen = steps.between(ns(from), ns(to));
-    const auto expected = plain(from, to);
+  for (const auto& in : intervals) {
+    CAPTURE(in[0]);
+    const auto seen = steps.between(ns(in[0]), ns(in[1]));
+    const auto expected = plain(in[0], in[1]);
     REQUIRE(seen);
     CHECK(std::abs(seen->metres - expected.metres) < 2e-4);
     CHECK(std::abs(seen->relative_sigma - expected.relative_sigma) < 2e-4);

@@ -56,7 +56,9 @@ TEST_CASE("each new scale group continues with the previous speed, also without 
   }
   REQUIRE(scale.scale());
   CHECK(scale.scale()->scale == doctest::Approx(1.0).epsilon(0.01));
-  for (const auto& [units, group] : {std::pair{0.2, 2u}, {4.0, 3u}, {0.5, 4u}}) {
+  uint32_t group = 1;
+  for (const double units : {0.2, 4.0, 0.5}) {
+    ++group;
     CAPTURE(group);
     for (int k = 0; k < 15; ++k) move(units, group);
     REQUIRE(scale.scale());

@@ -2,8 +2,8 @@
 //
 // vo/odograph with inertia over whole recordings: the scale from the middle of a flight, a walk that starts from
 // standing, a lens with repeated calibrations.
+#include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <fstream>
 #include <optional>
 #include <sstream>
@@ -126,7 +126,8 @@ TEST_CASE("in a real house the steps are calibrated by the camera, and neither c
   options.config = source("samples/configs/walk.yaml").string(), options.plugin_path = plugin_folder().string();
   const auto result = replay(*recording, options);
   REQUIRE_MESSAGE(result.ok(), (result ? "" : result.failure().text));
-  for (const auto& [key, notice] : result->notices) CHECK_MESSAGE(key.find("odometry_metre") == key.npos, notice.text);
+  for (const auto& notice : result->notices)
+    CHECK_MESSAGE(notice.first.find("odometry_metre") == std::string::npos, notice.second.text);
   double by_steps_m = 0;
   for (const odo_step& step : result->steps) by_steps_m += step.length_m;
   CHECK(by_steps_m == doctest::Approx(result->statistics.distance_m).epsilon(0.12));  // measured: 26.0 and 23.8 m
@@ -238,7 +239,7 @@ TEST_CASE("a lens that breathes by 3 % keeps track and scale, identically by cal
   const RunResult calibrations = run(*told), frames = run(by_frames);
   REQUIRE(calibrations.motions.size() == frames.motions.size());
   for (size_t i = 0; i < frames.motions.size(); ++i)
-    CHECK(std::memcmp(frames.motions[i].p_c0_c1, calibrations.motions[i].p_c0_c1, sizeof(double[3])) == 0);
+    CHECK(std::ranges::equal(frames.motions[i].p_c0_c1, calibrations.motions[i].p_c0_c1));
   const Errors without = errors_of(*reference, compose(run(*reference))), with = errors_of(by_frames, compose(frames));
   MESSAGE("fixed: " << without.se3_m << " m, scale " << without.scale << "; breathing: " << with.se3_m << " m, scale "
                     << with.scale);

@@ -90,11 +90,11 @@ TEST_CASE("a picture's header states its size, and a too large one is rejected b
                           std::string("\x08\0\0\0\0xxxx", 9);
   const std::string jpeg = std::string("\xFF\xD8\xFF\xE0\0\x04xx\xFF\xFF\xC0\0\x0b\x08\x7D\0\x7D\0\x01\x11\0", 21);
   const std::string pgm = "P5 # many\n32000 # and more\n32000 255\n";
-  for (const auto& [name, bytes] : {std::pair("a.png", png), {"a.jpg", jpeg}, {"a.pgm", pgm}}) {
-    CAPTURE(name);
+  for (const auto& file : {std::pair("a.png", png), {"a.jpg", jpeg}, {"a.pgm", pgm}}) {
+    CAPTURE(file.first);
     RecordedMessage recorded;
     recorded.message.assign(make_message<odo_frame>(ODO_TYPE_FRAME, 0).header);
-    recorded.picture = {std::make_shared<const fs::path>(write_text(folder / name, bytes))};
+    recorded.picture = {std::make_shared<const fs::path>(write_text(folder / file.first, file.second))};
     const auto frame = load_frame(recorded);
     REQUIRE_FALSE(frame.ok());
     CHECK_MESSAGE(frame.failure().text.find("a picture of 32000 x 32000 pixels; expected at most 64 million") !=

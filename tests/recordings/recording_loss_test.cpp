@@ -194,7 +194,10 @@ struct Euroc {
 
 TEST_CASE("impossible calibrations are errors with their location") {
   REQUIRE(Euroc().read().ok());
-  const std::tuple<const char*, const char*, const char*> cases[] = {
+  struct Case {
+    const char *what, *by, *said;
+  };
+  const Case cases[] = {
       {"51, 32", "-51, 32", "sensor.yaml:7:13: fy = -51; expected above 0"},
       {"[64, 48]", "[-64, 48]", "sensor.yaml:6:13: resolution: -64; expected whole pixels"},
       {"[64, 48]", "[64.5, 48]", "sensor.yaml:6:13: resolution: 64.5; expected whole pixels"},
@@ -205,13 +208,13 @@ TEST_CASE("impossible calibrations are errors with their location") {
       {"[1,0,0,0,", "[1,0,0,", "data: expected a list of 16 numbers"},
       {"0.07", "many", "distortion_coefficients: 'many'; expected a number"},
   };
-  for (const auto& [what, by, said] : cases) {
+  for (const Case& c : cases) {
     Euroc euroc;
-    euroc.replace(what, by);
+    euroc.replace(c.what, c.by);
     const auto recording = euroc.read();
-    CAPTURE(by);
+    CAPTURE(c.by);
     REQUIRE_FALSE(recording.ok());
-    CHECK_MESSAGE(recording.failure().text.find(said) != std::string::npos, recording.failure().text);
+    CHECK_MESSAGE(recording.failure().text.find(c.said) != std::string::npos, recording.failure().text);
     CHECK(recording.failure().status == ODO_E_DATA);
   }
 }

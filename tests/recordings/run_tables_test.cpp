@@ -39,12 +39,12 @@ void check_row(const std::filesystem::path& file, const std::vector<std::pair<co
                const std::vector<std::pair<const char*, std::string>>& words = {}) {
   auto row = first_row(file);
   CHECK(row.size() == expected.size() + words.size());
-  for (const auto& [name, value] : expected) {
-    CAPTURE(name);
-    REQUIRE(row.contains(name));
-    CHECK(std::abs(std::stod(row[name]) - value) <= 1e-8 * std::abs(value));
+  for (const auto& column : expected) {
+    CAPTURE(column.first);
+    REQUIRE(row.contains(column.first));
+    CHECK(std::abs(std::stod(row[column.first]) - column.second) <= 1e-8 * std::abs(column.second));
   }
-  for (const auto& [name, value] : words) CHECK_MESSAGE(row[name] == value, name);
+  for (const auto& column : words) CHECK_MESSAGE(row[column.first] == column.second, column.first);
 }
 
 template <class Message>
@@ -201,11 +201,11 @@ TEST_CASE("a run's summary has each statistic under its own name") {
                                                                 {"/heading_offset_rad", 0.75},
                                                                 {"/notices/p: k/count", 31},
                                                                 {"/seed", 77}};
-  for (const auto& [path, value] : expected) {
-    CAPTURE(path);
-    const nlohmann::json::json_pointer at(path);
+  for (const auto& value : expected) {
+    CAPTURE(value.first);
+    const nlohmann::json::json_pointer at(value.first);
     REQUIRE(j.contains(at));
-    CHECK(std::abs(j.at(at).get<double>() - value) < 1e-9 * value);
+    CHECK(std::abs(j.at(at).get<double>() - value.second) < 1e-9 * value.second);
   }
   CHECK(j["lost"]["cut_off"] == true);
   CHECK(j["final_state"] == odo_state_text(ODO_LOST));

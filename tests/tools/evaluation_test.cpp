@@ -78,7 +78,8 @@ TEST_CASE("every figure of the reference results agrees with evo's" * doctest::t
                                                      {"std", s.std},   {"min", s.min},   {"max", s.max},
                                                      {"sse", s.sse}};
       for (const auto& [statistic, value] : ours) {
-        CAPTURE(std::string(name) + " " + key + " " + statistic);
+        const std::string which = std::string(name) + " " + key + " " + statistic;
+        CAPTURE(which);
         CHECK(std::abs(value / figure[statistic].get<double>() - 1) < 1e-5);
         ++figures;
       }
