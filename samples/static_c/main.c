@@ -33,15 +33,13 @@ static void on_pose(void* user, const odo_header* event) {
 }
 
 static int register_all(odo_error* error) {
-  size_t i;
-  for (i = 0; i < sizeof entries / sizeof entries[0]; ++i)
+  for (size_t i = 0; i < sizeof entries / sizeof entries[0]; ++i)
     if (odo_register_plugin(entries[i], error) != ODO_OK) return 0;
   return 1;
 }
 
 static void walk(odo_session* session) {
-  int i;
-  for (i = 0; i < 2000; ++i) {
+  for (int i = 0; i < 2000; ++i) {
     const double t = i * 0.01;
     const double gyro[3] = {0.02 * sin(6.0 * t), 0.0, 0.05 * sin(3.0 * t)};
     const double accel[3] = {0.0, 9.81 + 2.0 * sin(6.2832 * 2.0 * t), 0.3};

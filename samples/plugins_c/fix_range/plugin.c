@@ -76,10 +76,9 @@ static int32_t ODO_CALL create(const odo_host* host, uint32_t number, const odo_
 
 /* The host passes a value for each row of the table. */
 static int32_t ODO_CALL configure(odo_instance* self, const odo_value* values, uint32_t count, uint32_t stride) {
-  uint32_t i, k;
-  for (i = 0; i < count; ++i) { /* rows of a newer host are larger */
+  for (uint32_t i = 0; i < count; ++i) { /* rows of a newer host are larger */
     const odo_value* value = (const odo_value*)(const void*)((const char*)values + (size_t)i * stride);
-    for (k = 0; k < PARAMETERS; ++k) {
+    for (uint32_t k = 0; k < PARAMETERS; ++k) {
       if (!same(&value->name, &parameters[k].name)) continue;
       if (k < REALS)
         *(double*)(void*)((char*)&self->fix.parameters + reals[k]) = value->reals[0];
@@ -119,17 +118,16 @@ static int32_t on_pose(odo_instance* self, const odo_pose* pose) {
   const uint32_t needed = ODO_POSE_ORIENTATION | ODO_POSE_POSITION | ODO_POSE_METRIC;
   const double prior2 = self->fix.parameters.prior_sigma_m * self->fix.parameters.prior_sigma_m;
   range_pose body;
-  int i, k;
   if ((pose->header.flags & needed) != needed || pose->state == ODO_LOST) return ODO_NOT_READY;
   if (!is_unit(pose->q_n) || !within(pose->p_n, 3, 1e7)) return ODO_E_DISCARD;
   memset(&body, 0, sizeof body);
   body.t_ns = pose->header.t_ns;
   memcpy(body.q_n_b, pose->q_n, sizeof body.q_n_b);
   memcpy(body.p_n, pose->p_n, sizeof body.p_n);
-  for (i = 0; i < 3; ++i) body.covariance_n[4 * i] = prior2;
+  for (int i = 0; i < 3; ++i) body.covariance_n[4 * i] = prior2;
   if ((pose->header.flags & ODO_POSE_COVARIANCE) && within(pose->covariance, 36, 1e12)) {
-    for (i = 0; i < 3; ++i)
-      for (k = 0; k < 3; ++k) body.covariance_n[3 * i + k] = pose->covariance[6 * (3 + i) + 3 + k];
+    for (int i = 0; i < 3; ++i)
+      for (int k = 0; k < 3; ++k) body.covariance_n[3 * i + k] = pose->covariance[6 * (3 + i) + 3 + k];
     body.yaw_variance = pose->covariance[14] > 0 ? pose->covariance[14] : 0;
   }
   if (pose->header.flags & ODO_POSE_CAMERA) {
@@ -137,7 +135,7 @@ static int32_t on_pose(odo_instance* self, const odo_pose* pose) {
     double lever_n[3];
     range_multiply(body.q_n_b, inverse, body.q_n_b);
     range_rotate(body.q_n_b, self->p_b_c, lever_n);
-    for (i = 0; i < 3; ++i) body.p_n[i] -= lever_n[i];
+    for (int i = 0; i < 3; ++i) body.p_n[i] -= lever_n[i];
   }
   range_fix_add_pose(&self->fix, &body);
   return ODO_OK;
@@ -198,8 +196,7 @@ static int32_t on_message(odo_instance* self, const odo_header* message) {
 
 static int32_t ODO_CALL process(odo_instance* self, const odo_batch* batch) {
   int32_t worst = ODO_OK;
-  uint32_t i;
-  for (i = 0; i < batch->count; ++i) {
+  for (uint32_t i = 0; i < batch->count; ++i) {
     const int32_t status = on_message(self, batch->messages[i]);
     if (status < worst) worst = status;
   }
@@ -223,7 +220,6 @@ int32_t ODO_CALL ODO_PLUGIN_ENTRY(const odo_host* host, odo_plugin* out) {
   static const odo_string refusal = TEXT("this plugin needs another version of the ABI than the host's");
   static const uint32_t inputs[] = {ODO_TYPE_CORRECTION};
   odo_plugin table;
-  uint32_t size;
   if (!host || !out || out->struct_size < ODO_PLUGIN_SIZE_MIN) return ODO_E_STRUCT_SIZE;
   if (!ODO_HOST_FITS(host)) {
     out->refusal = refusal;
@@ -239,7 +235,7 @@ int32_t ODO_CALL ODO_PLUGIN_ENTRY(const odo_host* host, odo_plugin* out) {
   table.create = create, table.configure = configure, table.activate = activate;
   table.process = process, table.reset = reset, table.destroy = destroy;
   /* A host of another version has a smaller or a larger table. */
-  size = out->struct_size < table.struct_size ? out->struct_size : table.struct_size;
+  const uint32_t size = out->struct_size < table.struct_size ? out->struct_size : table.struct_size;
   memcpy(out, &table, size);
   out->struct_size = size;
   return ODO_OK;

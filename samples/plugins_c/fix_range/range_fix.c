@@ -29,18 +29,16 @@ void range_fix_clear(range_fix* self) {
 }
 
 static void move(const double* q, const double* p, double* point) {
-  int i;
   range_rotate(q, point, point);
-  for (i = 0; i < 3; ++i) point[i] += p[i];
+  for (int i = 0; i < 3; ++i) point[i] += p[i];
 }
 
 void range_fix_correct(range_fix* self, const double* q, const double* p) {
-  int i;
-  for (i = 0; i < 2; ++i) {
+  for (int i = 0; i < 2; ++i) {
     move(q, p, self->poses[i].p_n);
     range_multiply(q, self->poses[i].q_n_b, self->poses[i].q_n_b);
   }
-  for (i = 0; i < self->window_count; ++i) move(q, p, self->window[i].antenna_n);
+  for (int i = 0; i < self->window_count; ++i) move(q, p, self->window[i].antenna_n);
 }
 
 /* Antenna position at the time of the range, interpolated between the last two poses. */
@@ -49,21 +47,20 @@ static void interpolate_antenna(const range_fix* self, range_sample* range) {
   const double span = seconds(to->t_ns, from->t_ns);
   const double share = span > 0 ? seconds(range->t_ns, from->t_ns) / span : 1.0;
   double q[4], norm = 0, sign = 0, lever_n[3];
-  int i;
-  for (i = 0; i < 4; ++i) sign += from->q_n_b[i] * to->q_n_b[i];
-  for (i = 0; i < 4; ++i) q[i] = (sign < 0 ? -1 : 1) * (1 - share) * from->q_n_b[i] + share * to->q_n_b[i];
-  for (i = 0; i < 4; ++i) norm += q[i] * q[i];
-  for (i = 0; i < 4; ++i) q[i] /= sqrt(norm);
+  for (int i = 0; i < 4; ++i) sign += from->q_n_b[i] * to->q_n_b[i];
+  for (int i = 0; i < 4; ++i) q[i] = (sign < 0 ? -1 : 1) * (1 - share) * from->q_n_b[i] + share * to->q_n_b[i];
+  for (int i = 0; i < 4; ++i) norm += q[i] * q[i];
+  for (int i = 0; i < 4; ++i) q[i] /= sqrt(norm);
   range_rotate(q, range->lever_b, lever_n);
-  for (i = 0; i < 3; ++i) range->antenna_n[i] = (1 - share) * from->p_n[i] + share * to->p_n[i] + lever_n[i];
+  for (int i = 0; i < 3; ++i) range->antenna_n[i] = (1 - share) * from->p_n[i] + share * to->p_n[i] + lever_n[i];
 }
 
 /* Moves waiting ranges between the last two poses to the window. */
 static void place_waiting(range_fix* self) {
   const range_pose *from = &self->poses[0], *to = &self->poses[1];
-  int i, left = 0;
+  int left = 0;
   if (self->pose_count < 2) return;
-  for (i = 0; i < self->waiting_count; ++i) {
+  for (int i = 0; i < self->waiting_count; ++i) {
     range_sample* range = &self->waiting[i];
     if (range->t_ns > to->t_ns) {
       self->waiting[left++] = *range;
@@ -86,12 +83,10 @@ void range_fix_add_pose(range_fix* self, const range_pose* pose) {
 
 /* Unit vector from the transmitter to the antenna moved by delta; returns their distance. */
 static double line_of_sight(const range_sample* range, const double* delta, double* u) {
-  double distance;
-  int i;
-  for (i = 0; i < 3; ++i) u[i] = range->antenna_n[i] + delta[i] - range->transmitter_n[i];
-  distance = sqrt(dot(u, u));
+  for (int i = 0; i < 3; ++i) u[i] = range->antenna_n[i] + delta[i] - range->transmitter_n[i];
+  double distance = sqrt(dot(u, u));
   if (distance < 1e-9) distance = 1e-9;
-  for (i = 0; i < 3; ++i) u[i] /= distance;
+  for (int i = 0; i < 3; ++i) u[i] /= distance;
   return distance;
 }
 
@@ -103,12 +98,11 @@ static void set_variances(range_fix* self) {
   const range_pose* pose = &self->poses[1];
   const double windows = p->correlation_s > p->interval_s ? p->correlation_s / p->interval_s : 1.0;
   const range_sample* newest = &self->window[self->window_count - 1];
-  int i, k;
-  for (i = 0; i < self->window_count; ++i) {
+  for (int i = 0; i < self->window_count; ++i) {
     range_sample* range = &self->window[i];
     double same = 0, moved2 = 0;
-    for (k = 0; k < self->window_count; ++k) same += self->window[k].transmitter == range->transmitter;
-    for (k = 0; k < 2; ++k) {
+    for (int k = 0; k < self->window_count; ++k) same += self->window[k].transmitter == range->transmitter;
+    for (int k = 0; k < 2; ++k) {
       const double d = range->antenna_n[k] - newest->antenna_n[k];
       moved2 += d * d;
     }
@@ -122,8 +116,8 @@ static void set_variances(range_fix* self) {
  * whose
  * position has the covariance P (null: none). Returns their number. */
 static int gate(range_fix* self, int count, const double* delta, const double* P) {
-  int i, kept = 0;
-  for (i = 0; i < count; ++i) {
+  int kept = 0;
+  for (int i = 0; i < count; ++i) {
     const range_sample range = self->window[i];
     double u[3];
     const double innovation = range.range_m - line_of_sight(&range, delta, u);
@@ -142,28 +136,27 @@ static double step(const range_fix* self, int count, double* delta, double* cova
   const double unobserved2 = self->parameters.unobserved_sigma_m * self->parameters.unobserved_sigma_m;
   const double worst2 = self->parameters.prior_sigma_m * self->parameters.prior_sigma_m;
   double information[9] = {0}, gradient[3] = {0}, values[3], vectors[9], moved2 = 0;
-  int i, k, m;
-  for (i = 0; i < count; ++i) {
+  for (int i = 0; i < count; ++i) {
     const range_sample* range = &self->window[i];
     double u[3];
     const double residual = range->range_m - line_of_sight(range, delta, u);
     const double sigmas = fabs(residual) / sqrt(range->variance);
     const double weight = (sigmas > HUBER ? HUBER / sigmas : 1.0) / range->variance;
-    for (k = 0; k < 3; ++k) {
+    for (int k = 0; k < 3; ++k) {
       gradient[k] += weight * residual * u[k];
-      for (m = 0; m < 3; ++m) information[3 * k + m] += weight * u[k] * u[m];
+      for (int m = 0; m < 3; ++m) information[3 * k + m] += weight * u[k] * u[m];
     }
   }
   range_eigen(information, values, vectors);
   memset(covariance, 0, 9 * sizeof *covariance);
-  for (i = 0; i < 3; ++i) {
+  for (int i = 0; i < 3; ++i) {
     const double* v = vectors + 3 * i;
     const int observed = values[i] * worst2 > 1;
     const double variance = observed ? 1 / values[i] : unobserved2, length = observed ? variance * dot(v, gradient) : 0;
     moved2 += length * length;
-    for (k = 0; k < 3; ++k) {
+    for (int k = 0; k < 3; ++k) {
       delta[k] += length * v[k];
-      for (m = 0; m < 3; ++m) covariance[3 * k + m] += variance * v[k] * v[m];
+      for (int m = 0; m < 3; ++m) covariance[3 * k + m] += variance * v[k] * v[m];
     }
   }
   return sqrt(moved2);
@@ -171,9 +164,8 @@ static double step(const range_fix* self, int count, double* delta, double* cova
 
 /* Returns whether it converged. */
 static int solve(const range_fix* self, int count, double* delta, double* covariance) {
-  int i;
   memset(delta, 0, 3 * sizeof *delta);
-  for (i = 0; i < ITERATIONS; ++i) {
+  for (int i = 0; i < ITERATIONS; ++i) {
     const double moved = step(self, count, delta, covariance);
     if (!(moved < 1e6)) return 0;
     if (moved < CONVERGED_M) return 1;
@@ -184,8 +176,7 @@ static int solve(const range_fix* self, int count, double* delta, double* covari
 /* A range is linear only near the line of sight: d across it is d^2 / (2 r) along it. The track or the other ranges,
  * whichever is better, bound the true position across it. */
 static void add_curvature(range_fix* self, int count, const double* delta, const double* covariance) {
-  int i;
-  for (i = 0; i < count; ++i) {
+  for (int i = 0; i < count; ++i) {
     double u[3], by_track, by_ranges, across2, along;
     const double distance = line_of_sight(&self->window[i], delta, u);
     by_track = trace(self->poses[1].covariance_n) - quadratic(self->poses[1].covariance_n, u);
@@ -201,7 +192,7 @@ static int finish(range_fix* self, range_result* result) {
   const range_parameters* p = &self->parameters;
   const range_sample newest = self->window[self->window_count - 1];
   double delta[3] = {0, 0, 0}, lever_n[3];
-  int i, count, against;
+  int count, against;
   set_variances(self);
   count = gate(self, self->window_count, delta, pose->covariance_n);
   against = 2 * count < self->window_count; /* the few that agree may do so by chance */
@@ -217,7 +208,7 @@ static int finish(range_fix* self, range_result* result) {
   result->used = count, result->given = self->window_count;
   result->t_ns = pose->t_ns;
   range_rotate(pose->q_n_b, newest.lever_b, lever_n);
-  for (i = 0; i < 3; ++i) {
+  for (int i = 0; i < 3; ++i) {
     result->p_n[i] = pose->p_n[i] + lever_n[i] + delta[i];
     result->lever_b[i] = newest.lever_b[i];
   }
@@ -225,7 +216,6 @@ static int finish(range_fix* self, range_result* result) {
 }
 
 int range_fix_add_range(range_fix* self, const range_sample* range, range_result* result) {
-  int done;
   if (self->waiting_count == RANGE_CAPACITY)
     memmove(self->waiting, self->waiting + 1, (size_t)--self->waiting_count * sizeof *self->waiting);
   self->waiting[self->waiting_count++] = *range;
@@ -234,7 +224,7 @@ int range_fix_add_range(range_fix* self, const range_sample* range, range_result
   if (seconds(self->poses[1].t_ns, self->window[0].t_ns) < self->parameters.interval_s &&
       self->window_count < RANGE_CAPACITY)
     return 0;
-  done = finish(self, result);
+  const int done = finish(self, result);
   self->window_count = 0;
   return done;
 }

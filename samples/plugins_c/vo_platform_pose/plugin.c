@@ -88,10 +88,9 @@ static int32_t ODO_CALL create(const odo_host* host, uint32_t number, const odo_
 
 /* The host passes a value for each row of the table. */
 static int32_t ODO_CALL configure(odo_instance* self, const odo_value* values, uint32_t count, uint32_t stride) {
-  uint32_t i, k;
-  for (i = 0; i < count; ++i) { /* rows of a newer host are larger */
+  for (uint32_t i = 0; i < count; ++i) { /* rows of a newer host are larger */
     const odo_value* value = (const odo_value*)(const void*)((const char*)values + (size_t)i * stride);
-    for (k = 0; k < PARAMETERS; ++k)
+    for (uint32_t k = 0; k < PARAMETERS; ++k)
       if (same(&value->name, &parameters[k].name)) *(double*)(void*)((char*)self + members[k]) = value->reals[0];
   }
   return ODO_OK;
@@ -138,7 +137,6 @@ static double seconds(int64_t later_ns, int64_t earlier_ns) {
 static struct view view_of(const odo_instance* self, const odo_platform_pose* pose, int64_t t_ns) {
   struct view view;
   double norm, lever_w[3];
-  int i;
   view.t_ns = t_ns, view.world = pose->world;
   view.state = pose->state == ODO_TRACKING || pose->state == ODO_DEGRADED ? pose->state : ODO_LOST;
   memcpy(view.q_w_c, pose->q_w, sizeof view.q_w_c);
@@ -146,11 +144,11 @@ static struct view view_of(const odo_instance* self, const odo_platform_pose* po
   if (!(pose->header.flags & ODO_PLATFORM_POSE_CAMERA)) {
     multiply(pose->q_w, self->q_b_c, view.q_w_c);
     rotate(pose->q_w, self->p_b_c, lever_w);
-    for (i = 0; i < 3; ++i) view.p_w_c[i] += lever_w[i];
+    for (int i = 0; i < 3; ++i) view.p_w_c[i] += lever_w[i];
   }
   norm = sqrt(view.q_w_c[0] * view.q_w_c[0] + view.q_w_c[1] * view.q_w_c[1] + view.q_w_c[2] * view.q_w_c[2] +
               view.q_w_c[3] * view.q_w_c[3]);
-  for (i = 0; i < 4; ++i) view.q_w_c[i] /= norm; /* platforms provide floats */
+  for (int i = 0; i < 4; ++i) view.q_w_c[i] /= norm; /* platforms provide floats */
   return view;
 }
 
@@ -161,11 +159,10 @@ static void fill_motion(const odo_instance* self, const struct view* to, odo_vo_
                d[3] = {to->p_w_c[0] - from->p_w_c[0], to->p_w_c[1] - from->p_w_c[1], to->p_w_c[2] - from->p_w_c[2]};
   const double length = sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
   double inverse[4];
-  int i;
   if (to->world != from->world || to->state == ODO_LOST || from->state == ODO_LOST) return;
   conjugate(from->q_w_c, inverse);
   multiply(inverse, to->q_w_c, motion->q_c0_c1);
-  for (i = 0; i < 3; ++i)
+  for (int i = 0; i < 3; ++i)
     motion->covariance[7 * i] =
         2 * self->rotation_sigma * self->rotation_sigma + self->rotation_walk * self->rotation_walk * dt;
   motion->header.flags |= ODO_VO_ROTATION | ODO_VO_COVARIANCE;
@@ -173,7 +170,7 @@ static void fill_motion(const odo_instance* self, const struct view* to, odo_vo_
   if (to->state != ODO_TRACKING || from->state != ODO_TRACKING || dt > self->max_gap || length > self->max_speed * dt)
     return;
   rotate(inverse, d, motion->p_c0_c1);
-  for (i = 3; i < 6; ++i)
+  for (int i = 3; i < 6; ++i)
     motion->covariance[7 * i] =
         2 * self->position_sigma * self->position_sigma + self->position_walk * self->position_walk * length;
   motion->header.flags |= ODO_VO_TRANSLATION;
@@ -258,8 +255,7 @@ static int32_t on_calibration(odo_instance* self, const odo_calibration* calibra
 
 static int32_t ODO_CALL process(odo_instance* self, const odo_batch* batch) {
   int32_t worst = ODO_OK;
-  uint32_t i;
-  for (i = 0; i < batch->count; ++i) {
+  for (uint32_t i = 0; i < batch->count; ++i) {
     const odo_header* message = batch->messages[i];
     int32_t status = ODO_OK;
     odo_platform_pose pose;
@@ -289,7 +285,6 @@ int32_t ODO_CALL ODO_PLUGIN_ENTRY(const odo_host* host, odo_plugin* out) {
   static const odo_string refusal = TEXT("this plugin needs another version of the ABI than the host's");
   static const uint32_t inputs[] = {ODO_TYPE_PLATFORM_POSE};
   odo_plugin table;
-  uint32_t size;
   if (!host || !out || out->struct_size < ODO_PLUGIN_SIZE_MIN) return ODO_E_STRUCT_SIZE;
   if (!ODO_HOST_FITS(host)) {
     out->refusal = refusal;
@@ -306,7 +301,7 @@ int32_t ODO_CALL ODO_PLUGIN_ENTRY(const odo_host* host, odo_plugin* out) {
   table.create = create, table.configure = configure, table.activate = activate;
   table.process = process, table.reset = reset, table.destroy = destroy;
   /* A host of another version has a smaller or a larger table. */
-  size = out->struct_size < table.struct_size ? out->struct_size : table.struct_size;
+  const uint32_t size = out->struct_size < table.struct_size ? out->struct_size : table.struct_size;
   memcpy(out, &table, size);
   out->struct_size = size;
   return ODO_OK;

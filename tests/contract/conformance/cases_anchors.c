@@ -28,7 +28,6 @@ static int32_t get(app* self, uint64_t id, odo_anchor* anchor) {
 
 static app* walk(const char* more, int seconds) {
   char config[512] = CAMERA_WALK;
-  int second;
   NEED(anchor_create);
   NEED(anchor_get);
   NEED(anchor_list);
@@ -36,7 +35,7 @@ static app* walk(const char* more, int seconds) {
   hooks.on_message = walk_message;
   strcat(config, more);
   app* self = app_open(config, ODO_RUN_REPLAY);
-  for (second = 0; second < seconds; ++second) walk_second(self, second);
+  for (int second = 0; second < seconds; ++second) walk_second(self, second);
   app_flush(self);
   return self;
 }
@@ -85,8 +84,7 @@ static void time_is_kept(int unused) {
 static void bad_places(int unused) {
   app* self = walk(ORIGIN, 2);
   uint64_t id;
-  int which;
-  for (which = 0; which < 11; ++which) {
+  for (int which = 0; which < 11; ++which) {
     odo_anchor_place place = place_of(which < 4 || which > 9 ? ODO_ANCHOR_POSE : ODO_ANCHOR_GEODETIC);
     int32_t status;
     if (which == 0) place.kind = 0;

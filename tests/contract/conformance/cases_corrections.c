@@ -47,13 +47,12 @@ static double apart(const double* a, const double* b) {
 static odo_correction corrected_walk(view* before, view* after) {
   odo_barometer trigger;
   uint64_t anchor = 0;
-  int second;
   NEED(session_get_pose_of);
   NEED(anchor_create);
   NEED(anchor_get);
   hooks.on_message = walk_message;
   app* self = app_open(CAMERA_WALK, ODO_RUN_REPLAY);
-  for (second = 0; second < 3; ++second) walk_second(self, second);
+  for (int second = 0; second < 3; ++second) walk_second(self, second);
   app_flush(self);
   odo_anchor_place place = {.struct_size = sizeof place};
   place.kind = ODO_ANCHOR_VIEW;

@@ -67,13 +67,12 @@ static int read_all(const char* path, int32_t* loss) {
 static void cut_off(int unused) {
   const char* path = case_file("cut.odo");
   file whole;
-  size_t size;
   int32_t loss;
   int before = -1;
   write_ten(path, true);
   read_file(path, &whole);
   CHECK(read_all(path, &loss) == 10 && loss == ODO_OK, "the whole recording has a loss");
-  for (size = 0; size < whole.size; ++size) {
+  for (size_t size = 0; size < whole.size; ++size) {
     int count;
     write_file(path, &whole, size);
     count = read_all(path, &loss);
@@ -89,11 +88,10 @@ static void cut_off(int unused) {
 static void changed_bytes(int unused) {
   const char* path = case_file("changed.odo");
   file whole;
-  size_t at;
   int32_t loss;
   write_ten(path, true);
   read_file(path, &whole);
-  for (at = 0; at < whole.size; ++at) {
+  for (size_t at = 0; at < whole.size; ++at) {
     int count;
     whole.bytes[at] ^= 0x10;
     write_file(path, &whole, whole.size);

@@ -100,8 +100,7 @@ static void twice_is_dropped(int unused) {
 static void two_sources_are_two_sensors(int unused) {
   app* self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
   odo_header message;
-  uint32_t source;
-  for (source = 0; source < 2; ++source) {
+  for (uint32_t source = 0; source < 2; ++source) {
     put_header(&message, sizeof message, PROBE_MESSAGE, T0);
     message.source = source;
     EXPECT(push(self, &message), ODO_OK);

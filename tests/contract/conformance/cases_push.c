@@ -24,8 +24,7 @@ static void reserved_is_refused(int unused) {
 
 static void events_are_refused(int unused) {
   app* self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
-  uint32_t type;
-  for (type = ODO_TYPE_ATTITUDE; type <= ODO_TYPE_RELATIVE_POSE; ++type) refuse(self, type);
+  for (uint32_t type = ODO_TYPE_ATTITUDE; type <= ODO_TYPE_RELATIVE_POSE; ++type) refuse(self, type);
   refuse(self, 0x1000);
   refuse(self, PROBE_NEWER_EVENT);
   refuse(self, PROBE_EVENT);

@@ -85,9 +85,8 @@ static void by_id_not_by_kind(int unused) {
 static void every_damage_is_found(int unused) {
   const saved blob = save_of(open_saving(FIXER_ALONE));
   app* self = open_saving(FIXER_ALONE);
-  int64_t i;
   int taken = 0;
-  for (i = 0; i < blob.size; ++i) {
+  for (int64_t i = 0; i < blob.size; ++i) {
     int32_t status;
     blob.bytes[i] ^= 0x10;
     status = odo.session_load(self->session, blob.bytes, (uint64_t)blob.size);
@@ -97,7 +96,7 @@ static void every_damage_is_found(int unused) {
           status_name(status));
     blob.bytes[i] ^= 0x10;
   }
-  for (i = 0; i < blob.size; ++i) {
+  for (int64_t i = 0; i < blob.size; ++i) {
     const int32_t status = odo.session_load(self->session, blob.bytes, (uint64_t)i);
     CHECK(status == ODO_E_DATA, "cut to %lld bytes odo_session_load = %s", (long long)i, status_name(status));
   }

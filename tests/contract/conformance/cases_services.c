@@ -95,10 +95,9 @@ static void reports_are_events(int unused) {
 static uint64_t seeds[4];
 
 static int64_t draw(probe_call* call) {
-  uint64_t i;
   if (call->what != PROBE_ACTIVATE) return ODO_OK;
   const odo_random_service* service = (const odo_random_service*)SERVICE(call->instance->host, ODO_SERVICE_RANDOM);
-  for (i = 0; service && i < 2; ++i) seeds[i] = service->seed(call->instance->host, call->instance->number, i);
+  for (uint64_t i = 0; service && i < 2; ++i) seeds[i] = service->seed(call->instance->host, call->instance->number, i);
   if (service) seeds[2] = service->seed(call->instance->host, call->instance->number + 1, 0);
   if (service) seeds[3] = service->seed(call->instance->host, call->instance->number, 0);
   return ODO_OK;

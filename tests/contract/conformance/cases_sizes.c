@@ -152,10 +152,9 @@ static void error_of_create(int unused) {
   unsigned char* bytes = (unsigned char*)aligned;
   odo_error* error = (odo_error*)(void*)aligned;
   odo_session* session;
-  uint32_t capacity;
   NEED(session_create);
   odo_session_options chosen = {.struct_size = sizeof chosen};
-  for (capacity = 0; capacity <= sizeof aligned; capacity += 16) {
+  for (uint32_t capacity = 0; capacity <= sizeof aligned; capacity += 16) {
     memset(bytes, FILL, sizeof aligned);
     error->struct_size = capacity;
     EXPECT(odo.session_create(&chosen, &session, error), ODO_E_ARGUMENT);

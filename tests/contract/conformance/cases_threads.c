@@ -89,13 +89,12 @@ static void* ask_for_poses(void* user) {
 
 static void poses_meanwhile(int run) {
   pthread_t thread;
-  int second;
   NEED(session_get_pose);
   hooks.on_message = walk_message;
   app* self = app_open(CAMERA_WALK, (uint32_t)run);
   start(&thread, ask_for_poses, self);
   while (asked == 0) sleep_ms(1);
-  for (second = 0; second < 5; ++second) {
+  for (int second = 0; second < 5; ++second) {
     walk_second(self, second);
     app_flush(self);
   }

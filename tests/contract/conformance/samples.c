@@ -29,13 +29,11 @@ int32_t push_rest(app* self, int64_t t_ns) {
 }
 
 void push_rest_between(app* self, int64_t from_ns, int64_t to_ns) {
-  int64_t t_ns;
-  for (t_ns = from_ns; t_ns < to_ns; t_ns += 10 * MS) EXPECT(push_rest(self, t_ns), ODO_OK);
+  for (int64_t t_ns = from_ns; t_ns < to_ns; t_ns += 10 * MS) EXPECT(push_rest(self, t_ns), ODO_OK);
 }
 
 void push_set_back(app* self, int64_t from_ns, int64_t to_ns) {
-  int64_t t_ns;
-  for (t_ns = from_ns; t_ns < to_ns; t_ns += 10 * MS) {
+  for (int64_t t_ns = from_ns; t_ns < to_ns; t_ns += 10 * MS) {
     const int32_t status = push_rest(self, t_ns); /* the first ones appear late */
     CHECK(status == ODO_OK || (status == ODO_E_DISCARD && t_ns < from_ns + SECOND),
           "%lld ms after the clock was set back %s", (long long)((t_ns - from_ns) / MS), status_name(status));
@@ -201,14 +199,13 @@ int32_t walk_message(odo_instance* instance, const odo_header* message) {
 
 void walk_second(app* self, int second) {
   const int64_t start_ns = T0 + second * SECOND;
-  int64_t t_ns;
   if (second == 0) {
     odo_calibration calibration;
     put_calibration(&calibration, 0, start_ns);
     calibration.header.flags = ODO_CALIBRATION_EXTRINSICS;
     EXPECT(push(self, &calibration), ODO_OK);
   }
-  for (t_ns = start_ns; t_ns < start_ns + SECOND; t_ns += 10 * MS) {
+  for (int64_t t_ns = start_ns; t_ns < start_ns + SECOND; t_ns += 10 * MS) {
     EXPECT(push_rest(self, t_ns), ODO_OK);
     if ((t_ns - start_ns) % (100 * MS) == 0) {
       odo_frame frame;
