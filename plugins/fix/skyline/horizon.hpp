@@ -13,7 +13,7 @@ namespace odograph::skyline {
 struct HorizonParameters {
   double same_rad = 0.035;  ///< two degrees between neighbours: more is a wall's edge instead of a roof's slope
   int lattice = 2;          ///< places to each side from which visible edges are collected
-  int roof_lattice = 1;     ///< the same for roofs, of which more are collected
+  int roof_lattice = 3;     ///< the same for roofs
 };
 
 /// The skyline around a place: eq. (2) of Gakne & O'Keefe 2018, N = 720 directions from north to the east, each in the

@@ -20,7 +20,7 @@ struct PhotographDecisionParameters {
   double max_yaw_sigma_rad = 10 * std::numbers::pi / 180;
   double min_sigma_m = 0.5;   ///< of north and of east: no model's corners are more accurate (CityGML 2.0, LOD3: 0.5 m)
   double mode_radius_m = 6;   ///< of the places that form the covariance unless too many are left out
-  double max_other = 0.05;    ///< total probability of places beyond three sigmas and of no place
+  double max_other = 0.02;    ///< total probability of places beyond three sigmas and of no place
   double unmodelled = 0.05;   ///< odds, before the picture is seen, that the model has nothing of it; judgement
   double power = 0.6;         ///< of the likelihoods, since the model's errors are not those assumed
   double sky_power = 0.3;     ///< the same between a photograph's hypotheses, in addition

@@ -247,6 +247,7 @@ std::vector<PhotographMatcher::Candidate> PhotographMatcher::distinct(std::vecto
 /// A place at its optimum. A narrow line has a small basin of attraction, so the line's sigma decreases.
 void PhotographMatcher::polish(Candidate& at) {
   const PhotographRefinementParameters& r = p_.refinement;
+  at.tile = roofs_.size(), roofs_.push_back(roofs_around(at.guess, r.moved_m));  // its tile may lack some
   select_roofs(at, r.moved_m);
   fit_.set_line(r.wide_rad);
   move(at, r.move_m, r.moved_to_m);
