@@ -254,7 +254,7 @@ TEST_CASE("the camera of a written EuRoC folder is read back, and Kalibr's file 
       auto read = as<odo_calibration>(header);
       CHECK((Eigen::Vector4d::Map(read.q_b_c) - Eigen::Vector4d::Map(lens.q_b_c)).norm() < 1e-12);
       std::copy(lens.q_b_c, lens.q_b_c + 4, read.q_b_c);
-      CHECK(std::memcmp(&read, &expected, sizeof read) == 0);
+      CHECK(std::memcmp(&read, &expected, sizeof read) == 0);  // NOLINT(bugprone-suspicious-memory-comparison): no NaN
     }
     for (const auto& m : original.messages) {
       const auto same = [&](const RecordedMessage& other) {
@@ -264,8 +264,8 @@ TEST_CASE("the camera of a written EuRoC folder is read back, and Kalibr's file 
       REQUIRE(found != copy->messages.end());
       const auto *a = &m.message.header(), *b = &found->message.header();
       CHECK(a->t_ns == b->t_ns);
-      if (a->type == ODO_TYPE_IMU) CHECK(std::memcmp(a, b, sizeof(odo_imu)) == 0);
-      if (a->type == ODO_TYPE_IMU_NOISE) CHECK(std::memcmp(a, b, sizeof(odo_imu_noise)) == 0);
+      if (a->type == ODO_TYPE_IMU || a->type == ODO_TYPE_IMU_NOISE)
+        CHECK(std::ranges::equal(m.message.bytes(), found->message.bytes()));
       if (a->type == ODO_TYPE_FRAME) CHECK(as<odo_frame>(*b).line_time_ns == 31'000);
     }
     const auto kalibr = read_yaml((folder / "asl/camchain-imucam.yaml").string());

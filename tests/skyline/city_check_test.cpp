@@ -82,7 +82,8 @@ TEST_CASE("a wall with a thousand windows is cut; edges that cross each other ta
   using Eigen::Vector3d;
   std::vector<std::vector<Vector3d>> wall = {{{0, 0, 0}, {100, 0, 0}, {100, 0, 100}, {0, 0, 100}}};
   for (int i = 0; i < 1000; ++i) {
-    const double x = 1 + 3 * (i % 32), z = 1 + 3 * (i / 32);
+    const int column = i % 32, storey = i / 32;
+    const double x = 1 + 3 * column, z = 1 + 3 * storey;
     wall.push_back({{x, 0, z}, {x, 0, z + 1}, {x + 1, 0, z + 1}, {x + 1, 0, z}});
   }
   CrossingBudget budget;
@@ -218,16 +219,16 @@ TEST_CASE("a generated town's model is read back; damaged models are refused by 
   const std::string file = (folder / "city.json").string();
   Building house{{Vector3d(0, 0, 0), Vector3d(10, 0, 0), Vector3d(10, 8, 0), Vector3d(0, 8, 0)}, 30, true};
   REQUIRE(write_city_json(file, {house}, {}));
-  const auto edges = read_city_outline(file, {0, 0, 0});
+  const auto edges = read_city_outline(file, {});
   CHECK(edges.size() == 12);
   double top = 0;
   for (const Edge& e : edges) top = std::min(top, std::min(e.from.z(), e.to.z()));
   CHECK(top == doctest::Approx(-30));
-  CHECK(read_city_outline(file, {0, 0, 5})[0].from.z() ==
-        doctest::Approx(read_city_outline(file, {0, 0, 0})[0].from.z() + 5));
+  CHECK(read_city_outline(file, {.model_origin = {0, 0, 5}})[0].from.z() ==
+        doctest::Approx(read_city_outline(file, {})[0].from.z() + 5));
   const auto refusal = [](const std::string& text) -> std::string {
     try {
-      parse_city_outline(text, "town.json", {0, 0, 0});
+      parse_city_outline(text, "town.json", {});
     } catch (const std::runtime_error& error) {
       return error.what();
     }
