@@ -3,6 +3,7 @@
 // One photograph and a city model with height errors: fix/skyline's `photographs`.
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -216,6 +217,19 @@ TEST_CASE("the cost of a place does not change in steps with the camera's height
     }
     CHECK(steepest < 2);
   }
+}
+
+TEST_CASE("the roofs of a tile are those that its places can see") {
+  const auto model = a_crossing({});
+  City city(model);
+  auto tile = city.roofs_around({0, 0, -1.6}, 18, 0.03, 4, 3);
+  std::sort(tile.begin(), tile.end());
+  size_t missing = 0;
+  for (double north = -12; north <= 12; north += 3)
+    for (double east = -12; east <= 12; east += 3)
+      for (const int roof : city.roofs_around({north, east, -1.6}, 0.5, 0.03, 4, 3))
+        missing += !std::binary_search(tile.begin(), tile.end(), roof);
+  CHECK(missing == 0);
 }
 
 TEST_CASE("the normal equations of a roof line lead back to the camera's pose") {
