@@ -17,7 +17,7 @@ namespace odograph::skyline {
 struct PhotographDecisionParameters {
   double min_agreement = 0.6;  ///< fraction of the directions with a roof's edge where picture and model agree
   double max_sigma_m = 5;      ///< of the position along its worst axis
-  double max_yaw_sigma_rad = 10 * std::numbers::pi / 180;
+  double max_yaw_sigma_rad = 10 * std::numbers::pi / 180;  ///< half of a compass's: less would not help; judgement
   double min_sigma_m = 0.5;   ///< of north and of east: no model's corners are more accurate (CityGML 2.0, LOD3: 0.5 m)
   double mode_radius_m = 6;   ///< of the places that form the covariance unless too many are left out
   double max_other = 0.02;    ///< total probability of places beyond three sigmas and of no place

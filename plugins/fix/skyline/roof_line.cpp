@@ -310,7 +310,6 @@ RoofLineFit::NormalEquations RoofLineFit::normal_equations(const Guess& g) const
     normal.information -= h.coupling * (1 / h.information * h.coupling).transpose();
     normal.gradient -= h.gradient / h.information * h.coupling;
   }
-  normal.information.triangularView<Eigen::StrictlyUpper>() = normal.information.transpose();
   return normal;
 }
 
