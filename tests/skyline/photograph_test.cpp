@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <unordered_map>
 
 #include "plugins/fix/skyline/ground.hpp"
 #include "plugins/fix/skyline/photograph_level.hpp"
@@ -119,9 +120,29 @@ TEST_CASE("a photograph of seventy degrees is placed though each roof is wrong, 
     const Vector3d axis = q.conjugate() * match->q_n_c * Vector3d::UnitZ();
     CHECK(std::abs(axis.x()) < 3 * match->yaw_sigma_rad);
     CHECK(match->yaw_sigma_rad < 10 * kDegree);
+    // A house's height is as wrong as the camera's, and as the distance to it.
+    const double up_m = place.z() - match->p_n.z();
+    for (const RoofHeight& roof : match->roofs)
+      if (roof.directions > 10)
+        CHECK(std::abs(roof.height_m - up_m - lift[static_cast<size_t>(roof.object)]) < 0.1 + d.norm());
   }
   CHECK(placed >= 3);
   CHECK(beyond == 0);
+}
+
+TEST_CASE("a city with raised roofs has the skyline of that city, and roofs raised again are not raised twice") {
+  const std::vector<double> lift = {2, -1.5, 0, 3, 0.5, -2, 1, 0, 0, -3};
+  std::unordered_map<int, double> heights;
+  for (int k = 0; k < 10; ++k) heights[k] = lift[static_cast<size_t>(k)];
+  City model(a_crossing({})), real(a_crossing(lift));
+  model.raise({{0, 5.0}, {20, -4.0}}), model.raise(heights);
+  Horizon expected, raised;
+  for (City* city : {&model, &real}) {
+    city->select_near_edges({-6, 1.5, -1.6}, 1, 0.01);
+    city->horizon({-6, 1.5, -1.6}, city == &real ? expected : raised);
+  }
+  for (size_t j = 0; j < Horizon::kDirections; ++j)
+    CHECK(raised.elevation[j] == doctest::Approx(expected.elevation[j]).epsilon(1e-5));
 }
 
 TEST_CASE("a photograph is placed though its compass is wrong by a right angle and more") {

@@ -27,14 +27,16 @@ struct Box {
 inline constexpr Box kStreet[] = {{0, -25, 30, 20, 50}, {34, -27, 28, 22, 38}, {-33, -26, 30, 20, 61},
                                   {8, 24, 40, 18, 44},  {47, 26, 25, 20, 57},  {-30, 25, 26, 20, 35}};
 
-inline void write_street(const std::filesystem::path& file) {
+/// `roofs`: errors of the model's heights, m.
+inline void write_street(const std::filesystem::path& file, const std::vector<double>& roofs = {}) {
   std::vector<Building> buildings;
   for (const Box& box : kStreet) {
+    const double error = roofs.empty() ? 0 : roofs[buildings.size()];
     const double n = 0.5 * box.a, e = 0.5 * box.b;
     buildings.push_back(
         {{Eigen::Vector3d(box.north - n, box.east - e, 0), Eigen::Vector3d(box.north + n, box.east - e, 0),
           Eigen::Vector3d(box.north + n, box.east + e, 0), Eigen::Vector3d(box.north - n, box.east + e, 0)},
-         box.height,
+         box.height + error,
          true});
   }
   REQUIRE(write_city_json(file, buildings, {}));

@@ -28,9 +28,9 @@ struct Street {
   std::optional<SkylineFixer> fixer;
   cv::Mat seen = view_upwards(kPlace), blank{480, 640, CV_8UC1, cv::Scalar(70)};
 
-  explicit Street(FixerConfig config = {}) {
-    write_street(folder / "city.json");
-    config.model = (folder / "city.json").string(), config.min_agreement = 0.6;
+  explicit Street(FixerConfig config = {}, const std::vector<double>& roofs = {}) {
+    write_street(folder / "city.json", roofs);
+    config.model = (folder / "city.json").string(), config.min_agreement = roofs.empty() ? 0.6 : 0.75;
     cv::randu(blank, 0, 90);
     fixer.emplace(config);
   }
@@ -152,6 +152,31 @@ TEST_CASE("a pose that is off by more than its sigma is searched for after four 
   }
   CHECK(failures > 4);
   CHECK(failures < 12);
+}
+
+TEST_CASE("where the model's roofs are metres off they are surveyed, and the next pictures fit the corrected model") {
+  Street street({}, {3.5, -4, 3, -4, 3.5, -3});
+  int second = 0;
+  const auto fix_at = [&](const Vector3d& place) {
+    return street.fix(Street::pose(2 * ++second * kSecond, place + Vector3d(0.8, -0.5, 0)), view_upwards(place));
+  };
+  CHECK(reason_of(fix_at(kPlace)) == "agreement");
+  const Outcome outcome = fix_at(kPlace);
+  const Fix* surveyed = std::get_if<Fix>(&outcome);
+  REQUIRE(surveyed);
+  CHECK(surveyed->match.roofs.size() == std::size(kStreet));
+  CHECK((surveyed->match.p_n - kPlace).head<2>().norm() < 0.5);
+  for (int k = 1; k < 6; ++k) {
+    const Vector3d place = kPlace + k * Vector3d(0.5, 0.1, 0);
+    const Outcome later = fix_at(place);
+    CAPTURE(k);
+    CAPTURE(reason_of(later));
+    const Fix* fix = std::get_if<Fix>(&later);
+    REQUIRE(fix);
+    CHECK(fix->match.roofs.empty());
+    CHECK((fix->match.p_n - place).head<2>().norm() < 0.5);
+    CHECK(fix->match.covariance(0, 0) > surveyed->match.covariance(0, 0));
+  }
 }
 
 TEST_CASE("without a city there is no fixer, nor without a database where it is needed or the model must be geodetic") {

@@ -18,7 +18,7 @@ struct FixerConfig {
   std::string sky = "robust", inclination = "pose";
   double interval = 0.5, min_agreement = 0.75, tilt_sigma = 0.6 * std::numbers::pi / 180, min_sigma = 0.2, radius = 40;
   double height_sigma = 1.0;
-  bool start_known = true, join = false, photographs = false;
+  bool start_known = true, join = false, survey = true, photographs = false;
 };
 
 /// Parameters of the fixer that are not in the config. Unless a source is named, chosen empirically on drives and walks
@@ -43,6 +43,10 @@ struct FixerParameters {
   int failures_until_lost = 4;          ///< then the offset on which several pictures agree is searched
   int failures_until_search = 20;       ///< then the whole database is searched
   double failed_yaw_rad = 1 * kDegree;  ///< added to the heading's sigma per failure, with joined pictures
+
+  // A survey of the roofs, where the model does not fit.
+  int failures_between_surveys = 2;  ///< they occupy the worker for seconds
+  double farthest_survey_m = 15;     ///< max three sigmas of the prior's position: the work grows with its square
 
   // A place found in a database.
   double found_sigma_m = 1.5, found_sigma_rad = 2 * kDegree;  ///< sigmas, from several pictures

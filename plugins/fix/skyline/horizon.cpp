@@ -181,6 +181,28 @@ bool trace_edge(const float from_n[3], const float to_n[3], const float p_n[3], 
   return true;
 }
 
+void City::raise(const std::unordered_map<int, double>& heights_m) {
+  if (model_.empty()) model_ = edges_;
+  const auto height_of = [&](int object) {
+    const auto at = heights_m.find(object);
+    return at == heights_m.end() ? 0.0 : at->second;
+  };
+  edges_.clear(), near_.clear(), visible_.clear();
+  const auto add = [&](Edge e, double up_m) {
+    e.from.z() -= up_m, e.to.z() -= up_m;
+    edges_.push_back(e);
+  };
+  for (const Edge& e : model_) {
+    const double up_m = height_of(e.object), also_m = e.also < 0 ? up_m : height_of(e.also);
+    if (up_m == also_m) {
+      add(e, up_m);
+    } else {
+      add({e.from, e.to, e.object}, up_m);
+      add({e.from, e.to, e.also}, also_m);
+    }
+  }
+}
+
 void City::select_near_edges(const Eigen::Vector3d& p_n, double radius_m, double min_tan, double lower_m) {
   std::vector<int> all(edges_.size());
   std::iota(all.begin(), all.end(), 0);
@@ -315,13 +337,15 @@ void City::trace_roofs(const std::vector<Near>& edges, const Eigen::Vector3d& p_
 }
 
 std::vector<int> City::roofs_around(const Eigen::Vector3d& p_n, double radius_m, double min_tan, double lower_m,
-                                    double spread_m) {
+                                    double spread_m, const Spend& spend) {
+  if (spend) spend(kEdgeWork * edges_.size());
   select_near_edges(p_n, radius_m, min_tan, lower_m + spread_m);
   std::vector<char> seen(near_.size(), 0);
   RoofTops there;
   const int reach = kParameters.roof_lattice;
   for (int a = -reach; a <= reach; ++a)
     for (int b = -reach; b <= reach; ++b) {
+      if (spend) spend(2 * work());
       trace_roofs(near_, p_n + Eigen::Vector3d(a, b, 0) * (radius_m / reach), spread_m, Sector::all(), there);
       for (size_t k = 0; k < there.of.size(); ++k)
         for (uint8_t m = 0; m < there.count[k]; ++m) seen[static_cast<size_t>(there.of[k][m].edge)] = 1;

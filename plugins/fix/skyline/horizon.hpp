@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <unordered_map>
 #include <vector>
 
 #include "plugins/fix/skyline/city_outline.hpp"
@@ -73,6 +74,8 @@ class City {
   using EdgeIndices = std::array<int, Horizon::kDirections>;
   void horizon(const Eigen::Vector3d& p_n, Horizon& out, EdgeIndices& edge_indices) const;
   const std::vector<Edge>& edges() const { return edges_; }
+  /// Raises the model's roofs by object, m, in place of an earlier call's heights; the selections are void.
+  void raise(const std::unordered_map<int, double>& heights_m);
   /// Work of horizon() and quick_horizon(), for a Spend.
   uint64_t work() const { return work_of(near_, Sector::all()); }
   uint64_t quick_work(const Sector& sector = Sector::all()) const { return work_of(visible_, sector); }
@@ -84,7 +87,7 @@ class City {
   }
   /// The edges that roof_tops() needs at places within the radius.
   std::vector<int> roofs_around(const Eigen::Vector3d& p_n, double radius_m, double min_tan, double lower_m,
-                                double spread_m);
+                                double spread_m, const Spend& spend = nullptr);
   /// Selects those of the edges that roof_tops() needs within a smaller radius: the smaller, the faster it is.
   void select_roofs(const std::vector<int>& roofs, const Eigen::Vector3d& p_n, double radius_m, double min_tan,
                     double lower_m, double spread_m);
@@ -119,7 +122,7 @@ class City {
   void trace_roofs(const std::vector<Near>& edges, const Eigen::Vector3d& p_n, double spread_m, const Sector& sector,
                    RoofTops& out) const;
 
-  std::vector<Edge> edges_;
+  std::vector<Edge> edges_, model_;  // raised; as in the model, once there are raised ones
   std::vector<Near> near_, visible_;
   Eigen::Vector3d around_ = Eigen::Vector3d::Zero();
   double radius_m_ = 0, lower_m_ = 0;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <vector>
 
 #include <Eigen/Geometry>
 
@@ -30,6 +31,13 @@ struct Prior {
   double slack_m = 0;
 };
 
+/// Height of an object's roofs above the model's, as a picture shows it.
+struct RoofHeight {
+  int object;  ///< Edge::object
+  double height_m;
+  double directions;  ///< number of those that agree with it, by weight
+};
+
 struct Match {
   Eigen::Vector3d p_n;
   Eigen::Quaterniond q_n_c;
@@ -41,6 +49,7 @@ struct Match {
   /// The highest point of the skyline: eq. (2) and (4) of Gakne & O'Keefe 2018.
   Eigen::Vector3d landmark_n;
   double slant_distance_m;
+  std::vector<RoofHeight> roofs = {};  ///< where they were estimated
 };
 
 /// Reason for no match.

@@ -32,11 +32,13 @@ double apart(const Guess& x, const Guess& y) { return std::hypot(x.north - y.nor
 void PhotographMatcher::survey_ground() {
   const auto reach = static_cast<Eigen::Index>(std::ceil((reach_m() + 2 * p_.tile_m) / p_.ground_step_m));
   downs_.resize(2 * reach + 1, 2 * reach + 1);
+  const auto here = ground_.at(prior_.p_n.head<2>());
+  const double eye_m = prior_.eye_m.value_or(here ? here->down_m - prior_.p_n.z() : 0);
   for (Eigen::Index a = -reach; a <= reach; ++a)
     for (Eigen::Index b = -reach; b <= reach; ++b) {
       const Eigen::Vector2d by(static_cast<double>(a) * p_.ground_step_m, static_cast<double>(b) * p_.ground_step_m);
       const auto ground = ground_.at(prior_.p_n.head<2>() + by);
-      downs_(a + reach, b + reach) = ground ? ground->down_m - prior_.eye_m : prior_.p_n.z();
+      downs_(a + reach, b + reach) = ground && (here || prior_.eye_m) ? ground->down_m - eye_m : prior_.p_n.z();
     }
 }
 
@@ -53,7 +55,7 @@ Eigen::Vector3d PhotographMatcher::place_of(const Guess& guess) const {
 }
 
 std::vector<int> PhotographMatcher::roofs_around(const Guess& guess, double radius_m) {
-  return city_.roofs_around(place_of(guess), radius_m, 0.03, 4, p_.spread_sigmas * p_.roofs.building_m);
+  return city_.roofs_around(place_of(guess), radius_m, 0.03, 4, p_.spread_sigmas * p_.roofs.building_m, spend_);
 }
 
 /// Of the candidate's tile.
@@ -64,6 +66,7 @@ void PhotographMatcher::select_roofs(const Candidate& at, double radius_m) {
 /// Computes the model's roof line at a guess's place; the fit treats the guess's `up` to first order.
 void PhotographMatcher::render_skyline(const Guess& guess, double reach_rad) {
   const Sector sector = fit_.sector(guess.yaw - reach_rad, guess.yaw + reach_rad);
+  if (spend_) spend_(2 * city_.quick_work(sector));
   city_.roof_tops(place_of(guess), p_.spread_sigmas * p_.roofs.building_m, sector, tops_);
   line_.set(tops_);
 }
@@ -109,7 +112,7 @@ void PhotographMatcher::search_place(const Candidate& at, double reach_rad) {
       g.yaw = y * p_.yaw_step_rad;
       const double pitch = k * p_.pitch_step_rad;
       g.tilt_east = pitch * std::cos(pitch_azimuth_), g.tilt_north = -pitch * std::sin(pitch_azimuth_);
-      const double c = fit_.cost(line_, g, p_.stride) + cost_of_prior(g);
+      const double c = cost_of(g, p_.stride);
       if (c < turned.cost) turned.guess = g, turned.cost = c;
     }
     headings.push_back(turned);
@@ -221,7 +224,8 @@ void PhotographMatcher::search() {
           if (apart(at.guess, {}) > radius || is_built(at.guess)) continue;
           select_roofs(at, 0.1);
           // Headings that contradict the compass are searched at each second place.
-          const double reach_rad = a % 2 == 0 && b % 2 == 0 ? std::numbers::pi : yaw_reach();
+          const bool any_heading = p_.wrong_heading > 0 && a % 2 == 0 && b % 2 == 0;
+          const double reach_rad = any_heading ? std::numbers::pi : yaw_reach();
           render_skyline(at.guess, reach_rad + p_.turned_rad);
           search_place(at, reach_rad);
         }
@@ -277,10 +281,17 @@ std::vector<PhotographMatcher::Candidate> PhotographMatcher::refined() {
       }
   };
   polish_likeliest(r.polished, [](const Candidate&) { return true; });
-  if (places.empty()) return places;
-  const Guess best = std::min_element(places.begin(), places.end(), is_likelier)->guess;
-  polish_likeliest(r.near_best, [&](const Candidate& c) { return apart(c.guess, best) < r.near_m; });
-  for (Candidate& c : starts) select_roofs(c, r.moved_m), fit(c), places.push_back(c);
+  if (!places.empty()) {
+    const Guess best = std::min_element(places.begin(), places.end(), is_likelier)->guess;
+    polish_likeliest(r.near_best, [&](const Candidate& c) { return apart(c.guess, best) < r.near_m; });
+  }
+  const auto fit_all = [&](double line_rad) {
+    fit_.set_line(line_rad);
+    for (Candidate& c : starts) select_roofs(c, r.moved_m), fit(c);
+  };
+  if (r.fits_wide) fit_all(r.wide_rad);
+  fit_all(p_.roofs.line_rad);
+  places.insert(places.end(), starts.begin(), starts.end());
   return distinct(places, places.size(), r.mode_m);
 }
 
@@ -302,6 +313,7 @@ bool PhotographMatcher::describe(const Candidate& best, Match& match) {
   render_skyline(best.guess, p_.refinement.aligned_rad);
   fit_.cost(line_, best.guess);
   match.agreement = fit_.agreement();
+  match.roofs = fit_.heights(line_);
   size_t direction = 0;
   const RoofLine::Layer* const highest = line_.highest(direction);
   if (!highest || highest->elevation <= 0) return false;
@@ -318,8 +330,8 @@ void PhotographMatcher::clear() {
   decision_ = {.why = "nothing was searched"};
 }
 
-void PhotographMatcher::add(const std::vector<SkyEdge>& edges, const PhotographPrior& prior) {
-  prior_ = prior;
+void PhotographMatcher::add(const std::vector<SkyEdge>& edges, const PhotographPrior& prior, const Spend& spend) {
+  prior_ = prior, spend_ = spend;
   if (const size_t closed = closed_edges(edges); closed < p_.min_edges) {
     decision_.why = "roofs end against the sky in " + std::to_string(closed / 2) + " degrees of the picture only, " +
                     std::to_string(p_.min_edges / 2) + " are wanted";
@@ -330,7 +342,7 @@ void PhotographMatcher::add(const std::vector<SkyEdge>& edges, const PhotographP
   pitch_azimuth_ = std::atan2(axis.y(), axis.x());
   const auto ground = ground_.at(prior.p_n.head<2>());
   terrain_ = ground && ground->terrain;
-  if (ground && !terrain_) prior_.height_sigma_m = std::hypot(prior.height_sigma_m, p_.feet_sigma_m);
+  if (prior.eye_m && ground && !terrain_) prior_.height_sigma_m = std::hypot(prior.height_sigma_m, p_.feet_sigma_m);
   if (attempts_.empty()) survey_ground();
   fit_.set_line(p_.coarse_rad);
   search();

@@ -23,6 +23,7 @@ struct PhotographRefinementParameters {
   double start_m = 2;               ///< min distance of two with the same heading
   double mode_m = 0.75;             ///< max distance of two results that are the same place
   // Levenberg-Marquardt.
+  bool fits_wide = false;                           ///< first with the wide sigma, not only with the line's own
   int steps = 12;                                   ///< max number of steps of a fit
   double step_m = 1.5, rotation_rad = 4 * kDegree;  ///< max length of a step
   double moved_m = 4, aligned_rad = 15 * kDegree;   ///< max distance from the start
@@ -62,6 +63,7 @@ struct PhotographParameters {
   double coarse_rad = 0.6 * kDegree;      ///< sigma of a direction of the line on the lattice, which is too coarse for
                                           ///< the line's own: its optimum lies between two places
   double spread_sigmas = 2;               ///< range of the buildings' heights in sigmas, for which roofs are visible
+  uint64_t direction_work = 12;           ///< of a Spend, for the cost of a direction
   PhotographRefinementParameters refinement;
   size_t min_edges = 40;  ///< directions with a roof's edge that a search requires: 20 degrees
   PhotographDecisionParameters decision;
@@ -73,7 +75,8 @@ struct PhotographPrior {
   double sigma_m = 10;  ///< of north and east each
   double height_sigma_m = 0.6;
   double yaw_sigma_rad = 0.35, tilt_sigma_rad = 0.01;
-  double eye_m = 1.6;  ///< above the model's ground where it has some; p_n's down is ignored then
+  /// Of the camera above the model's ground, where it has some: p_n's down is ignored then. None: p_n's down is right.
+  std::optional<double> eye_m = 1.6;
 };
 
 /// Estimates the position of one photograph. A search on a lattice of places and headings around the prior gives the
@@ -88,8 +91,8 @@ class PhotographMatcher {
   /// Starts a photograph.
   void clear();
   /// Searches the places by one hypothesis: a sky's edge, and the inclination of `prior`. The priors of a photograph
-  /// differ in the inclination only.
-  void add(const std::vector<SkyEdge>& edges, const PhotographPrior& prior);
+  /// differ in the inclination only. `spend` is as that of Matcher::match().
+  void add(const std::vector<SkyEdge>& edges, const PhotographPrior& prior, const Spend& spend = nullptr);
   /// No match where the picture does not determine the place; why() gives the reason.
   std::optional<Match> match();
   /// The same for a photograph with one hypothesis.
@@ -130,7 +133,10 @@ class PhotographMatcher {
   std::array<double, 2> heading_likelihoods(double yaw) const;
   Eigen::Matrix<double, 6, 1> information_of_prior(const Guess& guess) const;
   double cost_of_prior(const Guess& guess) const;
-  double cost_of(const Guess& guess) { return fit_.cost(line_, guess) + cost_of_prior(guess); }
+  double cost_of(const Guess& guess, size_t stride = 1) {
+    if (spend_) spend_(p_.direction_work * fit_.directions() / stride);
+    return fit_.cost(line_, guess, stride) + cost_of_prior(guess);
+  }
   void search();
   void search_place(const Candidate& at, double reach_rad);
   void fit(Candidate& at);
@@ -146,6 +152,7 @@ class PhotographMatcher {
   City& city_;
   const Ground& ground_;
   RoofLineFit fit_;
+  Spend spend_;
   RoofLine line_;                        // of the latest place
   std::vector<std::vector<int>> roofs_;  // of the tiles
   Eigen::MatrixXd downs_;                // of the camera, m, on a lattice of ground_step_m around the prior

@@ -9,6 +9,7 @@
 #include <opencv2/core.hpp>
 
 #include "plugins/fix/skyline/matcher.hpp"
+#include "plugins/fix/skyline/photograph_matcher.hpp"
 #include "plugins/fix/skyline/sky_network.hpp"
 #include "plugins/shared/camera/camera_model.hpp"
 
@@ -31,10 +32,11 @@ struct PictureJob {
   bool global_search = false;  ///< the place is searched in all of the database
   bool may_join = false;       ///< a picture that sees too little is matched jointly with `older`
   std::vector<View> older;
+  std::optional<PhotographPrior> survey_prior;  ///< for a match with errors of the roofs, where no other succeeds
 
   bool sky_seen = false;
   std::optional<View> view;  ///< this picture, where it must be matched jointly
-  std::optional<Match> match;
+  std::optional<Match> match, surveyed;
 
   Eigen::Quaterniond corrected_q = Eigen::Quaterniond::Identity();  ///< corrections of n since the start move x
   Eigen::Vector3d corrected_p = Eigen::Vector3d::Zero();            ///< to q x + p

@@ -51,6 +51,9 @@ class Skyline : public FixerConfig {
         odo::boolean<P>("start_known", &P::start_known,
                         "the initial pose is known; otherwise the whole database is searched"),
         odo::boolean<P>("join", &P::join, "match a picture with too little skyline jointly with earlier ones"),
+        odo::boolean<P>("survey", &P::survey,
+                        "where pictures do not fit the model, estimate the height errors of its buildings and correct "
+                        "them"),
         odo::real<P>("min_sigma", "m", 0.001, 100, &P::min_sigma, "minimum standard deviation of a fix"),
         odo::boolean<P>("photographs", &P::photographs,
                         "each frame is a separate photograph, searched around the pose at its time within its "

@@ -17,8 +17,7 @@ constexpr double kVotedSigmas = 3;
 }  // namespace
 
 void RoofLine::set(const RoofTops& tops) {
-  std::vector<int> known;  // object of the model by local number
-  layers.clear();
+  layers.clear(), objects.clear();
   for (size_t j = 0; j < kDirections; ++j) {
     first[j] = static_cast<uint32_t>(layers.size());
     for (uint8_t k = 0; k < tops.count[j]; ++k) {
@@ -27,15 +26,14 @@ void RoofLine::set(const RoofTops& tops) {
       const double per_m = std::cos(e) * std::cos(e) / std::max(r, 1.0);
       int number = -1;
       if (top.object != Edge::kGround) {
-        const auto at = std::find(known.rbegin(), known.rend(), top.object);
-        number = static_cast<int>(known.rend() - at) - 1;
-        if (number < 0) number = static_cast<int>(known.size()), known.push_back(top.object);
+        const auto at = std::find(objects.rbegin(), objects.rend(), top.object);
+        number = static_cast<int>(objects.rend() - at) - 1;
+        if (number < 0) number = static_cast<int>(objects.size()), objects.push_back(top.object);
       }
       layers.push_back({static_cast<float>(e), 0, static_cast<float>(per_m), number});
     }
   }
   first[kDirections] = static_cast<uint32_t>(layers.size());
-  objects = static_cast<int>(known.size());
   // The slope along an edge, from its next direction or its last one.
   for (size_t j = 0; j + 1 < kDirections; ++j)
     for (uint8_t k = 0; k < tops.count[j]; ++k)
@@ -160,7 +158,7 @@ double RoofLineFit::divided() const {
 /// The residuals of all layers in the picture's directions.
 void RoofLineFit::compare(const RoofLine& model, const Guess& g, size_t stride) {
   residuals_.clear(), directions_.clear();
-  objects_.assign(static_cast<size_t>(model.objects), {});
+  objects_.assign(model.objects.size(), {});
   for (size_t i = 0; i < rays_.size(); i += stride) {
     const Ray& ray = rays_[i];
     double tilt = 0, aside = 0;
@@ -273,6 +271,20 @@ double RoofLineFit::cost_of_heights() {
     if (object.first >= 0) cost += object.absent ? p_.absent_loss : cost_of_height(object, object.seen);
   }
   return cost;
+}
+
+std::vector<RoofHeight> RoofLineFit::heights(const RoofLine& model) const {
+  std::vector<RoofHeight> heights;
+  for (size_t k = 0; k < objects_.size(); ++k) {
+    if (!objects_[k].seen || model.objects[k] < 0) continue;
+    heights.push_back({model.objects[k], objects_[k].offset, 0});
+    for (int i = objects_[k].first; i >= 0; i = residuals_[static_cast<size_t>(i)].next) {
+      const Residual& r = residuals_[static_cast<size_t>(i)];
+      const Ray& ray = ray_of(r);
+      if (r.top && !ray.open && !ray.above && agrees(value_of(r), r.accuracy)) heights.back().directions += ray.weight;
+    }
+  }
+  return heights;
 }
 
 RoofLineFit::NormalEquations RoofLineFit::normal_equations(const Guess& g) const {

@@ -12,6 +12,7 @@
 #include <Eigen/Dense>
 
 #include "plugins/fix/skyline/horizon.hpp"
+#include "plugins/fix/skyline/matcher.hpp"
 #include "plugins/fix/skyline/seen_skyline.hpp"
 
 namespace odograph::skyline {
@@ -47,7 +48,7 @@ struct RoofLine {
   };
   std::vector<Layer> layers;                    ///< by direction,
   std::array<uint32_t, kDirections + 1> first;  ///< from this one
-  int objects = 0;
+  std::vector<int> objects;                     ///< Edge::object by local number
 
   void set(const RoofTops& tops);
   /// The highest layer of all directions with the heights as in the model; none where there is no roof.
@@ -83,6 +84,8 @@ class RoofLineFit {
   };
   /// After cost() with stride 1: of the directions in which picture and model agree, at the guess.
   NormalEquations normal_equations(const Guess& guess) const;
+  /// After cost() with stride 1: of the model's objects in view.
+  std::vector<RoofHeight> heights(const RoofLine& model) const;
   /// After cost(): fraction of the directions with a roof's edge that agree.
   double agreement() const { return edge_weight_ > 0 ? agreeing_ / edge_weight_ : 0; }
 

@@ -128,7 +128,9 @@ void SkylineFixer::begin(Picture picture) {
           global_search,
           config_.join && !global_search && yaw_sigma < kParameters.no_heading_rad &&
               pose_->scale_sigma < kParameters.max_scale_sigma * pose_->scale,
-          window_.views()};
+          window_.views(),
+          {}};
+  if (!global_search) job_.survey_prior = survey_prior(job_.prior, std::max(sigma, drift_m / 3));
   worker_.start([this](const Spend& spend) { process_picture(spend); }, slice_);
 }
 
@@ -144,6 +146,21 @@ std::optional<double> SkylineFixer::displacement_from_start() const {
   if (far_m < slack_m || far_m > kParameters.farthest_from_start_m || pose_->horizontal_sigma_m > max_sigma)
     return std::nullopt;
   return slack_m;
+}
+
+/// Where a survey of the roofs may help: after some failures, or while the heading is unknown.
+std::optional<PhotographPrior> SkylineFixer::survey_prior(const Prior& prior, double sigma_m) const {
+  const bool has_heading = pose_->yaw_sigma_rad < kParameters.no_heading_rad;
+  if (!config_.survey || config_.model.empty()) return std::nullopt;  // a database has no buildings
+  if (has_heading && failures_ % kParameters.failures_between_surveys != 1) return std::nullopt;
+  if (3 * sigma_m > kParameters.farthest_survey_m) return std::nullopt;
+  return PhotographPrior{.p_n = prior.p_n,
+                         .q_n_c = prior.q_n_c,
+                         .sigma_m = sigma_m,
+                         .height_sigma_m = prior.height_sigma_m,
+                         .yaw_sigma_rad = has_heading ? prior.yaw_sigma_rad : std::numbers::pi,
+                         .tilt_sigma_rad = prior.tilt_sigma_rad,
+                         .eye_m = std::nullopt};
 }
 
 /// Synchronous, on this thread: a photograph has no frame-time limit.
@@ -163,11 +180,18 @@ void SkylineFixer::process_picture(const Spend& spend) {
   if (!job_.sky_seen) return;
   if (job_.global_search) return search_database(edges, spend);
   const bool alone = Matcher::has_enough_edges(edges) || !job_.may_join;
-  if (alone) return void(job_.match = matcher_->match(edges, job_.prior, spend));
-  job_.view = View{edges, job_.prior.p_n, job_.prior.q_n_c};
-  Prior prior = job_.prior;
-  prior.lost = false, prior.pivot_n.reset();
-  job_.match = matcher_->match(edges, prior, spend, job_.older);
+  if (alone) {
+    job_.match = matcher_->match(edges, job_.prior, spend);
+  } else {
+    job_.view = View{edges, job_.prior.p_n, job_.prior.q_n_c};
+    Prior prior = job_.prior;
+    prior.lost = false, prior.pivot_n.reset();
+    job_.match = matcher_->match(edges, prior, spend, job_.older);
+  }
+  if (!job_.survey_prior || (job_.match && (!alone || !validate_match(*job_.match, config_.min_agreement, false))))
+    return;
+  if (!survey_) survey_.emplace(matcher_->city());
+  job_.surveyed = survey_->match(edges, *job_.survey_prior, spend);
 }
 
 /// Searches the database for the place on which several pictures agree, then matches this picture there.
@@ -194,7 +218,14 @@ void SkylineFixer::finish() {
     return refuse(kAmbiguity, text);
   }
   joins_ = job_.view.has_value();
-  if (const auto why = joins_ ? validate_path_match() : validate_single_match()) {
+  auto why = joins_ ? validate_path_match() : validate_single_match();
+  if (why && job_.surveyed) {
+    job_.match = std::exchange(job_.surveyed, std::nullopt), why.reset();
+    survey_->correct_model(*job_.match);
+  } else if (survey_ && job_.match) {
+    job_.match->covariance += survey_->covariance();
+  }
+  if (why) {
     const bool gathers = joins_ && !job_.match && matcher_->refusal() == Refusal::few_edges;
     if (!gathers) ++failures_;
     return refuse(why->first, why->second);

@@ -12,6 +12,7 @@
 #include "plugins/fix/skyline/photograph_fixer.hpp"
 #include "plugins/fix/skyline/picture_job.hpp"
 #include "plugins/fix/skyline/place_finder.hpp"
+#include "plugins/fix/skyline/roof_survey.hpp"
 #include "plugins/fix/skyline/sky_detector.hpp"
 #include "plugins/fix/skyline/skyline_database.hpp"
 #include "plugins/fix/skyline/sliced_worker.hpp"
@@ -64,6 +65,7 @@ class SkylineFixer {
  private:
   void begin(Picture picture);
   std::optional<double> displacement_from_start() const;
+  std::optional<PhotographPrior> survey_prior(const Prior& prior, double sigma_m) const;
   void estimate_photograph(const Picture& picture);
   void process_picture(const Spend& spend);
   void search_database(const std::vector<SkyEdge>& edges, const Spend& spend);
@@ -80,6 +82,7 @@ class SkylineFixer {
   std::optional<PlaceFinder> place_finder_;
   std::optional<Matcher> matcher_;
   std::optional<PhotographFixer> photograph_fixer_;
+  std::optional<RoofSurvey> survey_;  // from its first use on
   SkyDetector sky_detector_;
   ViewWindow window_;
   PathMatchValidator path_validator_;

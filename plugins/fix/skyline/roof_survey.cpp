@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "plugins/fix/skyline/roof_survey.hpp"
+
+namespace odograph::skyline {
+
+/// A path has a heading or none, never a wrong one, and its position is known better than a photograph's.
+PhotographParameters RoofSurvey::matching_on_path() {
+  PhotographParameters p;
+  p.min_m = 3, p.wrong_heading = 0, p.decision.min_agreement = 0.45;
+  p.refinement.starts = 60, p.refinement.polished = 0, p.refinement.fits_wide = true;
+  return p;
+}
+
+std::optional<Match> RoofSurvey::match(const std::vector<SkyEdge>& edges, const PhotographPrior& prior,
+                                       const Spend& spend) {
+  matcher_.clear(), matcher_.add(edges, prior, spend);
+  return matcher_.match();
+}
+
+void RoofSurvey::correct_model(const Match& match) {
+  for (const RoofHeight& roof : match.roofs)
+    if (roof.directions >= p_.min_directions) heights_m_[roof.object] += roof.height_m;
+  city_.raise(heights_m_);
+  covariance_ = match.covariance;
+}
+
+}  // namespace odograph::skyline
