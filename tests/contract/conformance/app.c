@@ -39,7 +39,7 @@ static void ODO_CALL on_event(void* user, const odo_header* event) {
   pthread_mutex_lock(&self->lock);
   if (self->count == self->capacity) {
     self->capacity = self->capacity ? 2 * self->capacity : 256;
-    self->events = (odo_header**)realloc(self->events, self->capacity * sizeof *self->events);
+    self->events = (odo_header**)realloc(self->events, self->capacity * sizeof(odo_header*));
   }
   self->events[self->count++] = copy;
   self->callback_thread = pthread_self();

@@ -4,6 +4,7 @@
 #include "app.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 #define ORIGIN "navigation:\n  origin: {latitude: 0.83, longitude: 0.15, height: 400 m}\n"
@@ -27,13 +28,13 @@ static int32_t get(app* self, uint64_t id, odo_anchor* anchor) {
 }
 
 static app* walk(const char* more, int seconds) {
-  char config[512] = CAMERA_WALK;
+  char config[512];
   NEED(anchor_create);
   NEED(anchor_get);
   NEED(anchor_list);
   NEED(anchor_remove);
   hooks.on_message = walk_message;
-  strcat(config, more);
+  snprintf(config, sizeof config, "%s%s", CAMERA_WALK, more);
   app* self = app_open(config, ODO_RUN_REPLAY);
   for (int second = 0; second < seconds; ++second) walk_second(self, second);
   app_flush(self);

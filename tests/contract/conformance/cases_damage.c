@@ -132,22 +132,20 @@ static void old_one_stays(int unused) {
 
 /* What the operating system refuses: a folder in place of a file, a folder that is not there, a full disk. */
 static void refused_by_the_system(int unused) {
-  char folder[512], nowhere[512];
   odo_error error = {sizeof error, 0, ""};
   odo_recording* recording = NULL;
   odo_recorder* recorder = NULL;
   odo_barometer sample;
   FILE* full;
   need_recordings();
-  strcpy(folder, case_file("")), strcpy(nowhere, case_file("no_folder/walk.odo"));
-  odo_string path = string_of(folder);
+  odo_string path = string_of(case_file(""));
   EXPECT(odo.recording_open(&path, &recording, &error), ODO_E_IO);
   CHECK(!recording && error.message[0], "there is a recording, or no reason");
   error.struct_size = sizeof error, error.message[0] = 0;
   EXPECT(odo.recorder_create(&path, &recorder, &error), ODO_E_IO);
   CHECK(!recorder && error.message[0], "there is a recorder, or no reason");
   error.struct_size = sizeof error, error.message[0] = 0;
-  path = string_of(nowhere);
+  path = string_of(case_file("no_folder/walk.odo"));
   EXPECT(odo.recorder_create(&path, &recorder, &error), ODO_E_IO);
   CHECK(!recorder && error.message[0], "there is a recorder, or no reason");
   full = fopen("/dev/full", "wb");
@@ -162,7 +160,6 @@ static void refused_by_the_system(int unused) {
 
 static void no_recordings(int unused) {
   static const char* const texts[] = {"", "hello", "ODOREC1\n", "PK\3\4 and so on and so on"};
-  char missing[512], apart[512];
   odo_string nowhere, no_folder;
   odo_error error = {sizeof error, 0, ""};
   odo_recording* recording = NULL;
@@ -170,8 +167,7 @@ static void no_recordings(int unused) {
   file content;
   int32_t loss;
   need_recordings();
-  strcpy(missing, case_file("nowhere.odo")), strcpy(apart, case_file("no_folder/walk.odo"));
-  nowhere = string_of(missing), no_folder = string_of(apart);
+  nowhere = string_of(case_file("nowhere.odo"));
   EXPECT(odo.recording_open(&nowhere, &recording, &error), ODO_E_NOT_FOUND);
   CHECK(!recording && error.message[0], "there is a recording, or no reason");
   for (size_t i = 0; i < COUNT_OF(texts); ++i) {
@@ -180,6 +176,7 @@ static void no_recordings(int unused) {
     write_file(path, &content, strlen(texts[i]));
     CHECK(read_all(path, &loss) <= 0 && loss == ODO_E_DATA, "\"%s\" is a recording: %s", texts[i], status_name(loss));
   }
+  no_folder = string_of(case_file("no_folder/walk.odo"));
   error.struct_size = sizeof error, error.message[0] = 0;
   CHECK(odo.recorder_create(&no_folder, &recorder, &error) < 0 && !recorder && error.message[0],
         "a recording in a folder that is not there was created");

@@ -209,7 +209,9 @@ static void vendor_event_is_published(int unused) {
   app* self = offer(ODO_OK);
   const odo_header* found = app_event(self, PROBE_EVENT, 0);
   REQUIRE(found, "the event was not published");
-  CHECK(found->struct_size == 200 && memcmp(found + 1, offered.rest, 200 - sizeof *found) == 0, "its bytes are others");
+  CHECK(found->struct_size == 200 &&
+            memcmp((const unsigned char*)found + sizeof *found, offered.rest, 200 - sizeof *found) == 0,
+        "its bytes are others");
   CHECK(found->flags == 5, "its flags are 0x%x; expected 0x5", found->flags);
   CHECK(found->source == journal_find(PROBE_CREATE, FIXER, 0)->number,
         "its source is %u; expected the instance's number", found->source);

@@ -153,14 +153,12 @@ static int64_t use_assets(probe_call* call) {
 
 static void asset_files(int unused) {
   const char* path = case_file("asset.txt");
-  char folder[512];
   FILE* file = fopen(path, "wb");
   REQUIRE(file && fwrite("hello", 1, 5, file) == 5, "no file could be written");
   fclose(file);
-  strcpy(folder, case_file(""));
   hooks.on_call = use_assets;
   odo_session_options chosen = app_options(FIXER_ALONE, ODO_RUN_REPLAY);
-  chosen.asset_path = string_of(folder);
+  chosen.asset_path = string_of(case_file(""));
   app_open_options(&chosen);
   CHECK(assets.resolved > 9 && assets.path[0] == '/' && strstr(assets.path, "asset.txt"),
         "odo.assets/1 resolved %lld: \"%.200s\"", (long long)assets.resolved, assets.path);

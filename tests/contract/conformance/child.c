@@ -59,7 +59,7 @@ static void send_line(char kind, const char* file, int line, const char* format,
   if (write(report_to, text, used) < 0) _exit(3);
 }
 
-static void send_end(void) {
+__attribute__((noreturn)) static void send_end(void) {
   if (write(report_to, "E\n", 2) < 0) _exit(3);
   _exit(0);
 }

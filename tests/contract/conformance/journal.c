@@ -31,7 +31,7 @@ static void note(const probe_call* call, uint32_t what, const odo_header* messag
   entry->size = call->batch ? call->batch->count : call->size;
   if (journal.count == journal.capacity) {
     journal.capacity = journal.capacity ? 2 * journal.capacity : 1024;
-    journal.entries = (journal_entry**)realloc(journal.entries, journal.capacity * sizeof *journal.entries);
+    journal.entries = (journal_entry**)realloc(journal.entries, journal.capacity * sizeof(journal_entry*));
   }
   journal.entries[journal.count++] = entry;
 }

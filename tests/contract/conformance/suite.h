@@ -37,8 +37,8 @@ extern const conformance_case cases_version[], cases_sizes[], cases_push[], case
 
 /* Within a case. fail_at records a failure and continues, stop_at ends the case too; thread-safe. */
 void fail_at(const char* file, int line, const char* format, ...);
-void stop_at(const char* file, int line, const char* format, ...);
-void skip_case(const char* format, ...);
+__attribute__((noreturn)) void stop_at(const char* file, int line, const char* format, ...);
+__attribute__((noreturn)) void skip_case(const char* format, ...);
 void expect_status(const char* file, int line, const char* what, int64_t status, int64_t expected);
 
 #define CHECK(condition, ...)                                   \

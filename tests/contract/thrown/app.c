@@ -20,7 +20,8 @@ static void expect(int holds, const char* id, const char* where, const char* wha
 static void on_event(void* user, const odo_header* event) {
   const odo_report* report = (const odo_report*)(const void*)event;
   (void)user;
-  if (event->type == ODO_TYPE_REPORT && strcmp(report->key, "exception") == 0) strcpy(reported, report->text);
+  if (event->type == ODO_TYPE_REPORT && strcmp(report->key, "exception") == 0)
+    snprintf(reported, sizeof reported, "%s", report->text);
 }
 
 static void run(const char* folders, const char* id, const char* where, const char* what, const char* words) {
