@@ -40,7 +40,7 @@ void virtual_call(benchmark::State& state) {
   Direct* direct = &object;
   benchmark::DoNotOptimize(direct);
   const odo_imu imu = sample(1);
-  for (auto _ : state) {
+  for ([[maybe_unused]] auto _ : state) {
     direct->on(imu);
     benchmark::ClobberMemory();
   }
@@ -60,7 +60,7 @@ void plugin_call(benchmark::State& state) {
   HostServices host(0, {"."}, nullptr);
   const auto instance = noop(host);
   const odo_imu imu = sample(1);
-  for (auto _ : state) benchmark::DoNotOptimize(instance->process(imu.header).size());
+  for ([[maybe_unused]] auto _ : state) benchmark::DoNotOptimize(instance->process(imu.header).size());
 }
 BENCHMARK(plugin_call);
 
@@ -79,7 +79,7 @@ void imu_push(benchmark::State& state, const char* yaml) {
   odo_session_set_callback(
       session, &wanted, 1, [](void* user, const odo_header*) { ++*static_cast<int64_t*>(user); }, &attitudes);
   int64_t i = 0;
-  for (auto _ : state) {
+  for ([[maybe_unused]] auto _ : state) {
     const odo_imu imu = sample(++i);
     odo_session_push(session, &imu.header);
   }
@@ -104,7 +104,7 @@ void vo_frames(benchmark::State& state, const char* config) {
   options.config = std::string(ODOGRAPH_SOURCE "/samples/configs/") + config;
   options.plugin_path = ODOGRAPH_BUILD "/lib/odograph/plugins";
   std::vector<double> ms;
-  for (auto _ : state) {
+  for ([[maybe_unused]] auto _ : state) {
     const auto result = replay(*recording, options);
     ms.insert(ms.end(), result->frame_ms.begin() + 1, result->frame_ms.end());
   }
@@ -132,7 +132,7 @@ void memory(benchmark::State& state) {
   const std::string plugins = ODOGRAPH_BUILD "/lib/odograph/plugins";
   options.config_text = {text.data(), text.size()};
   options.plugin_path = {plugins.data(), plugins.size()};
-  for (auto _ : state) {
+  for ([[maybe_unused]] auto _ : state) {
     odo_session* session = nullptr;
     const double before = resident_mb();
     if (odo_session_create(&options, &session, nullptr) != ODO_OK) return state.SkipWithError("no session");
@@ -155,7 +155,7 @@ void render_frame(benchmark::State& state) {
   const Motion phone = make_walk(scenario, 1).phone;
   View view(world, camera, scenario);
   double t = 2;
-  for (auto _ : state) benchmark::DoNotOptimize(camera.develop(view.render(phone, t += 0.1), 1).data);
+  for ([[maybe_unused]] auto _ : state) benchmark::DoNotOptimize(camera.develop(view.render(phone, t += 0.1), 1).data);
 }
 BENCHMARK(render_frame)->Unit(benchmark::kMillisecond);
 
