@@ -83,8 +83,7 @@ void RobustSkyFinder::sample(const Eigen::Vector3d& up_c, const Eigen::Vector3d&
         seen = knot(i, pixel);
       if (seen) {
         const Eigen::Vector2d at = sky_->small_of(pixel);
-        // Rounded; a negative pixel is outside the picture.
-        const int x = static_cast<int>(at.x() + 0.5), y = static_cast<int>(at.y() + 0.5);
+        const int x = static_cast<int>(std::lround(at.x())), y = static_cast<int>(std::lround(at.y()));
         seen = x >= 1 && y >= 1 && x + 1 < sky_->log_odds.cols && y + 1 < sky_->log_odds.rows &&
                sky_->valid.at<uint8_t>(y, x) != 0;
         if (seen) {

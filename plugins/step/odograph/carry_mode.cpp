@@ -7,15 +7,16 @@ CarryMode CarryModeClassifier::classify(const FoundStep& step, const Eigen::Vect
   const bool loose = step.gyro_radps > (now_ == CarryMode::texting ? p_.loose_radps : p_.held_radps);
   rate_radps_ += (rate_radps_ > 0 ? p_.learn_rate : 1.0) * (step.gyro_radps - rate_radps_);
   swings_ = rate_radps_ > (swings_ ? p_.thigh_ends_radps : p_.thigh_radps);
+  const bool hangs = up_b.y() < p_.top_down || (up_b.y() > p_.on_end && step.gyro_radps > p_.thigh_radps);
+  const bool swung = loose && up_b.y() < p_.on_end;
+  const bool worn = !step.gentle && step.vertical_part < p_.worn_part && rate_radps_ > p_.worn_radps;
   CarryMode seen = CarryMode::texting;
   if (step.swing_mps2 > p_.running_swing_mps2 && step.frequency_hz > p_.running_hz)
     seen = CarryMode::running;
-  else if (up_b.y() < p_.top_down || (up_b.y() > p_.on_end && step.gyro_radps > p_.thigh_radps))
+  else if (hangs || (worn && !swung))
     seen = CarryMode::pocket;
-  else if (loose && up_b.y() < p_.on_end)
+  else if (swung)
     seen = CarryMode::swinging;
-  else if (!step.gentle && step.vertical_part < p_.worn_part && rate_radps_ > p_.worn_radps)
-    seen = CarryMode::pocket;
   if (since_ns_ == 0) since_ns_ = step.t_start_ns;
   if (seen == now_) {
     agreed_ = 0;

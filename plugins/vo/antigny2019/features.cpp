@@ -28,7 +28,7 @@ class Surf : public FeatureFinder {
     int row = 0;
     for (const auto& point : points) {
       const cv::Point2f at(static_cast<float>(point.p.center.x()), static_cast<float>(point.p.center.y()));
-      const cv::Point pixel(static_cast<int>(at.x + 0.5f), static_cast<int>(at.y + 0.5f));
+      const cv::Point pixel = at;  // rounded
       if (!cv::Rect(0, 0, grey.cols, grey.rows).contains(pixel) || (!mask.empty() && !mask.at<uint8_t>(pixel)))
         continue;
       out.pixels.push_back(at);

@@ -40,7 +40,9 @@ InertialOdometry::InertialOdometry(const Parameters& parameters, const Camera& c
       phase_(initial_phase()) {}
 
 InertialOdometry::Initialising InertialOdometry::initial_phase() const {
-  return {std::make_unique<vo::Odometry>(vo::Odometry::Parameters{}, frame_lens_), {}, Isometry3d::Identity(), 0, {}};
+  Initialising phase;
+  phase.visual = std::make_unique<vo::Odometry>(vo::Odometry::Parameters{}, frame_lens_);
+  return phase;
 }
 
 const Filter* InertialOdometry::filter() const {

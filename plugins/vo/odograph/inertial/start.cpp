@@ -156,7 +156,10 @@ std::optional<Alignment> align_with_imu(const std::deque<StartFrame>& frames, si
     const double d = solution[8];
     if (!(d > 0) || !solution.allFinite()) return std::nullopt;
     const double left = (A * solution - z).head(rows).squaredNorm();
-    const auto variance = [&](int i) { return std::max(0.0, normal.solve(Eigen::VectorXd::Unit(12, i))[i]); };
+    const auto variance = [&](int i) {
+      const Eigen::VectorXd column = normal.solve(Eigen::VectorXd::Unit(12, i));
+      return std::max(0.0, column[i]);
+    };
     out.scale = 1 / d;
     out.relative_sigma = std::sqrt(variance(8)) / d;
     out.tilt_rad = std::sqrt(std::max(variance(6), variance(7))) / (d * p.gravity_mps2);
@@ -276,9 +279,8 @@ std::optional<Filter> start_moving(const std::deque<StartFrame>& frames, const I
   start.scale = s.alignment_sigma;
   start.gyro_bias_radps = 0.5 * p.priors.gyro_bias_radps;
   start.accel_bias_mps2 = p.priors.accel_bias_mps2;
-  Camera seen = camera;
   for (int pass = 0; pass < s.passes; ++pass) {
-    Filter filter(p, seen, start);
+    Filter filter(p, camera, start);
     int accepted = 0, tried = 0;
     for (size_t i = from; i < frames.size(); ++i) {
       const FrameReport report = filter.process(frames[i].corners, imu);
