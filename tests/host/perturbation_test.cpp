@@ -83,7 +83,8 @@ TEST_CASE("the window's manifold rotates on the right, and its difference is the
   Random random(3, 1);
   const bundle::PoseManifold manifold;
   for (int k = 0; k < 20; ++k) {
-    const Block x = pose_block(exp_rotation(vector(random)), vector(random));
+    const Quaterniond rotation = exp_rotation(vector(random));
+    const Block x = pose_block(rotation, vector(random));
     VectorXd tangent(6), back(6);
     tangent << 0.5 * vector(random), vector(random);
     Block y(7);
@@ -122,7 +123,7 @@ TEST_CASE("a fitted pose's covariance is that of a right perturbation, by finite
   std::vector<PointSeen> points;
   MatrixXd information = MatrixXd::Zero(6, 6);
   for (int k = 0; k < 60; ++k) {
-    const Vector3d y(random.uniform(-2, 2), random.uniform(-2, 2), random.uniform(3, 9)), X = q * y + p;
+    const Vector3d y{random.uniform(-2, 2), random.uniform(-2, 2), random.uniform(3, 9)}, X = q * y + p;
     points.push_back({X.homogeneous(), y.head<2>() / y.z(), p, 0});
     const auto projected = [&](const VectorXd& tangent) -> Eigen::Vector2d {
       const Block x = moved(pose_block(q, p), tangent);

@@ -26,7 +26,7 @@ std::vector<Vector3d> rotation_vectors() {
   std::vector<Vector3d> all{Vector3d::Zero()};
   for (const double angle : {1e-300, 1e-18, 1e-13, 1e-11, 1e-9, 1e-7, 1e-5, 0.9e-4, 1.1e-4, 1e-3, 0.1, 1.0, 2.0, 3.1})
     for (int k = 0; k < 8; ++k)
-      all.push_back(angle * Vector3d(random.normal(), random.normal(), random.normal()).normalized());
+      all.push_back(angle * Vector3d{random.normal(), random.normal(), random.normal()}.normalized());
   return all;
 }
 

@@ -42,7 +42,9 @@ SYSTEM_FILES = {PLUGIN_HOST + name for name in (
 SYSTEM_FILES |= {"sdk/tools/" + name for name in (
     "console/console.cpp", "replay/marked_run.cpp", "replay/picture_source.cpp", "replay/run_files.cpp", "validator/child.cpp", "validator/entry_cases.cpp",
     "validator/fault_cases.cpp", "validator/life_cases.cpp", "validator/plugin_driver.cpp")}
-DRAW = re.compile(r"\brandom_?\.(uniform|normal|next)\(")
+GENERATOR = r"\b(?:random|generator)_?\b"
+# Functions, lambdas among them, that draw in their first lines.
+DRAWING = re.compile(r"^\s*[\w:]+ (\w+)\([^()]*\)(?: const)? \{[^{}]*" + GENERATOR + r"|\b(\w+) = \[[^\]]*\](?:\([^()]*\))? \{[^{}]*" + GENERATOR, re.M)
 LOUD = re.compile(r"std::(cout|cerr|exit|getenv)|(?<!sn)(?<!vsn)printf *\(|[^a-z_]getenv *\(")
 
 wrong = []
@@ -238,8 +240,11 @@ def check_system_rule():
 
 def check_draws(path, text):
     """Random numbers drawn in two arguments of one call: GCC evaluates them from right to left on x86-64 and from left to right on arm64,
-    as clang does everywhere, so that a seed would stand for another recording. In braces the order is the written one."""
+    as clang does everywhere, so that a seed would stand for another recording. In braces the order is the written one. An argument draws if
+    it names a generator (to pass it on draws nothing) or calls a function of the same file that does."""
     code, open_brackets = without_comments(text), []
+    functions = [rf"|(?<![.\w>]){a or b}\(" for a, b in DRAWING.findall(code)]
+    draw = re.compile(GENERATOR + "".join(functions))
     for i, c in enumerate(code):
         if c in "([{":
             open_brackets.append((c, [i + 1]))
@@ -247,15 +252,19 @@ def check_draws(path, text):
             open_brackets[-1][1].append(i + 1)
         elif c in ")]}" and open_brackets:
             bracket, starts = open_brackets.pop()
-            drawn = sum(bool(DRAW.search(code[a:b])) for a, b in zip(starts, starts[1:] + [i + 1]))
+            arguments = (code[a:b - 1].strip() for a, b in zip(starts, starts[1:] + [i + 1]))
+            drawn = sum(bool(draw.search(argument)) and not re.fullmatch(GENERATOR, argument) for argument in arguments)
             if bracket == "(" and drawn > 1:
                 wrong.append(f"{path}: {' '.join(code[starts[0]:i].split())}: two arguments draw random numbers, in an order that is not defined")
 
 
 def check_draw_rule():
     """The rule itself, as the system's."""
-    rejected = ("f(random.normal(), random_.uniform(0, 1))", "Vector3d(0, g(random.next()), 2 * random.normal())")
-    for line in rejected + ("Vector3d{random.normal(), random.normal()}", "f(random.normal(), x)", "f({random.normal(), random.normal()}, 3)"):
+    rejected = ("f(random.normal(), random_.uniform(0, 1))", "Vector3d(0, g(random.next()), 2 * random.normal())", "f(noise(generator), noise(generator))",
+                "const auto noise = [&](double s) { return s * random.normal(); }; f(noise(1), noise(2))",
+                "double noise() { return normal(generator_); } f(noise(), noise())")
+    for line in rejected + ("Vector3d{random.normal(), random.normal()}", "f(random.normal(), x)", "f({random.normal(), random.normal()}, 3)",
+                            "f(random, random.normal())", "double noise() { return normal(generator); } f(noise(), plane.noise())"):
         before = len(wrong)
         check_draws("", line)
         found = len(wrong) > before
@@ -277,13 +286,14 @@ for path, text in sources("abi", "sdk", "plugins", "samples"):
         wrong += [f"{path} includes <{name}>: sdk/math sees itself, Eigen and the standard library"
                   for name in re.findall(r"#include <([^>]+)>", text) if not re.fullmatch(r"Eigen/\w+|[a-z_]+", name)]
     check_system(path, text)
-    check_draws(path, text)
     if path.startswith(("sdk/host/", "sdk/math/")) and HEAVY.search(text):
         wrong.append(f"{path}: the host uses a heavy library")
     if path.startswith(("sdk/host/", "sdk/math/", "plugins/")) and path not in ENVIRONMENT:
         for number, line in enumerate(text.splitlines(), 1):
             if LOUD.search(line):
                 wrong.append(f"{path}:{number}: a library writes to the terminal, ends the program or reads its environment")
+for path, text in sources("abi", "sdk", "plugins", "samples", "tests"):
+    check_draws(path, text)
 check_cycles(edges)
 check_system_rule()
 check_draw_rule()

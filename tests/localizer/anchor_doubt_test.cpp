@@ -35,8 +35,8 @@ struct TwoPoses : RetainedPoses {
 struct Numbers {
   std::mt19937 generator;
   double operator()() { return static_cast<double>(generator()) / 2147483648.0 - 1; }
-  Vector3d vector() { return Vector3d((*this)(), (*this)(), (*this)()); }
-  Quaterniond rotation() { return Quaterniond((*this)(), (*this)(), (*this)(), (*this)()).normalized(); }
+  Vector3d vector() { return Vector3d{(*this)(), (*this)(), (*this)()}; }
+  Quaterniond rotation() { return Quaterniond{(*this)(), (*this)(), (*this)(), (*this)()}.normalized(); }
 };
 
 /// Derivatives by the errors of (held rotation, held position, present rotation, present position), by central

@@ -48,8 +48,8 @@ struct Replay {
     const auto state = walk.phone.at(t_s);
     auto imu = make_message<odo_imu>(ODO_TYPE_IMU, ns(t_s));
     imu.header.flags = flags;
-    Vector3d::Map(imu.gyro_b) = state.angular_velocity_b + gyro_bias + 0.002 * Vector3d(noise(1), noise(1), noise(1));
-    Vector3d::Map(imu.accel_b) = state.specific_force_b() + accel_bias + 0.02 * Vector3d(noise(1), noise(1), noise(1));
+    Vector3d::Map(imu.gyro_b) = state.angular_velocity_b + gyro_bias + 0.002 * Vector3d{noise(1), noise(1), noise(1)};
+    Vector3d::Map(imu.accel_b) = state.specific_force_b() + accel_bias + 0.02 * Vector3d{noise(1), noise(1), noise(1)};
     poses.add_imu(imu);
   }
   odo_pose truth(double t_s) const {
@@ -65,7 +65,7 @@ struct Replay {
   PosePredictor::Base base(double t_s, const Vector3d& shift = Vector3d::Zero()) {
     PosePredictor::Base out;
     out.pose = truth(t_s);
-    const Vector3d error = shift + position_noise_m * Vector3d(noise(1), noise(1), noise(1));
+    const Vector3d error = shift + position_noise_m * Vector3d{noise(1), noise(1), noise(1)};
     for (int i = 0; i < 3; ++i) out.pose.p_n[i] += error[i];
     const auto state = walk.phone.at(t_s);
     out.q_n_b = Quaterniond(state.T_n_b.rotation());

@@ -73,7 +73,8 @@ TEST_CASE("the probability is calibrated over buildings of all kinds with rests 
       const double up_m = floor_m[size_t(to)] - floor_m[3];
       if (to != from && random.uniform(0, 1) < 0.3) {  // on the last flight
         const double below_m = floor_m[size_t(to + (to < from ? 1 : -1))] - floor_m[3];
-        walk.to(below_m + random.uniform(0.4, 0.6) * (up_m - below_m), random.uniform(2, 20));
+        const double height_m = below_m + random.uniform(0.4, 0.6) * (up_m - below_m);
+        walk.to(height_m, random.uniform(2, 20));
       }
       const auto floor = walk.to(up_m);
       const bool is_right = floor.floor == to - 3;

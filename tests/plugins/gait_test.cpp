@@ -67,8 +67,8 @@ TEST_CASE("there are no steps while the device lies or is held still") {
   Random random(2, 3);
   int steps = 0;
   for (int i = 0; i < 60000; ++i) {
-    const Eigen::Vector3d tremor(0.08 * random.normal(), 9.81 + 0.1 * random.normal() + 0.1 * std::sin(i * 0.02),
-                                 0.08 * random.normal());
+    const Eigen::Vector3d tremor{0.08 * random.normal(), 9.81 + 0.1 * random.normal() + 0.1 * std::sin(i * 0.02),
+                                 0.08 * random.normal()};
     if (gait.update(i * 10'000'000LL, 0.05 * tremor, tremor)) ++steps;
   }
   CHECK(steps == 0);

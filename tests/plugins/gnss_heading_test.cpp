@@ -36,7 +36,7 @@ std::vector<PathHeading::Yaw> yaws_of(uint64_t seed, const Change& change) {
   const double keep = std::exp(-1 / 20.0), kick = 6 * std::sqrt(1 - keep * keep), mirror = change.mirrored ? -1 : 1;
   const Eigen::Rotation2D<double> rotated(change.places_rad);
   const auto seen = [&](const Vector2d& v) { return rotated * Vector2d(v.x(), mirror * v.y()); };
-  Vector2d error = 6 * Vector2d(random.normal(), random.normal()), place(0, 0);
+  Vector2d error = 6 * Vector2d{random.normal(), random.normal()}, place(0, 0);
   std::vector<PathHeading::Yaw> told;
   for (int s = 0; s < 100; ++s) {
     const double heading = s < 40 ? 0.2 : s < 70 ? 1.7 : -2.9;
@@ -47,7 +47,7 @@ std::vector<PathHeading::Yaw> yaws_of(uint64_t seed, const Change& change) {
       path.add_step(start_ns, start_ns + 500'000'000, 0.71,
                     mirror * (heading + 0.1 * random.normal() + 0.002 * s) + change.steps_rad);
     }
-    error = keep * error + kick * Vector2d(random.normal(), random.normal());
+    error = keep * error + kick * Vector2d{random.normal(), random.normal()};
     path.add_position(t_ns, seen(place + error + Vector2d(s > 60 && s < 80 ? 40 : 0, 0)) + change.origin_m, 6);
     path.add_velocity(t_ns, seen(s > 4 ? Vector2d(2 * by) : Vector2d(0, 0)) + Vector2d::Constant(0), 0.4);
     if (s >= 4) place += 2 * by;
@@ -117,7 +117,7 @@ TEST_CASE("correlated errors, jumps and path corrections equal a reference calcu
       path += moved;
       error.on_path(std::llround(t * 1e9), path, heading);
       const double sigma = random.uniform(2, 6);
-      const Vector2d seen = path + Vector2d(random.normal(), random.normal()) + (k % 40 < 20 ? 0 : 50) * Vector2d(0, 1);
+      const Vector2d seen = path + Vector2d{random.normal(), random.normal()} + (k % 40 < 20 ? 0 : 50) * Vector2d(0, 1);
       const auto found = error.on_position(std::llround(t * 1e9), seen, sigma);
       // Reference calculation.
       const double age = last_t < 0 ? 0 : t - last_t, decay = std::exp(-age / p.bias_s);

@@ -30,8 +30,8 @@ std::vector<BoardView> noisy_views(uint64_t seed) {
       for (int x = 1; x < 10; ++x) {
         view.corners_m.emplace_back(0.025F * static_cast<float>(x), 0.025F * static_cast<float>(y), 0);
         const Eigen::Vector3d p = T * Eigen::Vector3d(0.025 * x, 0.025 * y, 0);
-        view.pixels.emplace_back(static_cast<float>(500 * p.x() / p.z() + 320 + kNoise_px * random.normal()),
-                                 static_cast<float>(505 * p.y() / p.z() + 240 + kNoise_px * random.normal()));
+        view.pixels.push_back({static_cast<float>(500 * p.x() / p.z() + 320 + kNoise_px * random.normal()),
+                               static_cast<float>(505 * p.y() / p.z() + 240 + kNoise_px * random.normal())});
       }
     views.push_back(std::move(view));
   }

@@ -20,7 +20,7 @@ namespace {
 Motion standing(double seconds, uint64_t seed) {
   Random random(seed, 5);
   std::vector<Vector3d> p;
-  for (int i = 0; i < seconds * 10; ++i) p.emplace_back(1e-3 * random.normal(), 1e-3 * random.normal(), 0);
+  for (int i = 0; i < seconds * 10; ++i) p.push_back({1e-3 * random.normal(), 1e-3 * random.normal(), 0});
   const std::vector<Quaterniond> q(p.size(), Quaterniond(0, 1, 0, 0));
   return Motion(10, std::move(p), q);
 }

@@ -48,7 +48,7 @@ std::vector<FoundStep> found_in(const Place& place, double step_hz, double walk_
     const double surge = on * place.surge_mps2 * std::cos(2 * phase + 1.75);
     const double swing = on * place.swing_mps2 * std::cos(phase + 0.4);
     const Eigen::Vector2d along(std::cos(place.direction_rad), std::sin(place.direction_rad));
-    const Eigen::Vector2d noise(0.05 * random.normal(), 0.05 * random.normal());
+    const Eigen::Vector2d noise{0.05 * random.normal(), 0.05 * random.normal()};
     const Eigen::Vector2d horizontal = (surge + swing) * along + noise;
     const double rate = on * place.tilting_radps * std::sqrt(2.0) * std::cos(phase);
     resampler.push(
@@ -92,7 +92,7 @@ TEST_CASE("equally strong motion by a hand without rhythm is no walk") {
     Eigen::Vector3d at = Eigen::Vector3d::Zero(), speed = at;  // each axis rings at 1.5 Hz, as in gestures
     constexpr double dt = 0.01, w = 2 * kPi * 1.5, damping = 0.3;
     for (double t = 0; t < 200; t += dt) {
-      const Eigen::Vector3d push(random.normal(), random.normal(), random.normal());
+      const Eigen::Vector3d push{random.normal(), random.normal(), random.normal()};
       speed += dt * (-w * w * at - 2 * damping * w * speed) + std::sqrt(4 * damping * w * dt) * w * push;
       at += dt * speed;
       const Eigen::Vector3d force = 2.0 * at;  // m/s^2, rms

@@ -132,7 +132,7 @@ std::vector<FoundStep> found_in_gentle(double step_hz, double amplitude_mps2, do
   for (double t = 0; t < walk_s + 8; t += 0.01) {
     const double on = t > 4 && t < 4 + walk_s ? 1 : 0;
     const double up = on * amplitude_mps2 * (std::cos(w * (t - 4)) + second_harmonic * std::cos(2 * w * (t - 4) + 1.0));
-    const Eigen::Vector2d noise(random.normal(), random.normal());
+    const Eigen::Vector2d noise{random.normal(), random.normal()};
     const WalkSample sample{
         .t_ns = static_cast<int64_t>(t * 1e9),
         .vertical = up + 0.08 * random.normal(),

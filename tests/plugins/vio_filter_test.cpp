@@ -100,8 +100,8 @@ class Phone {
         shift_ =
             (shift_ + kSample_s * trial_.follow * 500 * Vector2d(s.gyro_b.y(), -s.gyro_b.x())) / (1 + kSample_s * leak);
       }
-      s.gyro_b = trial_.gyro_axes * s.gyro_b + 0.002 * Vector3d(normal(), normal(), normal());
-      s.accel_b = trial_.accel_axes * s.accel_b + 0.02 * Vector3d(normal(), normal(), normal());
+      s.gyro_b = trial_.gyro_axes * s.gyro_b + 0.002 * Vector3d{normal(), normal(), normal()};
+      s.accel_b = trial_.accel_axes * s.accel_b + 0.02 * Vector3d{normal(), normal(), normal()};
       imu.add(s);
     }
   }
@@ -120,9 +120,9 @@ class Phone {
       if (!(pixel.x() > 0 && pixel.y() > 0 && pixel.x() < kWidth && pixel.y() < kHeight)) continue;
       // A bad corner is held back, unevenly, by its background.
       const Vector2d outward = (pixel - Vector2d(320, 240)).normalized();
-      if (trial_.walk_px > 0) x.slide += trial_.walk_px * std::sqrt(kFrame_s) * Vector2d(normal(), normal());
+      if (trial_.walk_px > 0) x.slide += trial_.walk_px * std::sqrt(kFrame_s) * Vector2d{normal(), normal()};
       if (x.bad) x.slide += (-0.35 + 0.5 * normal()) * outward;
-      const Vector2d noise = 0.15 * Vector2d(normal(), normal());
+      const Vector2d noise = 0.15 * Vector2d{normal(), normal()};
       corners.corners.push_back({k, pixel + x.slide + noise, pixel.y()});
     }
     return corners;

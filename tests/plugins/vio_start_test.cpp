@@ -39,12 +39,12 @@ struct Scene {
     std::mt19937 generator(3);
     std::uniform_real_distribution<double> across(-2, 2), depth(3, 8);
     std::vector<Vector3d> points;
-    for (int k = 0; k < 60; ++k) points.emplace_back(across(generator), across(generator), depth(generator));
+    for (int k = 0; k < 60; ++k) points.push_back({across(generator), across(generator), depth(generator)});
     std::normal_distribution<double> noise(0, 0.2);
     const Camera camera = global_shutter();
     std::normal_distribution<double> shake(0, shake_mps2);
     for (int k = 0; k <= 260; ++k) {
-      const Vector3d shaken(shake(generator), shake(generator), shake(generator));
+      const Vector3d shaken{shake(generator), shake(generator), shake(generator)};
       imu.add({5'000'000LL * k, Vector3d(0, rate_radps + bias_radps, 0), Vector3d(0, -kGravity_mps2, 0) + shaken});
     }
     for (int k = 1; k <= 24; ++k) {
@@ -56,7 +56,7 @@ struct Scene {
         const Vector3d at = q.conjugate() * (points[j] - Vector3d(speed_mps * t, 0, 0));
         if (at.z() < 0.5) continue;
         const Vector2d pixel =
-            camera.lens.project(at.head<2>() / at.z()) + Vector2d(noise(generator), noise(generator));
+            camera.lens.project(at.head<2>() / at.z()) + Vector2d{noise(generator), noise(generator)};
         if (pixel.x() > 0 && pixel.x() < 640 && pixel.y() > 0 && pixel.y() < 480)
           frame.corners.corners.push_back({j, pixel, pixel.y()});
       }
@@ -89,7 +89,7 @@ TEST_CASE("half a second of a swing about its turning point looks like standing,
   std::mt19937 generator(3);
   std::uniform_real_distribution<double> across(-2, 2), depth(3, 8);
   std::vector<Vector3d> points;
-  for (int k = 0; k < 60; ++k) points.emplace_back(across(generator), across(generator), depth(generator));
+  for (int k = 0; k < 60; ++k) points.push_back({across(generator), across(generator), depth(generator)});
   const Camera camera = global_shutter();
   for (StartFrame& frame : scene.frames) {
     const double t = 1e-9 * static_cast<double>(frame.corners.t_ns);
@@ -135,7 +135,7 @@ TEST_CASE("the samples' second differences measure vibration, not motion") {
   for (int k = 0; k < 400; ++k) {
     const double t = 0.005 * k;
     const Vector3d rate(std::sin(3 * t), 0, 0), force(2 * std::sin(6 * t), -kGravity_mps2, 0);
-    const Vector3d noise(unit(generator), unit(generator), unit(generator));
+    const Vector3d noise{unit(generator), unit(generator), unit(generator)};
     smooth.add({5'000'000LL * k, rate, force});
     shaken.add({5'000'000LL * k, rate + 0.05 * noise, force + 1.0 * noise});
   }
@@ -224,13 +224,13 @@ TEST_CASE("a standing camera fits any scale, and no start in motion results from
     Scene scene(0, 0, 0, 0.3);
     std::mt19937 generator(seed);
     std::normal_distribution<double> unit(0, 1), noise(0, 1e-4);
-    const Vector3d speed(unit(generator), unit(generator), unit(generator));
-    const Vector3d acceleration(unit(generator), unit(generator), unit(generator));
+    const Vector3d speed{unit(generator), unit(generator), unit(generator)};
+    const Vector3d acceleration{unit(generator), unit(generator), unit(generator)};
     for (StartFrame& frame : scene.frames) {  // a diverging visual odometry
       frame.posed = true;
       const double t = 1e-9 * static_cast<double>(frame.corners.t_ns);
       frame.T_w_c.translation() =
-          t * speed + 0.5 * t * t * acceleration + Vector3d(noise(generator), noise(generator), noise(generator));
+          t * speed + 0.5 * t * t * acceleration + Vector3d{noise(generator), noise(generator), noise(generator)};
     }
     CAPTURE(seed);
     CHECK_FALSE(start_moving(scene.frames, scene.imu, global_shutter(), Vector3d::Zero(), {}, {}));
@@ -256,7 +256,7 @@ TEST_CASE("a start in motion uses that the phone stood shortly before, which imp
         frame.corners.t_ns = 5'000'000LL * k;
         frame.posed = true;
         frame.T_w_c.translation() =
-            0.2 * Vector3d(x, 0, 0) + 3e-3 * Vector3d(noise(generator), noise(generator), noise(generator));
+            0.2 * Vector3d(x, 0, 0) + 3e-3 * Vector3d{noise(generator), noise(generator), noise(generator)};
         frames.push_back(frame);
         next_frame_s += 0.1;
       }
@@ -293,7 +293,7 @@ TEST_CASE("the hot pixels of a dark picture are not corners") {
   for (int y = 0; y < bright.rows; ++y)
     for (int x = 0; x < bright.cols; ++x) bright.at<uchar>(y, x) = (x / 40 + y / 40) % 2 ? 180 : 60;
   cv::RNG random(5);
-  for (int k = 0; k < 4000; ++k) dark.at<uchar>(random.uniform(0, 480), random.uniform(0, 640)) = 120;
+  for (int k = 0; k < 4000; ++k) dark.at<uchar>({random.uniform(0, 640), random.uniform(0, 480)}) = 120;
   GuidedCorners corners({});
   const CameraModel lens = global_shutter().lens;
   const auto follow = [&](const cv::Mat& picture, int64_t k) {

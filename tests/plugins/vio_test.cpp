@@ -24,7 +24,7 @@ using odograph::log_rotation;
 
 std::mt19937 generator(7);
 double normal() { return std::normal_distribution<double>()(generator); }
-Vector3d vector(double sigma) { return sigma * Vector3d(normal(), normal(), normal()); }
+Vector3d vector(double sigma) { return sigma * Vector3d{normal(), normal(), normal()}; }
 
 Camera some_camera() {
   Camera camera;
@@ -78,7 +78,7 @@ TEST_CASE("an observation's derivatives equal finite differences") {
     const ImuBuffer imu = some_imu();
     augment(state, 0, 1, imu, {});
     const Clone& clone = state.clones[0];
-    const Vector3d p_w = clone.p_w + clone.q_w_c * Vector3d(normal() * 0.5, normal() * 0.5, 2 + std::abs(normal()));
+    const Vector3d p_w = clone.p_w + clone.q_w_c * Vector3d{normal() * 0.5, normal() * 0.5, 2 + std::abs(normal())};
     const double row = 20 + 200 * (trial % 3);
     const auto o = observe(clone, state.camera, p_w, row);
     REQUIRE(o);
@@ -112,44 +112,49 @@ TEST_CASE("an observation's derivatives equal finite differences") {
 }
 
 TEST_CASE("the covariance is propagated by the derivative of the motion") {
-  generator.seed(12);
   const ImuBuffer imu = some_imu();
-  const State state = some_state();
   FilterParameters p;
   p.noise = {0, 0, 0, 0, 0, 0};
   p.focal_walk = p.centre_walk_px = 0;
   const double h = 1e-5;
   constexpr int sensed = block::navigation + block::axes;
-  Eigen::MatrixXd numeric(15, sensed);
-  const auto moved = [&](int k, double step) {
-    State s = state;
-    Eigen::VectorXd delta = Eigen::VectorXd::Zero(s.size());
-    delta[k] = step;
-    s.correct(delta);
-    propagate(s, state.t_ns + 300'000'000, imu, p);
-    return s.nav;
-  };
-  State reference = state;
-  propagate(reference, state.t_ns + 300'000'000, imu, p);
-  const auto minus = [&](const Navigation& a) {
-    Eigen::Matrix<double, 15, 1> out;
-    const Quaterniond rotation = a.q_w_b * reference.nav.q_w_b.conjugate();
-    out << log_rotation(rotation), a.v_w - rotation * reference.nav.v_w, a.p_w - rotation * reference.nav.p_w,
-        a.gyro_bias - reference.nav.gyro_bias, a.accel_bias - reference.nav.accel_bias;
-    return out;
-  };
-  for (int k = 0; k < sensed; ++k) numeric.col(k) = (minus(moved(k, h)) - minus(moved(k, -h))) / (2 * h);
-  const Eigen::MatrixXd expected = numeric * state.P.topLeftCorner<sensed, sensed>() * numeric.transpose();
-  const Eigen::MatrixXd carried = reference.P.topLeftCorner<15, 15>();
-  CHECK((carried - expected).norm() < 5e-3 * expected.norm());
-  const Eigen::MatrixXd with_axes = numeric.rightCols<block::axes>() * 1e-4;
-  CHECK((reference.P.block<15, block::axes>(0, block::gyro_axes) - with_axes).norm() < 5e-3 * with_axes.norm());
-  // The position alone, which is small compared with the velocity: 1e-4 of it by the integration's second order.
-  const Eigen::MatrixXd position = with_axes.middleRows<3>(block::rho);
-  const double off =
-      (reference.P.block<3, block::axes>(block::rho, block::gyro_axes) - position).norm() / position.norm();
-  MESSAGE("the position's derivative by the axes is off by " << off);
-  CHECK(off < 1.7e-4);  // 1.27e-4
+  double worst = 0;
+  for (unsigned seed = 1; seed <= 20; ++seed) {
+    generator.seed(seed);
+    const State state = some_state();
+    State reference = state;
+    propagate(reference, state.t_ns + 300'000'000, imu, p);
+    const auto moved = [&](int k, double step) {
+      State s = state;
+      Eigen::VectorXd delta = Eigen::VectorXd::Zero(s.size());
+      delta[k] = step;
+      s.correct(delta);
+      propagate(s, state.t_ns + 300'000'000, imu, p);
+      const Navigation &a = s.nav, &b = reference.nav;
+      Eigen::Matrix<double, 15, 1> out;
+      const Quaterniond rotation = a.q_w_b * b.q_w_b.conjugate();
+      const double scale = std::exp(delta[block::scale]);
+      out << log_rotation(rotation), a.v_w - scale * (rotation * b.v_w), a.p_w - scale * (rotation * b.p_w),
+          a.gyro_bias - b.gyro_bias, a.accel_bias - b.accel_bias;
+      return out;
+    };
+    Eigen::MatrixXd numeric(15, sensed + 1);
+    for (int k = 0; k <= sensed; ++k) {
+      const int at = k < sensed ? k : block::scale;
+      numeric.col(k) = (moved(at, h) - moved(at, -h)) / (2 * h);
+    }
+    const Eigen::MatrixXd expected = 1e-4 * numeric * numeric.transpose();
+    const Eigen::MatrixXd carried = reference.P.topLeftCorner<15, 15>();
+    CHECK((carried - expected).norm() < 5e-3 * expected.norm());
+    const Eigen::MatrixXd with_axes = numeric.middleCols<block::axes>(block::gyro_axes) * 1e-4;
+    CHECK((reference.P.block<15, block::axes>(0, block::gyro_axes) - with_axes).norm() < 5e-3 * with_axes.norm());
+    // The position alone, which is small compared with the velocity, is off by the integration's second order.
+    const Eigen::MatrixXd position = with_axes.middleRows<3>(block::rho);
+    worst = std::max(
+        worst, (reference.P.block<3, block::axes>(block::rho, block::gyro_axes) - position).norm() / position.norm());
+  }
+  MESSAGE("the position's derivative by the axes is off by " << worst);
+  CHECK(worst < 5e-4);
 }
 
 TEST_CASE("a stabilised lens's shift and its covariance follow the gyroscope") {

@@ -35,13 +35,13 @@ std::vector<Vector3d> scene(uint64_t seed, size_t n = 150) {
   Random random(seed, 3);
   std::vector<Vector3d> points;
   for (size_t i = 0; i < n; ++i)
-    points.emplace_back(random.uniform(-4, 4), random.uniform(-3, 3), random.uniform(3, 15));
+    points.push_back({random.uniform(-4, 4), random.uniform(-3, 3), random.uniform(3, 15)});
   return points;
 }
 
 Vector2d see(const Isometry3d& T_w_c, const Vector3d& X, Random& random, double sigma) {
   const Vector3d x = T_w_c.inverse() * X;
-  return x.head<2>() / x.z() + sigma * Vector2d(random.normal(), random.normal());
+  return x.head<2>() / x.z() + sigma * Vector2d{random.normal(), random.normal()};
 }
 
 /// A camera that moves to the right and rotates; every keyframe sees every point.
@@ -83,7 +83,7 @@ TEST_CASE("a pose is found among outliers, and its error matches its covariance"
       point.X_w << X / X.z(), 1 / X.z();
       point.anchor_w.setZero();
       point.seen = see(T, X, random, 1e-3);
-      if (points.size() % 4 == 0) point.seen += Vector2d(random.uniform(-0.2, 0.2), random.uniform(-0.2, 0.2));
+      if (points.size() % 4 == 0) point.seen += Vector2d{random.uniform(-0.2, 0.2), random.uniform(-0.2, 0.2)};
       points.push_back(point);
     }
     const auto fit = fit_pose(points, Isometry3d::Identity(), 1e-3, 0.2, std::nullopt);
@@ -100,27 +100,31 @@ TEST_CASE("a pose is found among outliers, and its error matches its covariance"
 }
 
 TEST_CASE("an unknown depth acts along its epipolar line only") {
-  // One point far off its true depth, seen from the side: without its variance it biases the pose.
-  Random random(3, 3);
+  // Every other point is off its true depth, seen from the side: without its variance it biases the pose.
   const Isometry3d T = pose({0.3, 0, 0}, Vector3d::Zero());
-  std::vector<PointSeen> points;
-  for (const Vector3d& X : scene(4, 30)) {
-    PointSeen point;
-    const bool wrong = points.size() % 2 == 0;
-    const double inverse = wrong ? 1.15 / X.z() : 1 / X.z();
-    point.X_w << X / X.z(), inverse;
-    point.anchor_w.setZero();
-    point.seen = see(T, X, random, 0);
-    point.inverse_depth_variance = wrong ? 0.02 * 0.02 : 0;
-    points.push_back(point);
+  double error = 0, without = 0;
+  for (uint64_t seed = 1; seed <= 20; ++seed) {
+    Random random(seed, 3);
+    std::vector<PointSeen> points;
+    for (const Vector3d& X : scene(seed, 30)) {
+      PointSeen point;
+      const bool wrong = points.size() % 2 == 0;
+      const double inverse = wrong ? 1.15 / X.z() : 1 / X.z();
+      point.X_w << X / X.z(), inverse;
+      point.anchor_w.setZero();
+      point.seen = see(T, X, random, 0);
+      point.inverse_depth_variance = wrong ? 0.02 * 0.02 : 0;
+      points.push_back(point);
+    }
+    const auto fit = fit_pose(points, T, 1e-3, 1e-2, std::nullopt);
+    REQUIRE(fit);
+    for (PointSeen& point : points) point.inverse_depth_variance = 0;
+    const auto fooled = fit_pose(points, T, 1e-3, 1e-2, std::nullopt);
+    REQUIRE(fooled);
+    error += (fit->T_w_c.translation() - T.translation()).norm();
+    without += (fooled->T_w_c.translation() - T.translation()).norm();
   }
-  const auto fit = fit_pose(points, T, 1e-3, 1e-2, std::nullopt);
-  REQUIRE(fit);
-  const double error = (fit->T_w_c.translation() - T.translation()).norm();
-  for (PointSeen& point : points) point.inverse_depth_variance = 0;
-  const auto fooled = fit_pose(points, T, 1e-3, 1e-2, std::nullopt);
-  REQUIRE(fooled);
-  CHECK(error < 0.3 * (fooled->T_w_c.translation() - T.translation()).norm());
+  CHECK(error < 0.2 * without);
 }
 
 TEST_CASE("the window's adjustment corrects poses, depths and the gyro bias, and preserves the scale") {
@@ -137,9 +141,9 @@ TEST_CASE("the window's adjustment corrects poses, depths and the gyro bias, and
       keyframe.rotation = GyroRotation{rotation * exp_rotation(0.4 * bias), -0.4 * Eigen::Matrix3d::Identity(), 2e-4};
     }
     if (k > 1) {  // the first two fix the scale
-      keyframe.T_w_c.translation() += 0.02 * Vector3d(random.normal(), random.normal(), random.normal());
+      keyframe.T_w_c.translation() += 0.02 * Vector3d{random.normal(), random.normal(), random.normal()};
       keyframe.T_w_c.linear() *=
-          exp_rotation(0.005 * Vector3d(random.normal(), random.normal(), random.normal())).toRotationMatrix();
+          exp_rotation(0.005 * Vector3d{random.normal(), random.normal(), random.normal()}).toRotationMatrix();
     }
     window.add(keyframe);
     for (size_t i = 0; i < points.size(); ++i) window.observe(i, see(T, points[i], random, sigma));

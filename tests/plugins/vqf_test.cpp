@@ -34,7 +34,7 @@ TEST_CASE("a still device gives its inclination at once and its bias within seco
   const Vector3d bias(0.004, -0.006, 0.008);
   const Eigen::Quaterniond q_b_n(Eigen::AngleAxisd(0.7, Vector3d(1, 2, 0.5).normalized()));
   for (int i = 0; i < 2000; ++i) {
-    const Vector3d noise(random.normal(), random.normal(), random.normal());
+    const Vector3d noise{random.normal(), random.normal(), random.normal()};
     filter.update(bias + 0.002 * noise, q_b_n * Vector3d(0, 0, 9.81) + 0.02 * noise, 0.01);
     if (i == 20) CHECK(std::acos(((filter.orientation()) * (q_b_n * Vector3d::UnitZ())).z()) < 0.01);
   }
@@ -49,17 +49,17 @@ TEST_CASE(
     const PlainWalk walk(1.35, 0.72, seed, 4, 60);
     vqf::Filter filter{vqf::Parameters{}};
     Random random(seed, 4);
-    const Vector3d gyro_bias = 0.004 * Vector3d(random.normal(), random.normal(), random.normal());
+    const Vector3d gyro_bias = 0.004 * Vector3d{random.normal(), random.normal(), random.normal()};
     std::vector<double> inclination;
     for (int i = 0; i < 1000; ++i) {  // ten seconds on a table for the bias
-      const Vector3d n(random.normal(), random.normal(), random.normal());
+      const Vector3d n{random.normal(), random.normal(), random.normal()};
       filter.update(gyro_bias + 0.002 * n, walk.phone.at(0.5).specific_force_b() + 0.03 * n, 0.01);
     }
     CHECK((filter.bias() - gyro_bias).norm() < 5e-4);
     double start = 0, end = 0, start_t = 0;
     for (double t = 0; t < walk.phone.duration_s(); t += 0.01) {
       const auto k = walk.phone.at(t);
-      const Vector3d n(random.normal(), random.normal(), random.normal());
+      const Vector3d n{random.normal(), random.normal(), random.normal()};
       filter.update(k.angular_velocity_b + gyro_bias + 0.002 * n, k.specific_force_b() + 0.03 * n, 0.01);
       if (t < 5) continue;
       inclination.push_back(inclination_error(filter, walk.phone.pose(t)));

@@ -112,7 +112,10 @@ TEST_CASE("68 of 100 fixes with the stated covariance are within the accuracy's 
   std::mt19937 random(2);
   std::normal_distribution<double> off(0, std::sqrt(fix.covariance_n[0]));
   int within = 0;
-  for (int i = 0; i < 100'000; ++i) within += std::hypot(off(random), off(random)) < 6;
+  for (int i = 0; i < 100'000; ++i) {
+    const double off_n = off(random);
+    within += std::hypot(off_n, off(random)) < 6;
+  }
   CHECK(within == doctest::Approx(68'000).epsilon(0.01));
   odo_gnss iphone;
   CHECK(phone_gnss(&iphone, 100, 0.5, 45, 5, 200, 6, -1) == 1);

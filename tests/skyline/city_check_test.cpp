@@ -99,7 +99,7 @@ TEST_CASE("a wall with a thousand windows is cut; edges that cross each other ta
   std::mt19937 random(1);
   std::vector<std::vector<Vector3d>> scribble(1);
   for (int i = 0; i < 2000; ++i)
-    scribble[0].emplace_back(static_cast<double>(random() % 10007), static_cast<double>(random() % 10007), 0.0);
+    scribble[0].push_back({static_cast<double>(random() % 10007), static_cast<double>(random() % 10007), 0});
   budget = {};
   CHECK_FALSE(spend_crossings(scribble, budget));
 }

@@ -110,7 +110,7 @@ TEST_CASE("a photograph of seventy degrees is placed though each roof is wrong, 
     const Quaterniond off(Eigen::AngleAxisd(10 * kDegree * random.normal(), Vector3d::UnitZ()));
     PhotographMatcher matcher(city, ground);
     const auto match = matcher.match(seen_in(a_crossing(lift), place, q),
-                                     prior_of(place + 5 * Vector3d(random.normal(), random.normal(), 0), off * q));
+                                     prior_of(place + 5 * Vector3d{random.normal(), random.normal(), 0}, off * q));
     if (!match) continue;
     ++placed;
     const Eigen::Vector2d d = (match->p_n - place).head<2>();
@@ -371,8 +371,8 @@ TEST_CASE("upright lines tell how a photograph was held, and without them it is 
   const Vector3d up_c = q_n_c.conjugate() * -Vector3d::UnitZ(), level_c(0, -1, 0);
   std::vector<SeenLine> lines;
   for (int i = 0; i < 60; ++i) {
-    const Vector3d foot(std::cos(random.uniform(-0.5, 0.5)), std::sin(random.uniform(-0.5, 0.5)),
-                        random.uniform(-0.1, 0));
+    const Vector3d foot{std::cos(random.uniform(-0.5, 0.5)), std::sin(random.uniform(-0.5, 0.5)),
+                        random.uniform(-0.1, 0)};
     const Vector3d a = q_n_c.conjugate() * foot.normalized(),
                    b = q_n_c.conjugate() * (foot - Vector3d(0, 0, 0.3)).normalized();
     lines.push_back({a.cross(b).normalized(), 0.2});

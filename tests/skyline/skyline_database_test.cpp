@@ -135,7 +135,7 @@ TEST_CASE("a place takes at most a kilobyte, however many roofs are seen from it
   for (int k = 0; k < 60'000; ++k) {  // splinters: hardly two directions show the same one
     const double azimuth = random.uniform(0.0, 6.283), r = random.uniform(50.0, 150.0), up = random.uniform(5.0, 40.0);
     const Vector3d p(r * std::cos(azimuth), r * std::sin(azimuth), -up);
-    edges.push_back({p, p + Vector3d(random.uniform(-1.0, 1.0), random.uniform(-1.0, 1.0), 0.3)});
+    edges.push_back({p, p + Vector3d{random.uniform(-1.0, 1.0), random.uniform(-1.0, 1.0), 0.3}});
   }
   const auto places = a_grid(20, 4);
   REQUIRE(build_database(edges, places, parameters(2), file, {}));
@@ -151,7 +151,7 @@ TEST_CASE("the nearest place is the nearest of all") {
   const std::string file = folder / "town.skylines";
   std::vector<Vector3d> places;
   cv::RNG random(4);
-  for (int k = 0; k < 500; ++k) places.emplace_back(random.uniform(-300.0, 300.0), random.uniform(-40.0, 40.0), -1.5);
+  for (int k = 0; k < 500; ++k) places.push_back({random.uniform(-300.0, 300.0), random.uniform(-40.0, 40.0), -1.5});
   REQUIRE(build_database(a_town(10, 60, 1), places, parameters(1), file, {}));
   const auto database = SkylineDatabase::open(file);
   for (int k = 0; k < 300; ++k) {

@@ -266,9 +266,11 @@ cv::Mat fisheye_view(const CameraModel& camera, Elevation&& elevation) {
 TEST_CASE("the fast skyline is the plain one; the quick one, without hidden edges, nearly everywhere") {
   std::vector<Edge> edges;
   cv::RNG random(3);
-  for (int k = 0; k < 90; ++k)
-    add_box(edges, random.uniform(-200.0, 200.0), random.uniform(-200.0, 200.0), random.uniform(5.0, 25.0),
-            random.uniform(5.0, 25.0), random.uniform(4.0, 25.0));
+  for (int k = 0; k < 90; ++k) {
+    const double n = random.uniform(-200.0, 200.0), e = random.uniform(-200.0, 200.0);
+    const double width = random.uniform(5.0, 25.0), depth = random.uniform(5.0, 25.0);
+    add_box(edges, n, e, width, depth, random.uniform(4.0, 25.0));
+  }
   City city(edges);
   city.select_edges({0, 0, -1.5}, 8, 0.05);
   Horizon horizon, quick;

@@ -32,7 +32,7 @@ double apart_deg(const Vector3d& a, const Vector3d& b) { return std::atan2(a.cro
 /// direction.
 std::vector<SeenLine> lines_around(Random& random, const Vector3d& up_c, int upright, int other) {
   std::vector<SeenLine> lines;
-  const auto direction = [&] { return Vector3d(random.normal(), random.normal(), random.normal()).normalized(); };
+  const auto direction = [&] { return Vector3d{random.normal(), random.normal(), random.normal()}.normalized(); };
   const auto line = [&](Vector3d a, Vector3d b) {
     a = (a + 0.0025 * direction()).normalized(), b = (b + 0.0025 * direction()).normalized();
     lines.push_back({a.cross(b).normalized(), std::asin(a.cross(b).norm())});
@@ -56,8 +56,8 @@ TEST_CASE("upright lines give the zenith among as many others, consistently with
   double normalised = 0;
   int found = 0;
   for (int i = 0; i < 200; ++i) {
-    const Vector3d up_c = Vector3d(0.1 * random.normal(), 0.1 * random.normal(), 1).normalized();
-    const Vector3d prior_c = (up_c + 0.03 * Vector3d(random.normal(), random.normal(), 0)).normalized();
+    const Vector3d up_c = Vector3d{0.1 * random.normal(), 0.1 * random.normal(), 1}.normalized();
+    const Vector3d prior_c = (up_c + 0.03 * Vector3d{random.normal(), random.normal(), 0}).normalized();
     const auto zenith = vanishing_zenith(lines_around(random, up_c, 40, 40), prior_c, {});
     if (!zenith) continue;
     ++found;
@@ -118,7 +118,7 @@ TEST_CASE("pitch and roll by vanishing points in pictures of real cities are wit
           ++pictures;
           const cv::Mat grey = grey_of(*frame, converted);
           const Vector3d up_c = at->q.conjugate() * -Vector3d::UnitZ();
-          const Vector3d prior_c = (up_c + 0.02 * Vector3d(random.normal(), random.normal(), 0)).normalized();
+          const Vector3d prior_c = (up_c + 0.02 * Vector3d{random.normal(), random.normal(), 0}).normalized();
           if (const auto zenith = vanishing_zenith(lines_of(grey, camera.lens_of(*frame), {}), prior_c, {})) {
             errors.push_back(apart_deg(zenith->up_c, up_c));
             beyond += errors.back() * kDegree > 3.44 * zenith->sigma_rad;  // 99.73 % in two dimensions

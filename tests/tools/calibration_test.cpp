@@ -58,8 +58,8 @@ std::vector<BoardView> exact_views(const odo_calibration& truth, double noise_px
         view.corners_m.emplace_back(static_cast<float>(x * board.square_m), static_cast<float>(y * board.square_m), 0);
         const double px = truth.fx * (u * radial + 2 * k[2] * u * v + k[3] * (r2 + 2 * u * u)) + truth.cx;
         const double py = truth.fy * (v * radial + k[2] * (r2 + 2 * v * v) + 2 * k[3] * u * v) + truth.cy;
-        view.pixels.emplace_back(static_cast<float>(px + noise_px * random.normal()),
-                                 static_cast<float>(py + noise_px * random.normal()));
+        view.pixels.push_back(
+            {static_cast<float>(px + noise_px * random.normal()), static_cast<float>(py + noise_px * random.normal())});
       }
     views.push_back(view);
   }

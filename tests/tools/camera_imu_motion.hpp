@@ -58,12 +58,12 @@ struct HandHeld {
       const double t = i / imu_hz;
       data.gyro.push_back({kFirst_ns + std::llround(t * 1e9),
                            mount * (rate_b(t) + gyro_bias +
-                                    gyro_noise_rps * Eigen::Vector3d(normal(random), normal(random), normal(random)))});
+                                    gyro_noise_rps * Eigen::Vector3d{normal(random), normal(random), normal(random)})});
     }
     std::vector<Eigen::Vector3d> points;
     for (int i = 0; i < static_cast<int>(60 * (seconds * walk_mps + 20)); ++i)
-      points.emplace_back(even(random) * 0.5 * (seconds * walk_mps + 40) + 0.5 * (seconds * walk_mps + 20),
-                          (2 + 7 * std::abs(even(random))) * (even(random) < 0 ? -1 : 1), 3 * even(random));
+      points.push_back({even(random) * 0.5 * (seconds * walk_mps + 40) + 0.5 * (seconds * walk_mps + 20),
+                        (2 + 7 * std::abs(even(random))) * (even(random) < 0 ? -1 : 1), 3 * even(random)});
     const double lens[] = {focal_px, focal_px, cx, cy, k1};
     for (int i = 2; i < static_cast<int>((seconds - 0.2) * frames_hz); ++i) {
       const double t = i / frames_hz;
@@ -82,8 +82,8 @@ struct HandHeld {
         seen = seen && pixel.x() > 3 && pixel.x() < 636 && pixel.y() > 3 && pixel.y() < 476;
         if (!seen) continue;
         frame.ids.push_back(k);
-        frame.pixels.emplace_back(static_cast<float>(pixel.x() + noise_px * normal(random)),
-                                  static_cast<float>(pixel.y() + noise_px * normal(random)));
+        frame.pixels.push_back({static_cast<float>(pixel.x() + noise_px * normal(random)),
+                                static_cast<float>(pixel.y() + noise_px * normal(random))});
       }
       data.frames.push_back(std::move(frame));
     }

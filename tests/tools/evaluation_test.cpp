@@ -94,8 +94,8 @@ TEST_CASE("each alignment removes its own transformation and no other") {
     const Trajectory reference = winding(80);
     const double scale = number(0.2, 5);
     const Eigen::Quaterniond q(
-        Eigen::AngleAxisd(number(-3, 3), Vector3d(number(-1, 1), number(-1, 1), 1.1).normalized()));
-    const Vector3d p(number(-9, 9), number(-9, 9), number(-9, 9));
+        Eigen::AngleAxisd(number(-3, 3), Vector3d{number(-1, 1), number(-1, 1), 1.1}.normalized()));
+    const Vector3d p{number(-9, 9), number(-9, 9), number(-9, 9)};
     double found = 0;
     const Pairs similar{reference, moved(reference, scale, q, p)};
     const auto aligned = align(similar, Alignment::sim3, &found);

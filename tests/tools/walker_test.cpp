@@ -25,9 +25,9 @@ double learnt(double factor, double fix_sigma_m, int fixes, int wrong_fix, uint6
   double heading = 0, walked = 0;
   int fix = 0;
   const auto seen = [&](bool wrong) {
-    const Eigen::Vector2d error(random.normal(), random.normal());
+    const Eigen::Vector2d error{random.normal(), random.normal()};
     Eigen::Vector2d at = Eigen::Rotation2Dd(rotation) * p + fix_sigma_m * error;
-    if (wrong) at += 20 * Eigen::Vector2d(random.normal(), random.normal()).normalized();
+    if (wrong) at += 20 * Eigen::Vector2d{random.normal(), random.normal()}.normalized();
     walker.on_fix(at, fix_sigma_m);
   };
   seen(false);
