@@ -192,7 +192,7 @@ TEST_CASE("the third consecutive crash, and not an earlier one, activates the fa
   // In the host's process it is allowed five failures.
   for (int i = 0; i < 4; ++i) one.fails(t += kMs, ODO_E_ERROR);
   CHECK(one.plugin->alive());
-  one.fails(t += kMs, ODO_E_ERROR);
+  one.fails(t + kMs, ODO_E_ERROR);
   CHECK_FALSE(one.plugin->alive());
 }
 

@@ -190,7 +190,9 @@ TEST_CASE("an archive starts no program, whatever its stated compression") {
     write_text(folder / name, "#!/bin/sh\ntouch " + ran.string() + "\n");
     fs::permissions(folder / name, fs::perms::owner_all);
   }
-  const std::string path = std::getenv("PATH");
+  const char* const search_path = std::getenv("PATH");
+  REQUIRE(search_path);
+  const std::string path = search_path;
   setenv("PATH", (folder.path().string() + ":" + path).c_str(), 1);
   for (const std::string& head :
        {std::string("LRZI\0\6", 6), std::string("GRZipII\0\2\4:)", 12), std::string("\x89LZO\0\r\n\x1a\n", 9)}) {

@@ -23,7 +23,6 @@
 #include "sdk/host/plugin_host/wire.hpp"
 
 namespace odograph {
-namespace fs = std::filesystem;
 namespace {
 
 wire::Control* control = nullptr;

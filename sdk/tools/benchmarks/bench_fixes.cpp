@@ -48,7 +48,7 @@ struct Canyon : Benchmark {
   void draw(const Rows& rows, Plot& into) const override {
     for (const auto& [config, own] : groups_of(rows, "config")) {
       Json medians = Json::array();
-      const auto walks = [&](size_t s) { return numbers_at(own, "_each_second_m/" + std::to_string(s)); };
+      const auto walks = [&own = own](size_t s) { return numbers_at(own, "_each_second_m/" + std::to_string(s)); };
       for (size_t s = 0; walks(s).size() == own.size(); ++s) medians.push_back({s, percentile(walks(s), 0.5)});
       add_line(into, config_name(config), medians);
     }

@@ -179,6 +179,8 @@ Texture::Texel Texture::at(float u_m, float v_m, float footprint_m) const {
   const int exponent = std::min(static_cast<int>(bits >> 23) - 127, last);
   const uint32_t fraction = exponent < last ? (bits >> 15) & 255u : 0u;  // in 256ths, as below
   const float per_metre = 256.0f / texel_m_;
+  // Rounds towards zero where negative: recorded scenarios have these bits.
+  // NOLINTNEXTLINE(bugprone-incorrect-roundings)
   const int u = static_cast<int>(u_m * per_metre + 0.5f), v = static_cast<int>(v_m * per_metre + 0.5f);
   const auto sample = [&](int l) {
     const int x = (u >> l) - 128, y = (v >> l) - 128, shift = log2_size_ - l, mask = (1 << shift) - 1;

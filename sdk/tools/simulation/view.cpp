@@ -258,7 +258,8 @@ double View::visible_part(const KnownObject& object, const Vector3d& eye_n, doub
   std::array<RTCRay, kSide * kSide> rays;
   const Vector3d u = object.corners[1] - object.corners[0], v = object.corners[3] - object.corners[0];
   for (int i = 0; i < kSide * kSide; ++i) {
-    const Vector3d point = object.corners[0] + (i % kSide + 0.5) / kSide * u + (i / kSide + 0.5) / kSide * v;
+    const int row = i / kSide, column = i % kSide;
+    const Vector3d point = object.corners[0] + (column + 0.5) / kSide * u + (row + 0.5) / kSide * v;
     auto& ray = rays[static_cast<size_t>(i)];
     aim(ray, eye_n.cast<float>(), (point - eye_n).cast<float>());
     ray.tfar = 0.998f;  // ends just before the board
