@@ -277,10 +277,12 @@ void CameraImuProblem::start(Window& window, const SharedUnknowns& x, double sca
 bool CameraImuProblem::solve(SharedUnknowns& unknowns, const std::array<bool, shared::count>& fixed, double scale_px) {
   x_ = unknowns, fixed_ = fixed, scale_px_ = scale_px;
   SharedUnknowns::Map(numbers_.data()) = x_;
-  problem_ = std::make_unique<ceres::Problem>();
+  ceres::Problem::Options ownership;
+  ownership.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+  problem_ = std::make_unique<ceres::Problem>(ownership);
   blocks_.clear();
   auto* ordering = new ceres::ParameterBlockOrdering;
-  auto* loss = new ceres::CauchyLoss(scale_px);
+  loss_ = std::make_unique<ceres::CauchyLoss>(scale_px);
   for (auto& window : windows_) {
     if (!window->started) {
       window->reference_s = window->t_s[kWindowFrames / 2] + x_[shared::time_offset];
@@ -291,8 +293,8 @@ bool CameraImuProblem::solve(SharedUnknowns& unknowns, const std::array<bool, sh
     window->started = true;
     for (size_t i = 0; i < window->corners.size(); ++i) {
       for (const Sight& sight : window->corners[i])
-        blocks_.push_back(problem_->AddResidualBlock(new Reprojection(at_, *window, sight), loss, numbers_.data(),
-                                                     window->path.data(), window->points + 3 * i));
+        blocks_.push_back(problem_->AddResidualBlock(new Reprojection(at_, *window, sight), loss_.get(),
+                                                     numbers_.data(), window->path.data(), window->points + 3 * i));
       ordering->AddElementToGroup(window->points + 3 * i, 0);
     }
     ordering->AddElementToGroup(window->path.data(), 1);

@@ -80,6 +80,7 @@ class CameraImuProblem {
   std::vector<double> numbers_;
   double scale_px_ = 1;
   std::array<bool, shared::count> fixed_{};
+  std::unique_ptr<ceres::LossFunction> loss_;  // outlives the problem
   std::unique_ptr<ceres::Problem> problem_;
   std::vector<ceres::ResidualBlockId> blocks_;  ///< by window, corner, frame; then each window's path
   std::vector<CameraImuCalibration::Residual> residuals_;
