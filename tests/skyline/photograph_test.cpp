@@ -302,7 +302,7 @@ TEST_CASE("a place is accepted or rejected by other places, its agreement and it
   CHECK(decision_of({best, turned}, 0.9).why.find("determine the heading only to") != std::string::npos);
   const auto chance = "coincides with a roof of the model: that may be chance";
   CHECK(decision_of({best}, 0.4).why.find(chance) != std::string::npos);
-  CHECK(decision_of({{{0, 0, 0}, 12, -9, accurate}}, 0.9).why.find(chance) != std::string::npos);
+  CHECK(decision_of({{{0, 0, 0}, 9, -9, accurate}}, 0.9).why.find(chance) != std::string::npos);
 }
 
 TEST_CASE("a photograph whose skies lead to two places is not placed") {

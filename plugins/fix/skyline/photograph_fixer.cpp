@@ -29,8 +29,8 @@ PhotographFixer::Outcome PhotographFixer::estimate_pose(Picture picture, const P
   shrink(picture, (std::max(picture.grey.cols, picture.grey.rows) + p_.widest_px - 1) / p_.widest_px);
   const Eigen::Vector3d prior_up_c = prior.q_n_c.conjugate() * -Eigen::Vector3d::UnitZ();
   std::vector<PhotographLevel> levels = {{prior_up_c, prior.tilt_sigma_rad, 0}};
-  if (prior.tilt_sigma_rad > p_.level_rad)
-    levels = levels_of(lines_of(picture.grey, picture.lens, p_.level.lines), prior_up_c, p_.level);
+  const auto lines = lines_of(picture.grey, picture.lens, p_.level.lines);
+  if (prior.tilt_sigma_rad > p_.level_rad) levels = levels_of(lines, prior_up_c, p_.level);
   matcher_.clear();
   bool sky_seen = false;
   const Chroma chroma = picture.chroma;
@@ -38,6 +38,7 @@ PhotographFixer::Outcome PhotographFixer::estimate_pose(Picture picture, const P
     PhotographPrior held = prior;
     held.q_n_c = (prior.q_n_c * Eigen::Quaterniond::FromTwoVectors(level.up_c, prior_up_c)).normalized();
     held.tilt_sigma_rad = level.sigma_rad;
+    facades_.set(lines, held.q_n_c);
     // Colour shows more of the sky, but a colour cast misleads.
     for (const bool in_colour : {true, false}) {
       if (in_colour && chroma.empty()) continue;
@@ -45,7 +46,7 @@ PhotographFixer::Outcome PhotographFixer::estimate_pose(Picture picture, const P
       const auto& edges = sky_detector_.find(picture, held.q_n_c.conjugate(), false);
       if (edges.empty()) continue;
       sky_seen = true;
-      matcher_.add(edges, held);
+      matcher_.add(edges, held, nullptr, &facades_);
     }
   }
   if (!sky_seen) return {.why = "no sky is visible above roofs", .no_sky = true};

@@ -30,7 +30,7 @@ class PhotographFixer {
   };
 
   explicit PhotographFixer(City& city, const PhotographParameters& matching = {})
-      : ground_(city.edges()), matcher_(city, ground_, matching) {}
+      : ground_(city.edges()), facades_(city.edges()), matcher_(city, ground_, matching) {}
   /// The prior's north and east are used; its height only where the model has no ground.
   Outcome estimate_pose(Picture picture, const PhotographPrior& prior);
   const Ground& ground() const { return ground_; }
@@ -38,6 +38,7 @@ class PhotographFixer {
  private:
   Parameters p_;
   Ground ground_;
+  Facades facades_;
   PhotographMatcher matcher_;
   SkyDetector sky_detector_;
 };

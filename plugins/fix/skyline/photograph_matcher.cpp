@@ -330,8 +330,9 @@ void PhotographMatcher::clear() {
   decision_ = {.why = "nothing was searched"};
 }
 
-void PhotographMatcher::add(const std::vector<SkyEdge>& edges, const PhotographPrior& prior, const Spend& spend) {
-  prior_ = prior, spend_ = spend;
+void PhotographMatcher::add(const std::vector<SkyEdge>& edges, const PhotographPrior& prior, const Spend& spend,
+                            Facades* facades) {
+  prior_ = prior, spend_ = spend, facades_ = facades;
   if (const size_t closed = closed_edges(edges); closed < p_.min_edges) {
     decision_.why = "roofs end against the sky in " + std::to_string(closed / 2) + " degrees of the picture only, " +
                     std::to_string(p_.min_edges / 2) + " are wanted";

@@ -8,6 +8,7 @@
 
 #include <Eigen/Geometry>
 
+#include "plugins/fix/skyline/facades.hpp"
 #include "plugins/fix/skyline/ground.hpp"
 #include "plugins/fix/skyline/photograph_decision.hpp"
 #include "plugins/fix/skyline/roof_line.hpp"
@@ -92,7 +93,8 @@ class PhotographMatcher {
   void clear();
   /// Searches the places by one hypothesis: a sky's edge, and the inclination of `prior`. The priors of a photograph
   /// differ in the inclination only. `spend` is as that of Matcher::match().
-  void add(const std::vector<SkyEdge>& edges, const PhotographPrior& prior, const Spend& spend = nullptr);
+  void add(const std::vector<SkyEdge>& edges, const PhotographPrior& prior, const Spend& spend = nullptr,
+           Facades* facades = nullptr);
   /// No match where the picture does not determine the place; why() gives the reason.
   std::optional<Match> match();
   /// The same for a photograph with one hypothesis.
@@ -133,9 +135,12 @@ class PhotographMatcher {
   std::array<double, 2> heading_likelihoods(double yaw) const;
   Eigen::Matrix<double, 6, 1> information_of_prior(const Guess& guess) const;
   double cost_of_prior(const Guess& guess) const;
+  double cost_of_facades(const Guess& guess) {
+    return facades_ ? facades_->cost(prior_.p_n.head<2>() + Eigen::Vector2d(guess.north, guess.east), guess.yaw) : 0;
+  }
   double cost_of(const Guess& guess, size_t stride = 1) {
     if (spend_) spend_(p_.direction_work * fit_.directions() / stride);
-    return fit_.cost(line_, guess, stride) + cost_of_prior(guess);
+    return fit_.cost(line_, guess, stride) + cost_of_prior(guess) + cost_of_facades(guess);
   }
   void search();
   void search_place(const Candidate& at, double reach_rad);
@@ -152,6 +157,7 @@ class PhotographMatcher {
   City& city_;
   const Ground& ground_;
   RoofLineFit fit_;
+  Facades* facades_ = nullptr;
   Spend spend_;
   RoofLine line_;                        // of the latest place
   std::vector<std::vector<int>> roofs_;  // of the tiles

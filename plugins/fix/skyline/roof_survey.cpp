@@ -7,6 +7,7 @@ namespace odograph::skyline {
 PhotographParameters RoofSurvey::matching_on_path() {
   PhotographParameters p;
   p.min_m = 3, p.wrong_heading = 0, p.decision.min_agreement = 0.45;
+  p.decision.power = 0.6;  // a path's pictures are matched without their facades
   p.refinement.starts = 60, p.refinement.polished = 0, p.refinement.fits_wide = true;
   return p;
 }

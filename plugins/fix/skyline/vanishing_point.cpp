@@ -28,7 +28,7 @@ std::vector<SeenLine> lines_of(const cv::Mat& grey, const CameraModel& camera, c
     if (!ray_of(camera, from, p.farthest_rad, a) || !ray_of(camera, to, p.farthest_rad, b)) continue;
     const Vector3d n = a.cross(b);
     const double sine = n.norm();
-    if (sine > 1e-6) lines.push_back({n / sine, std::asin(std::min(1.0, sine))});
+    if (sine > 1e-6) lines.push_back({n / sine, std::asin(std::min(1.0, sine)), a, b});
   }
   return lines;
 }

@@ -13,8 +13,9 @@ namespace odograph::skyline {
 
 /// The great circle of a straight line in a picture.
 struct SeenLine {
-  Eigen::Vector3d normal_c = Eigen::Vector3d::UnitZ();  ///< unit, perpendicular to the rays of both ends
-  double length_rad = 0;                                ///< angle between them
+  Eigen::Vector3d normal_c = Eigen::Vector3d::UnitZ();               ///< unit, perpendicular to the rays of both ends
+  double length_rad = 0;                                             ///< angle between them
+  Eigen::Vector3d from_c = Eigen::Vector3d::UnitZ(), to_c = from_c;  ///< rays of the ends, unit
 };
 
 struct VanishingPointParameters {

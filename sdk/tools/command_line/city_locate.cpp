@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstdio>
 #include <fstream>
-#include <map>
+#include <set>
 
 #include <opencv2/imgcodecs.hpp>
 
@@ -179,9 +179,10 @@ class Locator {
     const auto ground = city_.localizer().ground(placed.p_n.head<2>());
     Json row = row_of(picture.file, city_, placed, ground ? ground->down_m - placed.p_n.z() : 0);
     if (placed.placed) {
-      const int copies = ++drawings_[picture.file.stem().string()];  // the same name in another folder
-      const std::string name =
-          picture.file.stem().string() + (copies > 1 ? "_" + std::to_string(copies) : "") + "_roofs.jpg";
+      const std::string stem = picture.file.stem().string();
+      std::string name = stem + "_roofs.jpg";
+      for (int copy = 2; !drawings_.insert(name).second; ++copy)  // the same name in another folder
+        name = stem + "_" + std::to_string(copy) + "_roofs.jpg";
       row["drawing"] = name;
       draw_roofs(bgr, focal_px, placed, city_.localizer());
       if (const auto written = write(name, bgr); !written) return written;
@@ -279,7 +280,7 @@ class Locator {
   Csv csv_;
   Rows rows_;
   std::vector<MappedPhotograph> mapped_;
-  std::map<std::string, int> drawings_;
+  std::set<std::string> drawings_;
   bool bad_data_ = false;
 };
 

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Place and heading of a photograph from the directions of the facades that it shows.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <numbers>
+#include <unordered_map>
+#include <vector>
+
+#include <Eigen/Geometry>
+
+#include "plugins/fix/skyline/city_outline.hpp"
+#include "plugins/fix/skyline/vanishing_point.hpp"
+
+namespace odograph::skyline {
+
+/// Unless a source is named, chosen empirically on rendered pictures of Linz, The Hague and Delft
+/// (`odograph city bench-photographs`, seeds 161 to 181).
+struct FacadeParameters {
+  static constexpr double kDegree = std::numbers::pi / 180;
+  double reach_m = 60;                     ///< max distance of a wall from the camera
+  double cell_m = 0.5;                     ///< the walls in view are computed once for all places of a cell
+  size_t max_cells = 20'000;               ///< of those kept: 30 MB
+  double min_wall_m = 1;                   ///< length of an edge in plan
+  double max_wall_m = 500;                 ///< a longer one is an error of the model; judgement
+  double max_slope = 0.5;                  ///< of an edge: steeper ones are verges and hips
+  double vertical_rad = 6 * kDegree;       ///< a line's plane nearer to the vertical may be that of an upright line
+  double line_rad = 0.8 * kDegree;         ///< sigma of that plane: inclination of the camera and pixels
+  double wall_rad = 1 * kDegree;           ///< sigma of a wall's direction in the model
+  double max_sigma_rad = 8 * kDegree;      ///< of a line's direction; lines near the horizon have a larger one
+  double min_elevation_rad = 2 * kDegree;  ///< of a line: lower ones are often on the ground
+  double contradicting = 0.1;      ///< fraction of photographs whose lines have nothing to do with the model; judgement
+  double on_wall = 0.5;            ///< fraction of the lines that are horizontal and on the model's wall; judgement
+  double part_rad = 3 * kDegree;   ///< a longer line counts as several, side by side
+  double alike_rad = 2 * kDegree;  ///< lines that differ less in bearing and direction are one
+  double weight = 10;              ///< max number of independent lines
+};
+
+/// Likelihood of a place and a heading from the horizontal lines of a picture: ledges, rows of windows, eaves. Such a
+/// line of known inclination of the camera has one possible direction, that of its wall (Coughlan & Yuille 1999 do so
+/// for cities of two directions); here the model's nearest wall in the line's bearing must have it. Independent of the
+/// roofs' heights. Thread: one at a time.
+class Facades {
+ public:
+  Facades(const std::vector<Edge>& edges, const FacadeParameters& parameters);
+  explicit Facades(const std::vector<Edge>& edges) : Facades(edges, FacadeParameters{}) {}
+
+  /// The horizontal lines of a picture.
+  void set(const std::vector<SeenLine>& lines, const Eigen::Quaterniond& q_n_c);
+  /// Negative log-likelihood of the lines' directions at a place and a heading relative to that of set(), over that of
+  /// lines of any direction.
+  double cost(const Eigen::Vector2d& north_east, double yaw);
+  size_t lines() const { return lines_.size(); }
+
+ private:
+  static constexpr int kBearings = 360;
+  struct Wall {
+    Eigen::Vector2f from, to;
+  };
+  struct Line {
+    float bearing, direction, inverse_sigma, weight;
+  };
+  using Directions = std::array<float, kBearings>;  // of the nearest wall, by bearing, rad; NaN where there is none
+  const Directions& around(const Eigen::Vector2d& north_east);
+  Directions look(const Eigen::Vector2f& from) const;
+
+  FacadeParameters p_;
+  std::unordered_map<int64_t, std::vector<Wall>> walls_;  // by cells of reach_m
+  std::unordered_map<int64_t, Directions> seen_;          // by cells of cell_m
+  std::vector<Line> lines_;
+};
+
+}  // namespace odograph::skyline

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// A photograph's place and heading from the directions of the facades.
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include "plugins/fix/skyline/facades.hpp"
+
+using namespace odograph::skyline;
+using Eigen::Quaterniond;
+using Eigen::Vector3d;
+
+TEST_SUITE_BEGIN("facades");
+
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180;
+
+/// Two walls that end at a corner north-east of the origin: one runs east, one runs at `slant` from north.
+struct Corner {
+  Vector3d north = {9, 10, 0}, along_east = {0, -1, 0}, along_slant;
+  explicit Corner(double slant) : along_slant(-std::cos(slant), -std::sin(slant), 0) {}
+  std::vector<Edge> model() const {
+    std::vector<Edge> edges;
+    for (const Vector3d& along : {along_east, along_slant})
+      for (const double down : {0.0, -8.0}) {
+        const Vector3d at = north + Vector3d(0, 0, down);
+        edges.push_back({at, at + 25 * along, 0});
+      }
+    return edges;
+  }
+  /// Ledges of three metres on both, seen from a place, and an upright line at the end of each.
+  std::vector<SeenLine> seen_from(const Vector3d& place, const Quaterniond& q_n_c) const {
+    std::vector<SeenLine> lines;
+    const auto add = [&](const Vector3d& from, const Vector3d& to) {
+      const Vector3d a = (q_n_c.conjugate() * (from - place)).normalized();
+      const Vector3d b = (q_n_c.conjugate() * (to - place)).normalized();
+      lines.push_back({a.cross(b).normalized(), std::acos(a.dot(b)), a, b});
+    };
+    for (const Vector3d& along : {along_east, along_slant})
+      for (const double down : {-3.5, -5.0, -7.0})
+        for (const double m : {0.5, 4.0, 8.0}) {
+          const Vector3d from = north + m * along + Vector3d(0, 0, down);
+          add(from, from + 3 * along), add(from, from + Vector3d(0, 0, -1));
+        }
+    return lines;
+  }
+};
+
+}  // namespace
+
+TEST_CASE("the ledges of two walls determine the heading, and at a wrong place they contradict it") {
+  const Corner corner(35 * kDegree);
+  const Vector3d place(-3, 0, -1.6);
+  Eigen::Matrix3d level;  // x right, y down, z to the north
+  level << 0, 0, 1, 1, 0, 0, 0, 1, 0;
+  const Quaterniond q(Eigen::AngleAxisd(30 * kDegree, Vector3d::UnitZ()) * level *
+                      Eigen::AngleAxisd(12 * kDegree, Vector3d::UnitX()));
+  const Quaterniond turned(Eigen::AngleAxisd(-0.4, Vector3d::UnitZ()));
+  Facades facades(corner.model());
+  facades.set(corner.seen_from(place, q), turned * q);
+  REQUIRE(facades.lines() > 6);
+  const Eigen::Vector2d here = place.head<2>();
+  double best = 0, least = 1e9;
+  for (double yaw = -std::numbers::pi; yaw < std::numbers::pi; yaw += 0.5 * kDegree)
+    if (const double cost = facades.cost(here, yaw); cost < least) least = cost, best = yaw;
+  CHECK(std::abs(best - 0.4) < 1 * kDegree);
+  CHECK(least < -8);
+  CHECK(facades.cost(here, 0.4 + 10 * kDegree) > least + 5);
+  CHECK(facades.cost(Eigen::Vector2d(20, 20), 0.4) > least + 5);  // behind the walls
+  CHECK(facades.cost(Eigen::Vector2d(1000, 0), 0.4) == 0);        // no wall, no evidence
+  facades.set({}, q);
+  CHECK(facades.cost(here, 0.4) == 0);
+}
+
+TEST_SUITE_END();
