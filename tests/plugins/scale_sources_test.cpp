@@ -75,7 +75,7 @@ TEST_CASE("the scale of all steps equals that of a plain filter of their logarit
 }
 
 TEST_CASE("a step seen three times too long has the same effect on the scale as one seen ten times too long") {
-  double pulled[2];
+  double pulled[2] = {};
   for (const int k : {0, 1}) {
     Walked walked;
     for (int i = 0; i < 20; ++i) walked.step({0.3, 0}, 0.7);
