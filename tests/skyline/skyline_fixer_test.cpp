@@ -178,6 +178,36 @@ TEST_CASE("where the model's roofs are metres off they are surveyed, and the nex
   }
 }
 
+TEST_CASE("a survey from a pose that is off by more than its sigma finds the place or none") {
+  for (const Vector3d& off : {Vector3d(-8, 0, 0), Vector3d(7, -7, 0), Vector3d(-10, 4, 0), Vector3d(2, 12, 0)}) {
+    CAPTURE(off.transpose());
+    Street street({}, {0, 0, 0, 0, 0, 0});
+    for (int second = 1; second <= 5; ++second) {
+      const Outcome outcome = street.fix(Street::pose(second * kSecond, kPlace + off, 0.3), street.seen);
+      const Fix* fix = std::get_if<Fix>(&outcome);
+      if (fix && !fix->match.roofs.empty()) CHECK((fix->match.p_n - kPlace).head<2>().norm() < 1);
+    }
+  }
+}
+
+TEST_CASE("a pose without an uncertainty is surveyed like another") {
+  for (const double yaw_sigma : {0.0, 3.0}) {
+    CAPTURE(yaw_sigma);
+    Street street({}, {3.5, -4, 3, -4, 3.5, -3});
+    bool fixed = false;
+    for (int k = 1; k <= 3; ++k) {
+      auto pose = Street::pose(2 * k * kSecond, kPlace, 0);
+      pose.yaw_sigma_rad = yaw_sigma;
+      const Outcome outcome = street.fix(pose, street.seen);
+      const Fix* fix = std::get_if<Fix>(&outcome);
+      if (!fix) continue;
+      fixed = true;
+      CHECK((fix->match.p_n - kPlace).head<2>().norm() < 0.5);
+    }
+    CHECK(fixed);
+  }
+}
+
 TEST_CASE("without a survey a model whose roofs are metres off gives no fix") {
   Street street({.survey = false}, {3.5, -4, 3, -4, 3.5, -3});
   for (int second = 2; second < 10; second += 2) {

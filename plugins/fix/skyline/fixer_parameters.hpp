@@ -43,11 +43,7 @@ struct FixerParameters {
   int failures_until_lost = 4;          ///< then the offset on which several pictures agree is searched
   int failures_until_search = 20;       ///< then the whole database is searched
   double failed_yaw_rad = 1 * kDegree;  ///< added to the heading's sigma per failure, with joined pictures
-
-  // A survey of the roofs, where the model does not fit.
-  int failures_between_surveys = 2;  ///< they occupy the worker for seconds
-  double farthest_survey_m = 15;     ///< max three sigmas of the prior's position: the work grows with its square
-
+  double farthest_survey_m = 15;        ///< max three sigmas of the pose's position for a survey, which searches 12 m
   // A place found in a database.
   double found_sigma_m = 1.5, found_sigma_rad = 2 * kDegree;  ///< sigmas, from several pictures
   double found_apart_m = 3;  ///< max distance of the newest picture's own match from it

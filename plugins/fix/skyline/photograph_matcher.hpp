@@ -111,6 +111,8 @@ class PhotographMatcher {
   double other() const { return decision_.other; }
   /// False where the model has no terrain there.
   bool on_terrain() const { return terrain_; }
+  /// Radius of the search.
+  double reach_m() const { return std::clamp(p_.sigmas * prior_.sigma_m, p_.min_m, p_.max_m); }
 
  private:
   struct Candidate {
@@ -126,7 +128,6 @@ class PhotographMatcher {
   bool is_built(const Guess& guess) const {
     return ground_.is_built(prior_.p_n.head<2>() + Eigen::Vector2d(guess.north, guess.east));
   }
-  double reach_m() const { return std::clamp(p_.sigmas * prior_.sigma_m, p_.min_m, p_.max_m); }
   double up_reach() const { return p_.max_up_sigmas * prior_.height_sigma_m; }
   double yaw_reach() const { return std::min(p_.sigmas * prior_.yaw_sigma_rad, std::numbers::pi); }
   std::vector<int> roofs_around(const Guess& guess, double radius_m);

@@ -9,7 +9,6 @@
 #include <opencv2/core.hpp>
 
 #include "plugins/fix/skyline/matcher.hpp"
-#include "plugins/fix/skyline/photograph_matcher.hpp"
 #include "plugins/fix/skyline/sky_network.hpp"
 #include "plugins/shared/camera/camera_model.hpp"
 
@@ -32,7 +31,7 @@ struct PictureJob {
   bool global_search = false;  ///< the place is searched in all of the database
   bool may_join = false;       ///< a picture that sees too little is matched jointly with `older`
   std::vector<View> older;
-  std::optional<PhotographPrior> survey_prior;  ///< for a match with errors of the roofs, where no other succeeds
+  bool may_survey = false;  ///< where no match succeeds, one with errors of the roofs is tried
 
   bool sky_seen = false;
   std::optional<View> view;  ///< this picture, where it must be matched jointly

@@ -6,7 +6,7 @@ namespace odograph::skyline {
 /// A path has a heading or none, never a wrong one, and its position is known better than a photograph's.
 PhotographParameters RoofSurvey::matching_on_path() {
   PhotographParameters p;
-  p.min_m = 3, p.wrong_heading = 0, p.decision.min_agreement = 0.45;
+  p.min_m = 6, p.max_m = 12, p.wrong_heading = 0, p.decision.min_agreement = 0.45;
   p.decision.power = 0.6;  // a path's pictures are matched without their facades
   p.refinement.starts = 60, p.refinement.polished = 0, p.refinement.fits_wide = true;
   return p;
@@ -15,7 +15,10 @@ PhotographParameters RoofSurvey::matching_on_path() {
 std::optional<Match> RoofSurvey::match(const std::vector<SkyEdge>& edges, const PhotographPrior& prior,
                                        const Spend& spend) {
   matcher_.clear(), matcher_.add(edges, prior, spend);
-  return matcher_.match();
+  auto match = matcher_.match();
+  // Beyond the search other places were not compared.
+  if (match && (match->p_n - prior.p_n).head<2>().norm() > matcher_.reach_m()) match.reset();
+  return match;
 }
 
 void RoofSurvey::correct_model(const Match& match) {

@@ -26,6 +26,17 @@ void align_with_gravity(Prior& prior, const Picture& picture, double min_sigma_r
   prior.tilt_sigma_rad = std::max(zenith->sigma_rad, min_sigma_rad);
 }
 
+/// The prior of a survey: a heading that is hardly known may be any.
+PhotographPrior survey_prior(const Prior& prior) {
+  return {.p_n = prior.p_n,
+          .q_n_c = prior.q_n_c,
+          .sigma_m = prior.position_sigma_m,
+          .height_sigma_m = prior.height_sigma_m,
+          .yaw_sigma_rad = prior.yaw_sigma_rad < kParameters.no_heading_rad ? prior.yaw_sigma_rad : std::numbers::pi,
+          .tilt_sigma_rad = prior.tilt_sigma_rad,
+          .eye_m = std::nullopt};
+}
+
 }  // namespace
 
 SkylineFixer::SkylineFixer(const FixerConfig& config)
@@ -111,6 +122,7 @@ void SkylineFixer::begin(Picture picture) {
   const Eigen::Vector3d& p_n = pose_->p_n;
   if (global_search && !place_finder_->is_far_enough(p_n)) return;
   if (!global_search && joins_ && !window_.adds_information(p_n, pose_->q_n_c)) return;
+  const double tilt_sigma = std::max(config_.tilt_sigma, std::min(pose_->tilt_sigma_rad, kParameters.max_tilt_rad));
   job_ = {std::move(picture),
           p_n,
           pose_->q_n_c,
@@ -119,7 +131,7 @@ void SkylineFixer::begin(Picture picture) {
                 .q_n_c = pose_->q_n_c,
                 .position_sigma_m = std::max(sigma + failures_, drift_m / 3),
                 .yaw_sigma_rad = joins_ ? yaw_sigma + failures_ * kParameters.failed_yaw_rad : yaw_sigma,
-                .tilt_sigma_rad = std::clamp(pose_->tilt_sigma_rad, config_.tilt_sigma, kParameters.max_tilt_rad),
+                .tilt_sigma_rad = tilt_sigma,
                 .farthest_m = config_.radius,
                 .lost = failures_ >= kParameters.failures_until_lost,
                 .height_sigma_m = std::sqrt(up_variance_),
@@ -129,8 +141,8 @@ void SkylineFixer::begin(Picture picture) {
           config_.join && !global_search && yaw_sigma < kParameters.no_heading_rad &&
               pose_->scale_sigma < kParameters.max_scale_sigma * pose_->scale,
           window_.views(),
-          {}};
-  if (!global_search) job_.survey_prior = survey_prior(job_.prior, std::max(sigma, drift_m / 3));
+          config_.survey && !config_.model.empty() && !global_search &&  // a database has no buildings
+              failures_ % 2 == 1 && drift_m <= kParameters.farthest_survey_m};
   worker_.start([this](const Spend& spend) { process_picture(spend); }, slice_);
 }
 
@@ -146,21 +158,6 @@ std::optional<double> SkylineFixer::displacement_from_start() const {
   if (far_m < slack_m || far_m > kParameters.farthest_from_start_m || pose_->horizontal_sigma_m > max_sigma)
     return std::nullopt;
   return slack_m;
-}
-
-/// Where a survey of the roofs may help: after some failures, or while the heading is unknown.
-std::optional<PhotographPrior> SkylineFixer::survey_prior(const Prior& prior, double sigma_m) const {
-  const bool has_heading = pose_->yaw_sigma_rad < kParameters.no_heading_rad;
-  if (!config_.survey || config_.model.empty()) return std::nullopt;  // a database has no buildings
-  if (has_heading && failures_ % kParameters.failures_between_surveys != 1) return std::nullopt;
-  if (3 * sigma_m > kParameters.farthest_survey_m) return std::nullopt;
-  return PhotographPrior{.p_n = prior.p_n,
-                         .q_n_c = prior.q_n_c,
-                         .sigma_m = sigma_m,
-                         .height_sigma_m = prior.height_sigma_m,
-                         .yaw_sigma_rad = has_heading ? prior.yaw_sigma_rad : std::numbers::pi,
-                         .tilt_sigma_rad = prior.tilt_sigma_rad,
-                         .eye_m = std::nullopt};
 }
 
 /// Synchronous, on this thread: a photograph has no frame-time limit.
@@ -188,10 +185,10 @@ void SkylineFixer::process_picture(const Spend& spend) {
     prior.lost = false, prior.pivot_n.reset();
     job_.match = matcher_->match(edges, prior, spend, job_.older);
   }
-  if (!job_.survey_prior || (job_.match && (!alone || !validate_match(*job_.match, config_.min_agreement, false))))
-    return;
+  if (job_.match && (!alone || !validate_match(*job_.match, config_.min_agreement, false))) return;
+  if (!job_.may_survey || gathers()) return;
   if (!survey_) survey_.emplace(matcher_->city());
-  job_.surveyed = survey_->match(edges, *job_.survey_prior, spend);
+  job_.surveyed = survey_->match(edges, survey_prior(job_.prior), spend);
 }
 
 /// Searches the database for the place on which several pictures agree, then matches this picture there.
@@ -226,8 +223,7 @@ void SkylineFixer::finish() {
     job_.match->covariance += survey_->covariance();
   }
   if (why) {
-    const bool gathers = joins_ && !job_.match && matcher_->refusal() == Refusal::few_edges;
-    if (!gathers) ++failures_;
+    if (!gathers()) ++failures_;
     return refuse(why->first, why->second);
   }
   failures_ = 0;

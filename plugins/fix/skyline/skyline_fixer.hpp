@@ -65,9 +65,9 @@ class SkylineFixer {
  private:
   void begin(Picture picture);
   std::optional<double> displacement_from_start() const;
-  std::optional<PhotographPrior> survey_prior(const Prior& prior, double sigma_m) const;
   void estimate_photograph(const Picture& picture);
   void process_picture(const Spend& spend);
+  bool gathers() const { return job_.view && !job_.match && matcher_->refusal() == Refusal::few_edges; }
   void search_database(const std::vector<SkyEdge>& edges, const Spend& spend);
   void finish();
   std::optional<Rejection> validate_single_match();
