@@ -3,9 +3,11 @@
 // When a picture gets a fix: poses, intervals, drift, failures, delay.
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 
+#include "plugins/fix/skyline/roof_survey.hpp"
 #include "plugins/fix/skyline/skyline_fixer.hpp"
 #include "tests/skyline/rendered_street.hpp"
 #include "tests/support/support.hpp"
@@ -21,6 +23,7 @@ namespace {
 
 constexpr int64_t kSecond = 1'000'000'000;
 const Vector3d kPlace(3.2, -1.7, -1.5);
+const std::vector<double> kRoofErrors = {3.5, -4, 3, -4, 3.5, -3};
 
 /// A fixer for an upward camera in a street, with a picture from kPlace and one in which nothing is seen.
 struct Street {
@@ -155,7 +158,7 @@ TEST_CASE("a pose that is off by more than its sigma is searched for after four 
 }
 
 TEST_CASE("where the model's roofs are metres off they are surveyed, and the next pictures fit the corrected model") {
-  Street street({}, {3.5, -4, 3, -4, 3.5, -3});
+  Street street({}, kRoofErrors);
   int second = 0;
   const auto fix_at = [&](const Vector3d& place) {
     return street.fix(Street::pose(2 * ++second * kSecond, place + Vector3d(0.8, -0.5, 0)), view_upwards(place));
@@ -165,6 +168,7 @@ TEST_CASE("where the model's roofs are metres off they are surveyed, and the nex
   const Fix* surveyed = std::get_if<Fix>(&outcome);
   REQUIRE(surveyed);
   CHECK(surveyed->match.roofs.size() == std::size(kStreet));
+  CHECK_FALSE(surveyed->has_slant);
   CHECK((surveyed->match.p_n - kPlace).head<2>().norm() < 0.5);
   for (int k = 1; k < 6; ++k) {
     const Vector3d place = kPlace + k * Vector3d(0.5, 0.1, 0);
@@ -173,7 +177,7 @@ TEST_CASE("where the model's roofs are metres off they are surveyed, and the nex
     CAPTURE(reason_of(later));
     const Fix* fix = std::get_if<Fix>(&later);
     REQUIRE(fix);
-    CHECK(fix->match.roofs.empty());
+    CHECK(fix->has_slant);
     CHECK((fix->match.p_n - place).head<2>().norm() < 0.5);
   }
 }
@@ -185,7 +189,7 @@ TEST_CASE("a survey from a pose that is off by more than its sigma finds the pla
     for (int second = 1; second <= 5; ++second) {
       const Outcome outcome = street.fix(Street::pose(second * kSecond, kPlace + off, 0.3), street.seen);
       const Fix* fix = std::get_if<Fix>(&outcome);
-      if (fix && !fix->match.roofs.empty()) CHECK((fix->match.p_n - kPlace).head<2>().norm() < 1);
+      if (fix && !fix->has_slant) CHECK((fix->match.p_n - kPlace).head<2>().norm() < 1);
     }
   }
 }
@@ -193,7 +197,7 @@ TEST_CASE("a survey from a pose that is off by more than its sigma finds the pla
 TEST_CASE("a pose without an uncertainty is surveyed like another") {
   for (const double yaw_sigma : {0.0, 3.0}) {
     CAPTURE(yaw_sigma);
-    Street street({}, {3.5, -4, 3, -4, 3.5, -3});
+    Street street({}, kRoofErrors);
     bool fixed = false;
     for (int k = 1; k <= 3; ++k) {
       auto pose = Street::pose(2 * k * kSecond, kPlace, 0);
@@ -208,8 +212,150 @@ TEST_CASE("a pose without an uncertainty is surveyed like another") {
   }
 }
 
+TEST_CASE("a survey has the inclination of the vertical lines where that is wanted") {
+  Street street({.inclination = "vanishing_point"}, kRoofErrors);
+  for (int y = 0; y < street.seen.rows; ++y)  // walls with vertical stripes
+    for (int x = 0; x < street.seen.cols; ++x)
+      if (Vector3d ray; street.seen.at<uint8_t>(y, x) < 150 && ray_of(kLens, {double(x), double(y)}, 1.5, ray))
+        street.seen.at<uint8_t>(y, x) = std::fmod(std::atan2(ray.y(), ray.x()) * 20 + 100, 2) < 1 ? 40 : 95;
+  const Eigen::Quaterniond tilted(Eigen::AngleAxisd(0.05, Vector3d(0.8, 0.6, 0)));
+  int surveyed = 0;
+  for (int second = 2; second <= 8; second += 2) {
+    auto pose = Street::pose(second * kSecond, kPlace + Vector3d(0.8, -0.5, 0));
+    pose.q_n_c = tilted * pose.q_n_c;
+    const Outcome outcome = street.fix(pose, street.seen);
+    const Fix* fix = std::get_if<Fix>(&outcome);
+    if (!fix || fix->has_slant) continue;
+    ++surveyed;
+    CHECK((fix->match.p_n - kPlace).head<2>().norm() < 0.5);
+  }
+  CHECK(surveyed > 0);
+}
+
+TEST_CASE("fixes that use surveyed roofs have the survey's error, the more of them the more often") {
+  Street street({}, kRoofErrors);
+  std::optional<Match> surveyed;
+  std::vector<Match> later;
+  for (int second = 2; second <= 16 && later.size() < 3; second += 2) {
+    const Outcome outcome = street.fix(Street::pose(second * kSecond, kPlace), street.seen);
+    const Fix* fix = std::get_if<Fix>(&outcome);
+    if (fix && !fix->has_slant)
+      surveyed = fix->match;
+    else if (fix && surveyed)
+      later.push_back(fix->match);
+  }
+  REQUIRE(later.size() == 3);
+  const double survey_m2 = surveyed->covariance.trace() - 2 * 0.2 * 0.2;  // without min_sigma
+  for (size_t k = 0; k < later.size(); ++k) {
+    CAPTURE(k);
+    CHECK(later[k].covariance.trace() > static_cast<double>(k + 1) * survey_m2);
+    CHECK(later[k].covariance.trace() - later[0].covariance.trace() ==
+          doctest::Approx(static_cast<double>(k) * survey_m2).epsilon(0.05));
+    CHECK(later[k].yaw_sigma_rad > surveyed->yaw_sigma_rad);
+    CHECK(later[k].height_sigma_m > surveyed->height_sigma_m);
+    CHECK(later[k].second_best_ratio >= surveyed->second_best_ratio);
+  }
+}
+
+TEST_CASE("a second survey of the same roofs replaces the first, and none is left once they are forgotten") {
+  Street street({}, kRoofErrors);
+  const City model(read_city_outline((street.folder / "city.json").string(), {}));
+  City city = model;
+  RoofSurvey survey(model);
+  SkyDetector detector;
+  const PhotographPrior prior{.p_n = kPlace + Vector3d(0.8, -0.5, 0),
+                              .q_n_c = Street::pose(0).q_n_c,
+                              .sigma_m = 1,
+                              .height_sigma_m = 0.1,
+                              .yaw_sigma_rad = 0.02,
+                              .tilt_sigma_rad = 0.01,
+                              .eye_m = std::nullopt};
+  const Picture picture{.t_ns = 0, .grey = street.seen, .mask = {}, .chroma = {}, .lens = kLens};
+  const auto edges = detector.find(picture, prior.q_n_c.conjugate(), false);
+  uint64_t work = 0;
+  const Spend spend = [&](uint64_t amount) { work += amount; };
+  std::vector<Match> matches;
+  for (int k = 0; k < 2; ++k) {
+    const auto match = survey.match(edges, prior, spend);
+    REQUIRE(match);
+    matches.push_back(*match);
+    survey.adopt(*match), survey.correct_roofs(city, spend);
+    std::vector<double> heights(std::size(kStreet)), expected;
+    for (const Edge& e : city.edges())
+      if (e.object >= 0)
+        heights[static_cast<size_t>(e.object)] = std::max(heights[static_cast<size_t>(e.object)], -e.from.z());
+    for (const Box& box : kStreet) expected.push_back(box.height);
+    std::sort(heights.begin(), heights.end()), std::sort(expected.begin(), expected.end());
+    for (size_t i = 0; i < expected.size(); ++i) CHECK(std::abs(heights[i] - expected[i]) < 1);
+  }
+  CHECK(matches[0].covariance == matches[1].covariance);
+  const uint64_t before = work;
+  survey.correct_roofs(city, spend);
+  CHECK(work == before);  // nothing has changed
+  survey.forget(), survey.correct_roofs(city, spend);
+  CHECK(work > before);
+  for (size_t i = 0; i < model.edges().size(); ++i) CHECK(city.edges()[i].from == model.edges()[i].from);
+}
+
+TEST_CASE("roofs that were surveyed are as in the model again once the fixer is lost") {
+  Street street({}, kRoofErrors);
+  const auto model = street.fixer->city().edges();
+  const auto changed = [&] {
+    const auto& now = street.fixer->city().edges();
+    return !std::equal(now.begin(), now.end(), model.begin(), model.end(),
+                       [](const Edge& x, const Edge& y) { return x.from == y.from; });
+  };
+  int second = 0;
+  const auto fixed = [&](const cv::Mat& picture) {
+    return std::holds_alternative<Fix>(street.fix(Street::pose(5 * ++second * kSecond, kPlace), picture));
+  };
+  while (second < 3) fixed(street.seen);
+  CHECK(changed());
+  cv::Mat mirrored;
+  cv::flip(street.seen, mirrored, 1);
+  for (int k = 0; k < 4; ++k) CHECK_FALSE(fixed(mirrored));
+  CHECK(changed());
+  CHECK_FALSE(fixed(mirrored));
+  CHECK_FALSE(changed());
+}
+
+TEST_CASE("every second failed picture is surveyed, with a heading or without") {
+  for (const double yaw_sigma : {0.02, 3.0}) {
+    CAPTURE(yaw_sigma);
+    Street street({}, kRoofErrors);
+    cv::Mat mirrored;
+    cv::flip(street.seen, mirrored, 1);
+    const auto frames_of = [&](int second) {
+      auto pose = Street::pose(second * kSecond);
+      pose.yaw_sigma_rad = yaw_sigma;
+      CHECK(street.fixer->add_pose(pose).empty());
+      CHECK(street.add(pose.t_ns, mirrored).empty());
+      int frames = 0;
+      for (bool done = false; !done; ++frames) {
+        const auto outcomes = street.fixer->advance(pose.t_ns += kSecond / 20);
+        done = !outcomes.empty();
+        if (done) CHECK(std::holds_alternative<Rejection>(outcomes.front()));
+      }
+      return frames;
+    };
+    const int first = frames_of(20), second = frames_of(40), third = frames_of(60);
+    CHECK(second > 1.5 * first);
+    CHECK(second > 1.5 * third);
+  }
+}
+
+TEST_CASE("a fixer that goes during a survey ends it") {
+  Street street({}, kRoofErrors);
+  CHECK(std::holds_alternative<Rejection>(street.fix(Street::pose(2 * kSecond, kPlace), street.seen)));
+  CHECK(street.fixer->add_pose(Street::pose(10 * kSecond)).empty());
+  CHECK(street.add(10 * kSecond, street.seen).empty());
+  for (int k = 1; k <= 10; ++k) CHECK(street.fixer->advance(10 * kSecond + k * kSecond / 20).empty());
+  CHECK(street.fixer->busy());
+  street.fixer.reset();
+}
+
 TEST_CASE("without a survey a model whose roofs are metres off gives no fix") {
-  Street street({.survey = false}, {3.5, -4, 3, -4, 3.5, -3});
+  Street street({.survey = false}, kRoofErrors);
   for (int second = 2; second < 10; second += 2) {
     const Outcome outcome = street.fix(Street::pose(second * kSecond, kPlace + Vector3d(0.8, -0.5, 0)), street.seen);
     CHECK(std::holds_alternative<Rejection>(outcome));

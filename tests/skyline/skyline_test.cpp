@@ -82,16 +82,16 @@ TEST_CASE("the skyline of a wall is where geometry puts it") {
 
 TEST_CASE("an edge that two roofs share is raised with each of them") {
   const Vector3d a(0, 0, -9), b(0, 8, -9);
-  City city({{a, b, 0, 1}});
-  city.raise({{0, 2.0}});
-  REQUIRE(city.edges().size() == 2);
-  CHECK(city.edges()[0].from.z() == -11);
-  CHECK(city.edges()[0].object == 0);
-  CHECK(city.edges()[1].to.z() == -9);
-  CHECK(city.edges()[1].object == 1);
-  city.raise({{0, 1.0}, {1, 1.0}});
-  REQUIRE(city.edges().size() == 1);
-  CHECK(city.edges()[0].to.z() == -10);
+  const City city({{a, b, 0, 1}});
+  const auto one = city.with_roof_offsets({{0, 2.0}}).edges();
+  REQUIRE(one.size() == 2);
+  CHECK(one[0].from.z() == -11);
+  CHECK(one[0].object == 0);
+  CHECK(one[1].to.z() == -9);
+  CHECK(one[1].object == 1);
+  const auto both = city.with_roof_offsets({{0, 1.0}, {1, 1.0}}).edges();
+  REQUIRE(both.size() == 1);
+  CHECK(both[0].to.z() == -10);
 }
 
 TEST_CASE("a place and a heading are found again, and an inclination is told from a place") {

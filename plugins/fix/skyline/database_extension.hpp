@@ -7,6 +7,7 @@
 #include <cmath>
 #include <new>
 #include <optional>
+#include <utility>
 
 #include <odograph/plugin.hpp>
 #include <odograph/skylines.h>
@@ -21,10 +22,10 @@ namespace odograph::skyline {
 /// pointers to it.
 class DatabaseExtension {
  public:
-  /// `city`, which must outlive this object, may be null: then nothing can be built. `origin`: easting, northing and
-  /// height of the origin of its n in the model's reference system.
-  DatabaseExtension(const odo::Output& host, City* city, const Eigen::Vector3d& origin)
-      : host_(host), city_(city), origin_(origin) {}
+  /// Without a `city` nothing can be built. `origin`: easting, northing and height of the origin of its n in the
+  /// model's reference system.
+  DatabaseExtension(const odo::Output& host, std::optional<City> city, const Eigen::Vector3d& origin)
+      : host_(host), city_(std::move(city)), origin_(origin) {}
   DatabaseExtension(const DatabaseExtension&) = delete;
   DatabaseExtension& operator=(const DatabaseExtension&) = delete;
 
@@ -128,7 +129,7 @@ class DatabaseExtension {
 
   static constexpr double kLowest = 0.01;  // tangent of the lowest elevation of a skyline
   odo::Output host_;
-  City* city_;
+  std::optional<City> city_;
   std::optional<Ground> ground_;
   Eigen::Vector3d origin_;
   SkylineDatabase opened_;

@@ -181,18 +181,18 @@ bool trace_edge(const float from_n[3], const float to_n[3], const float p_n[3], 
   return true;
 }
 
-void City::raise(const std::unordered_map<int, double>& heights_m) {
-  if (model_.empty()) model_ = edges_;
+City City::with_roof_offsets(const std::unordered_map<int, double>& heights_m) const {
   const auto height_of = [&](int object) {
     const auto at = heights_m.find(object);
     return at == heights_m.end() ? 0.0 : at->second;
   };
-  edges_.clear(), near_.clear(), visible_.clear();
+  std::vector<Edge> edges;
+  edges.reserve(edges_->size());
   const auto add = [&](Edge e, double up_m) {
     e.from.z() -= up_m, e.to.z() -= up_m;
-    edges_.push_back(e);
+    edges.push_back(e);
   };
-  for (const Edge& e : model_) {
+  for (const Edge& e : *edges_) {
     const double up_m = height_of(e.object), also_m = e.also < 0 ? up_m : height_of(e.also);
     if (up_m == also_m) {
       add(e, up_m);
@@ -201,10 +201,11 @@ void City::raise(const std::unordered_map<int, double>& heights_m) {
       add({e.from, e.to, e.also}, also_m);
     }
   }
+  return City(std::move(edges));
 }
 
 void City::select_near_edges(const Eigen::Vector3d& p_n, double radius_m, double min_tan, double lower_m) {
-  std::vector<int> all(edges_.size());
+  std::vector<int> all(edges_->size());
   std::iota(all.begin(), all.end(), 0);
   near_ = near_of(all, p_n, radius_m, min_tan, lower_m);
 }
@@ -215,7 +216,7 @@ std::vector<City::Near> City::near_of(const std::vector<int>& numbers, const Eig
   std::vector<Near> near;
   around_ = p_n, radius_m_ = radius_m, lower_m_ = lower_m;
   for (const int i : numbers) {
-    const Edge& e = edges_[static_cast<size_t>(i)];
+    const Edge& e = (*edges_)[static_cast<size_t>(i)];
     const double up = p_n.z() + lower_m - std::min(e.from.z(), e.to.z());
     if (up <= 0) continue;
     const Eigen::Vector2d a = (e.from - p_n).head<2>(), d = (e.to - e.from).head<2>();
@@ -252,7 +253,7 @@ void City::horizon(const Eigen::Vector3d& p_n, Horizon& out, EdgeIndices& edge_i
 
 void City::select_edges(const Eigen::Vector3d& p_n, double radius_m, double min_tan, double lower_m,
                         const Spend& spend) {
-  if (spend) spend(kEdgeWork * edges_.size());
+  if (spend) spend(kEdgeWork * edges_->size());
   select_near_edges(p_n, radius_m, min_tan, lower_m);
   std::vector<char> seen(near_.size(), 0);
   Horizon there;
@@ -326,7 +327,7 @@ void City::trace_roofs(const std::vector<Near>& edges, const Eigen::Vector3d& p_
   const auto up = static_cast<float>(spread_m);
   visit_edges(edges, p_n, spread_m, lowest, [&](const SeenEdge& raised, size_t i) {
     if (edges[i].ground) return;
-    const Edge& edge = edges_[static_cast<size_t>(edges[i].number)];
+    const Edge& edge = (*edges_)[static_cast<size_t>(edges[i].number)];
     const int object = edge.object == Edge::kUnknown ? Edge::kGround - 1 - edges[i].number : edge.object;
     raised.for_each_direction([&](size_t k, float h, float r) {
       if (h <= lowest.highest()[k] * r) return;
@@ -338,7 +339,7 @@ void City::trace_roofs(const std::vector<Near>& edges, const Eigen::Vector3d& p_
 
 std::vector<int> City::roofs_around(const Eigen::Vector3d& p_n, double radius_m, double min_tan, double lower_m,
                                     double spread_m, const Spend& spend) {
-  if (spend) spend(kEdgeWork * edges_.size());
+  if (spend) spend(kEdgeWork * edges_->size());
   select_near_edges(p_n, radius_m, min_tan, lower_m + spread_m);
   std::vector<char> seen(near_.size(), 0);
   RoofTops there;
@@ -357,7 +358,8 @@ std::vector<int> City::roofs_around(const Eigen::Vector3d& p_n, double radius_m,
 }
 
 void City::select_roofs(const std::vector<int>& roofs, const Eigen::Vector3d& p_n, double radius_m, double min_tan,
-                        double lower_m, double spread_m) {
+                        double lower_m, double spread_m, const Spend& spend) {
+  if (spend) spend(kEdgeWork * roofs.size());
   visible_ = near_of(roofs, p_n, radius_m, min_tan, lower_m + spread_m);
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <memory>
 #include <unordered_map>
 #include <vector>
 
@@ -57,10 +58,10 @@ struct RoofTops {
   std::array<uint8_t, Horizon::kDirections> count;
 };
 
-/// Computes skylines of a city model from any place.
+/// Computes skylines of a city model from any place. Copies share the model's edges.
 class City {
  public:
-  explicit City(std::vector<Edge> edges) : edges_(std::move(edges)) {}
+  explicit City(std::vector<Edge> edges) : edges_(std::make_shared<const std::vector<Edge>>(std::move(edges))) {}
 
   /// Selects the edges that can appear above an elevation of tangent `min_tan` from within `radius_m` of a place and
   /// from up to `lower_m` below it, for horizon() only.
@@ -73,9 +74,9 @@ class City {
   /// With the number of the edge that is highest in each direction, -1 where none is.
   using EdgeIndices = std::array<int, Horizon::kDirections>;
   void horizon(const Eigen::Vector3d& p_n, Horizon& out, EdgeIndices& edge_indices) const;
-  const std::vector<Edge>& edges() const { return edges_; }
-  /// Raises the model's roofs by object, m, in place of an earlier call's heights; the selections are void.
-  void raise(const std::unordered_map<int, double>& heights_m);
+  const std::vector<Edge>& edges() const { return *edges_; }
+  /// The same city with its roofs higher by these heights, m, by object.
+  City with_roof_offsets(const std::unordered_map<int, double>& heights_m) const;
   /// Work of horizon() and quick_horizon(), for a Spend.
   uint64_t work() const { return work_of(near_, Sector::all()); }
   uint64_t quick_work(const Sector& sector = Sector::all()) const { return work_of(visible_, sector); }
@@ -90,7 +91,7 @@ class City {
                                 double spread_m, const Spend& spend = nullptr);
   /// Selects those of the edges that roof_tops() needs within a smaller radius: the smaller, the faster it is.
   void select_roofs(const std::vector<int>& roofs, const Eigen::Vector3d& p_n, double radius_m, double min_tan,
-                    double lower_m, double spread_m);
+                    double lower_m, double spread_m, const Spend& spend = nullptr);
   /// The objects that can be the skyline from a place if each object's roofs are up to `spread_m` higher or lower than
   /// in the model, of the edges that select_roofs() selected with the same spread.
   void roof_tops(const Eigen::Vector3d& p_n, double spread_m, const Sector& sector, RoofTops& out) const {
@@ -122,7 +123,7 @@ class City {
   void trace_roofs(const std::vector<Near>& edges, const Eigen::Vector3d& p_n, double spread_m, const Sector& sector,
                    RoofTops& out) const;
 
-  std::vector<Edge> edges_, model_;  // raised; as in the model, once there are raised ones
+  std::shared_ptr<const std::vector<Edge>> edges_;
   std::vector<Near> near_, visible_;
   Eigen::Vector3d around_ = Eigen::Vector3d::Zero();
   double radius_m_ = 0, lower_m_ = 0;

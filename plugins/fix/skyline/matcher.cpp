@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <numbers>
 
 #include <Eigen/Dense>
@@ -277,10 +278,18 @@ bool Matcher::within_reach(const Place& best, double chord_m, double reach_m) co
 bool Matcher::describe(const Place& best, Match& match) {
   match.p_n = place_of(best.guess);
   match.q_n_c = best.guess.rotation() * prior_.q_n_c;
+  std::map<int, double> directions;  // by object
   for (auto& seen : seen_.seen()) {
     spend(city_.work());
-    city_.horizon(seen.place(match.p_n, best.guess.yaw), seen.horizon);
+    City::EdgeIndices edges;
+    city_.horizon(seen.place(match.p_n, best.guess.yaw), seen.horizon, edges);
+    for (const auto& ray : seen.skyline.summary()) {
+      const double at = (ray.azimuth + best.guess.yaw) / (2 * std::numbers::pi);
+      const int edge = edges[static_cast<size_t>((at - std::floor(at)) * Horizon::kDirections) % Horizon::kDirections];
+      if (edge >= 0) ++directions[city_.edges()[static_cast<size_t>(edge)].object];
+    }
   }
+  for (const auto& [object, count] : directions) match.roofs.push_back({object, 0, count});
   match.agreement = seen_.agreement(best.guess, p_.agrees_rad);
   const Horizon& horizon = seen_.newest().horizon;
   const auto highest = std::max_element(horizon.elevation.begin(), horizon.elevation.end()) - horizon.elevation.begin();

@@ -49,7 +49,7 @@ struct Match {
   /// The highest point of the skyline: eq. (2) and (4) of Gakne & O'Keefe 2018.
   Eigen::Vector3d landmark_n;
   double slant_distance_m;
-  std::vector<RoofHeight> roofs = {};  ///< where they were estimated
+  std::vector<RoofHeight> roofs = {};  ///< in view, the model's (height 0) or estimated
 };
 
 /// Reason for no match.

@@ -74,7 +74,8 @@ class Skyline : public FixerConfig {
     } catch (const std::runtime_error& error) {
       throw odo::Error(ODO_E_CONFIG, error.what());
     }
-    extension_.emplace(host, model.empty() ? nullptr : &fixer_->city(), Eigen::Vector3d(model_origin.data()));
+    extension_.emplace(host, model.empty() ? std::nullopt : std::optional(fixer_->city()),
+                       Eigen::Vector3d(model_origin.data()));
   }
 
   const void* extension(std::string_view id) const {

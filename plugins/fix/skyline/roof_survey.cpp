@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "plugins/fix/skyline/roof_survey.hpp"
 
+#include <algorithm>
+#include <cmath>
+
 namespace odograph::skyline {
 
-/// A path has a heading or none, never a wrong one, and its position is known better than a photograph's.
+/// The heading of a path is unknown or has a Gaussian error without outliers, and its position is known better than a
+/// photograph's.
 PhotographParameters RoofSurvey::matching_on_path() {
   PhotographParameters p;
   p.min_m = 6, p.max_m = 12, p.wrong_heading = 0, p.decision.min_agreement = 0.45;
@@ -21,11 +25,43 @@ std::optional<Match> RoofSurvey::match(const std::vector<SkyEdge>& edges, const 
   return match;
 }
 
-void RoofSurvey::correct_model(const Match& match) {
+void RoofSurvey::adopt(const Match& match) {
   for (const RoofHeight& roof : match.roofs)
-    if (roof.directions >= p_.min_directions) heights_m_[roof.object] += roof.height_m;
-  city_.raise(heights_m_);
-  covariance_ = match.covariance;
+    if (roof.directions >= p_.min_directions)
+      heights_m_[roof.object] = roof.height_m, survey_of_[roof.object] = surveys_.size();
+  surveys_.push_back({match});
+  changed_ = true;
+}
+
+void RoofSurvey::forget() {
+  changed_ |= !heights_m_.empty();
+  heights_m_.clear(), survey_of_.clear(), surveys_.clear();
+}
+
+void RoofSurvey::correct_roofs(City& city, const Spend& spend) {
+  if (!changed_) return;
+  spend(p_.edge_work * model_.edges().size());
+  city = model_.with_roof_offsets(heights_m_);
+  changed_ = false;
+}
+
+void RoofSurvey::add_error(Match& match) {
+  std::vector<double> directions(surveys_.size());
+  double all = 0;
+  for (const RoofHeight& roof : match.roofs) {
+    all += roof.directions;
+    if (const auto survey = survey_of_.find(roof.object); survey != survey_of_.end())
+      directions[survey->second] += roof.directions;
+  }
+  for (size_t i = 0; i < surveys_.size(); ++i) {
+    if (directions[i] == 0) continue;
+    const Match& survey = surveys_[i].match;
+    const double times = directions[i] / all * ++surveys_[i].fixes;
+    match.covariance += times * survey.covariance;
+    match.yaw_sigma_rad = std::hypot(match.yaw_sigma_rad, std::sqrt(times) * survey.yaw_sigma_rad);
+    match.height_sigma_m = std::hypot(match.height_sigma_m, std::sqrt(times) * survey.height_sigma_m);
+    match.second_best_ratio = std::max(match.second_best_ratio, survey.second_best_ratio);
+  }
 }
 
 }  // namespace odograph::skyline

@@ -16,26 +16,39 @@ class RoofSurvey {
   /// Chosen empirically on drives through models of Delft and Linz with errors (`odograph city bench --roofs`).
   struct Parameters {
     double min_directions = 10;  ///< that agree on a roof's height: five degrees
+    uint64_t edge_work = 16;     ///< of a Spend, for the height of an edge
     PhotographParameters matching = matching_on_path();
   };
 
-  explicit RoofSurvey(City& city) : city_(city), ground_(city.edges()), matcher_(city, ground_, p_.matching) {}
-  /// A match whose roofs have heights; none where the picture does not determine the place.
+  /// `model`: as read.
+  explicit RoofSurvey(const City& model)
+      : model_(model), ground_(model_.edges()), matcher_(model_, ground_, p_.matching) {}
+  /// A match with the model as read, whose roofs have heights; none where the picture does not determine the place.
   std::optional<Match> match(const std::vector<SkyEdge>& edges, const PhotographPrior& prior, const Spend& spend);
-  /// Raises the city's roofs to the heights of a match.
-  void correct_model(const Match& match);
-  /// Of the place from which roofs were corrected last: later matches against them have its error too.
-  const Eigen::Matrix2d& covariance() const { return covariance_; }
+  /// Adopts the heights of a match.
+  void adopt(const Match& match);
+  void forget();
+  /// Puts the heights into `city`, the model, where they have changed since the last call.
+  void correct_roofs(City& city, const Spend& spend);
+  /// Adds the error of the surveys whose roofs a match with the corrected city has used, as many times as fixes have
+  /// used them: it is the same in all of them.
+  void add_error(Match& match);
 
  private:
   static PhotographParameters matching_on_path();
+  struct Survey {
+    Match match;
+    int fixes = 0;  // that have used its roofs
+  };
 
   Parameters p_;
-  City& city_;
+  City model_;
   Ground ground_;
   PhotographMatcher matcher_;
   std::unordered_map<int, double> heights_m_;  // by object
-  Eigen::Matrix2d covariance_ = Eigen::Matrix2d::Zero();
+  std::unordered_map<int, size_t> survey_of_;  // the same
+  std::vector<Survey> surveys_;
+  bool changed_ = false;
 };
 
 }  // namespace odograph::skyline

@@ -61,7 +61,10 @@ SkylineFixer::SkylineFixer(const FixerConfig& config)
     edges = read_city_outline(config.model,
                               {config.model_origin, config.geodetic, config.geodetic_origin, config.geoid_height});
   matcher_.emplace(City(std::move(edges)));
-  if (config.photographs) photograph_fixer_.emplace(matcher_->city());
+  if (config.photographs)
+    photograph_fixer_.emplace(matcher_->city());
+  else if (config.survey && !config.model.empty())  // a database has no buildings
+    survey_.emplace(matcher_->city());
 }
 
 std::vector<Outcome> SkylineFixer::add_pose(const PipelinePose& pose) {
@@ -141,8 +144,7 @@ void SkylineFixer::begin(Picture picture) {
           config_.join && !global_search && yaw_sigma < kParameters.no_heading_rad &&
               pose_->scale_sigma < kParameters.max_scale_sigma * pose_->scale,
           window_.views(),
-          config_.survey && !config_.model.empty() && !global_search &&  // a database has no buildings
-              failures_ % 2 == 1 && drift_m <= kParameters.farthest_survey_m};
+          survey_ && !global_search && failures_ % 2 == 1 && drift_m <= kParameters.farthest_survey_m};
   worker_.start([this](const Spend& spend) { process_picture(spend); }, slice_);
 }
 
@@ -175,6 +177,7 @@ void SkylineFixer::process_picture(const Spend& spend) {
   spend(kParameters.sky_work * job_.picture.grey.total());
   job_.sky_seen = !edges.empty();
   if (!job_.sky_seen) return;
+  if (survey_) survey_->correct_roofs(matcher_->city(), spend);
   if (job_.global_search) return search_database(edges, spend);
   const bool alone = Matcher::has_enough_edges(edges) || !job_.may_join;
   if (alone) {
@@ -187,7 +190,6 @@ void SkylineFixer::process_picture(const Spend& spend) {
   }
   if (job_.match && (!alone || !validate_match(*job_.match, config_.min_agreement, false))) return;
   if (!job_.may_survey || gathers()) return;
-  if (!survey_) survey_.emplace(matcher_->city());
   job_.surveyed = survey_->match(edges, survey_prior(job_.prior), spend);
 }
 
@@ -216,14 +218,16 @@ void SkylineFixer::finish() {
   }
   joins_ = job_.view.has_value();
   auto why = joins_ ? validate_path_match() : validate_single_match();
-  if (why && job_.surveyed) {
-    job_.match = std::exchange(job_.surveyed, std::nullopt), why.reset();
-    survey_->correct_model(*job_.match);
-  } else if (survey_ && job_.match) {
-    job_.match->covariance += survey_->covariance();
+  const bool surveyed = why && job_.surveyed;
+  if (surveyed) {
+    job_.match = std::move(job_.surveyed), why.reset();
+    survey_->adopt(*job_.match);
+    window_.clear(), path_validator_.clear();
+  } else if (!why && survey_) {
+    survey_->add_error(*job_.match);
   }
   if (why) {
-    if (!gathers()) ++failures_;
+    if (!gathers() && ++failures_ == kParameters.failures_until_lost && survey_) survey_->forget();
     return refuse(why->first, why->second);
   }
   failures_ = 0;
@@ -233,7 +237,7 @@ void SkylineFixer::finish() {
   update_road_height(*job_.match);
   if (pose_->t_ns - job_.picture.t_ns > kParameters.late_ns)  // too late for estimators: refer it to the newest pose
     return emit({pose_->t_ns, job_.propagated_to(pose_->p_n, pose_->q_n_c, kParameters.drift), false});
-  emit({job_.picture.t_ns, *job_.match});
+  emit({job_.picture.t_ns, *job_.match, !surveyed});  // the highest roof's height is not that of the model
 }
 
 std::optional<Rejection> SkylineFixer::validate_single_match() {

@@ -60,7 +60,7 @@ class SkylineFixer {
   /// Whether the interval since the latest picture has passed. A picture may be added if so, while not busy().
   bool is_due(int64_t t_ns) const;
   std::vector<Outcome> add_picture(Picture picture);
-  City& city() { return matcher_->city(); }
+  const City& city() const { return matcher_->city(); }
 
  private:
   void begin(Picture picture);
@@ -82,7 +82,7 @@ class SkylineFixer {
   std::optional<PlaceFinder> place_finder_;
   std::optional<Matcher> matcher_;
   std::optional<PhotographFixer> photograph_fixer_;
-  std::optional<RoofSurvey> survey_;  // from its first use on
+  std::optional<RoofSurvey> survey_;
   SkyDetector sky_detector_;
   ViewWindow window_;
   PathMatchValidator path_validator_;
