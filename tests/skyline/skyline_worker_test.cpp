@@ -106,12 +106,13 @@ struct LateFix {
 /// Runs the plugin on frames of a camera at rest, each with its pose; `slow_ms` of wall-clock time passes between two
 /// frames.
 std::vector<LateFix> fixes_of(const std::filesystem::path& folder, const Vector3d& place, const Vector3d& prior,
-                              double sigma_m, int frames, int slow_ms, double* longest_ms = nullptr) {
+                              double sigma_m, int frames, int slow_ms, double* longest_ms = nullptr,
+                              const char* parameters = "min_agreement: 0.6") {
   std::string said;
   HostServices host(0, {folder}, [&](const Report& report) { said += report.text + '\n'; });
   const auto config = read_pipeline_config(
-      "odograph: 1\nabsolute_fixers:\n  - plugin: fix/skyline\n    parameters: {model: city.json, min_agreement: "
-      "0.6}\n",
+      std::string("odograph: 1\nabsolute_fixers:\n  - plugin: fix/skyline\n    parameters: {model: city.json, ") +
+          parameters + "}\n",
       "<text>", {plugin_folder()});
   REQUIRE_MESSAGE(config.ok(), (config.ok() ? "" : config.failure().text));
   auto made = PluginInstance::make(config->fixers.front(), LibraryCheck::hash, 1, host);
@@ -164,6 +165,18 @@ TEST_CASE("fixes come some frames after the picture that they speak of, and the 
     CHECK(fix.told_ns - fix.t_ns < 10 * kFrame_ns);
   }
   CHECK(at_once == fixes_of(folder.path(), place, place + Vector3d(-1, 0.8, 0), 1.0, 60, 20));
+}
+
+TEST_CASE("with a survey of the roofs too fixes are the same ones at any speed, and no frame waits for much of it") {
+  const TemporaryFolder folder;
+  write_street(folder / "city.json", {3.5, -4, 3, -4, 3.5, -3});
+  const Vector3d place(3.2, -1.7, -1.5), prior = place + Vector3d(-0.8, 0.5, 0);
+  double longest_ms = 0;
+  const auto at_once = fixes_of(folder.path(), place, prior, 1.0, 300, 0, &longest_ms, "min_agreement: 0.75");
+  REQUIRE(at_once.size() >= 2);
+  for (const LateFix& fix : at_once) CHECK(std::hypot(fix.north - place.x(), fix.east - place.y()) < 0.6);
+  CHECK(at_once == fixes_of(folder.path(), place, prior, 1.0, 300, 5, nullptr, "min_agreement: 0.75"));
+  MESSAGE("longest frame: " << longest_ms << " ms");
 }
 
 TEST_CASE("a wide search is spread over many frames") {

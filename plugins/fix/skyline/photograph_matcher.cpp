@@ -29,9 +29,10 @@ double apart(const Guess& x, const Guess& y) { return std::hypot(x.north - y.nor
 }  // namespace
 
 /// Of a camera on the ground, in and around the reach of the search. Steps of the ground would be steps of the cost.
-void PhotographMatcher::survey_ground() {
+void PhotographMatcher::interpolate_ground() {
   const auto reach = static_cast<Eigen::Index>(std::ceil((reach_m() + 2 * p_.tile_m) / p_.ground_step_m));
   downs_.resize(2 * reach + 1, 2 * reach + 1);
+  if (spend_) spend_(p_.ground_work * static_cast<uint64_t>(downs_.size()));
   const auto here = ground_.at(prior_.p_n.head<2>());
   const double eye_m = prior_.eye_m.value_or(here ? here->down_m - prior_.p_n.z() : 0);
   for (Eigen::Index a = -reach; a <= reach; ++a)
@@ -60,7 +61,8 @@ std::vector<int> PhotographMatcher::roofs_around(const Guess& guess, double radi
 
 /// Of the candidate's tile.
 void PhotographMatcher::select_roofs(const Candidate& at, double radius_m) {
-  city_.select_roofs(roofs_[at.tile], place_of(at.guess), radius_m, 0.03, 4, p_.spread_sigmas * p_.roofs.building_m);
+  city_.select_roofs(roofs_[at.tile], place_of(at.guess), radius_m, 0.03, 4, p_.spread_sigmas * p_.roofs.building_m,
+                     spend_);
 }
 
 /// Computes the model's roof line at a guess's place; the fit treats the guess's `up` to first order.
@@ -216,7 +218,10 @@ void PhotographMatcher::search() {
   for (int ta = -tiles; ta <= tiles; ++ta)
     for (int tb = -tiles; tb <= tiles; ++tb) {
       const Guess middle{.north = ta * tile_m, .east = tb * tile_m};
-      if (apart(middle, {}) > radius + tile_m) continue;
+      const double beside = reach * step;  // no place of the tile is nearer than this allows
+      if (std::hypot(std::max(0.0, std::abs(middle.north) - beside), std::max(0.0, std::abs(middle.east) - beside)) >
+          radius)
+        continue;
       roofs_.push_back(roofs_around(middle, 0.71 * tile_m + p_.refinement.moved_m));
       for (int a = -reach; a <= reach; ++a)
         for (int b = -reach; b <= reach; ++b) {
@@ -344,7 +349,7 @@ void PhotographMatcher::add(const std::vector<SkyEdge>& edges, const PhotographP
   const auto ground = ground_.at(prior.p_n.head<2>());
   terrain_ = ground && ground->terrain;
   if (prior.eye_m && ground && !terrain_) prior_.height_sigma_m = std::hypot(prior.height_sigma_m, p_.feet_sigma_m);
-  if (attempts_.empty()) survey_ground();
+  if (attempts_.empty()) interpolate_ground();
   fit_.set_line(p_.coarse_rad);
   search();
   const std::vector<Candidate> modes = refined();

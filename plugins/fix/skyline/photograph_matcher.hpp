@@ -65,6 +65,7 @@ struct PhotographParameters {
                                           ///< the line's own: its optimum lies between two places
   double spread_sigmas = 2;               ///< range of the buildings' heights in sigmas, for which roofs are visible
   uint64_t direction_work = 12;           ///< of a Spend, for the cost of a direction
+  uint64_t ground_work = 1000;            ///< the same, for the height of the ground at a place
   PhotographRefinementParameters refinement;
   size_t min_edges = 40;  ///< directions with a roof's edge that a search requires: 20 degrees
   PhotographDecisionParameters decision;
@@ -122,7 +123,7 @@ class PhotographMatcher {
     Eigen::Matrix<double, 6, 6> information = {};  // as in normal_equations()
   };
   static bool is_likelier(const Candidate& x, const Candidate& y) { return x.cost < y.cost; }
-  void survey_ground();
+  void interpolate_ground();
   Eigen::Vector3d place_of(const Guess& guess) const;
   /// Places inside buildings are excluded.
   bool is_built(const Guess& guess) const {
