@@ -123,10 +123,12 @@ class Skyline : public FixerConfig {
  private:
   void emit(const std::vector<Outcome>& outcomes, odo::Output& output) {
     for (const Outcome& outcome : outcomes) {
-      if (const auto* fix = std::get_if<Fix>(&outcome))
+      if (const auto* fix = std::get_if<Fix>(&outcome)) {
         output.emit(fix_of(*fix));
-      else
+        if (!fix->surveyed.empty()) output.report(ODO_SEVERITY_INFO, "surveyed", fix->surveyed);
+      } else {
         report(std::get<Rejection>(outcome), output);
+      }
     }
   }
 

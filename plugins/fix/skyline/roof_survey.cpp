@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 
 namespace odograph::skyline {
 
@@ -25,12 +26,20 @@ std::optional<Match> RoofSurvey::match(const std::vector<SkyEdge>& edges, const 
   return match;
 }
 
-void RoofSurvey::adopt(const Match& match) {
-  for (const RoofHeight& roof : match.roofs)
-    if (roof.directions >= p_.min_directions)
-      heights_m_[roof.object] = roof.height_m, survey_of_[roof.object] = surveys_.size();
-  surveys_.push_back({match});
+std::string RoofSurvey::adopt(const Match& match) {
+  int buildings = 0;
+  double largest_m = 0;
+  for (const RoofHeight& roof : match.roofs) {
+    if (roof.directions < p_.min_directions) continue;
+    heights_m_[roof.object] = roof.height_m, survey_of_[roof.object] = surveys_.size();
+    ++buildings, largest_m = std::max(largest_m, std::abs(roof.height_m));
+  }
+  surveys_.push_back(match);
   changed_ = true;
+  char text[80];
+  std::snprintf(text, sizeof text, "%d buildings are up to %.1f m higher or lower than in the model", buildings,
+                largest_m);
+  return text;
 }
 
 void RoofSurvey::forget() {
@@ -45,7 +54,7 @@ void RoofSurvey::correct_roofs(City& city, const Spend& spend) {
   changed_ = false;
 }
 
-void RoofSurvey::add_error(Match& match) {
+void RoofSurvey::add_error(Match& match) const {
   std::vector<double> directions(surveys_.size());
   double all = 0;
   for (const RoofHeight& roof : match.roofs) {
@@ -55,11 +64,11 @@ void RoofSurvey::add_error(Match& match) {
   }
   for (size_t i = 0; i < surveys_.size(); ++i) {
     if (directions[i] == 0) continue;
-    const Match& survey = surveys_[i].match;
-    const double times = directions[i] / all * ++surveys_[i].fixes;
-    match.covariance += times * survey.covariance;
-    match.yaw_sigma_rad = std::hypot(match.yaw_sigma_rad, std::sqrt(times) * survey.yaw_sigma_rad);
-    match.height_sigma_m = std::hypot(match.height_sigma_m, std::sqrt(times) * survey.height_sigma_m);
+    const Match& survey = surveys_[i];
+    const double share = directions[i] / all;
+    match.covariance += share * survey.covariance;
+    match.yaw_sigma_rad = std::hypot(match.yaw_sigma_rad, std::sqrt(share) * survey.yaw_sigma_rad);
+    match.height_sigma_m = std::hypot(match.height_sigma_m, std::sqrt(share) * survey.height_sigma_m);
     match.second_best_ratio = std::max(match.second_best_ratio, survey.second_best_ratio);
   }
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <string>
 #include <unordered_map>
 #include <vector>
 
@@ -25,21 +26,17 @@ class RoofSurvey {
       : model_(model), ground_(model_.edges()), matcher_(model_, ground_, p_.matching) {}
   /// A match with the model as read, whose roofs have heights; none where the picture does not determine the place.
   std::optional<Match> match(const std::vector<SkyEdge>& edges, const PhotographPrior& prior, const Spend& spend);
-  /// Adopts the heights of a match.
-  void adopt(const Match& match);
+  /// Adopts the heights of a match. Returns what it changes, for a report.
+  std::string adopt(const Match& match);
   void forget();
   /// Puts the heights into `city`, the model, where they have changed since the last call.
   void correct_roofs(City& city, const Spend& spend);
-  /// Adds the error of the surveys whose roofs a match with the corrected city has used, as many times as fixes have
-  /// used them: it is the same in all of them.
-  void add_error(Match& match);
+  /// Adds the errors of the surveys whose roofs a match with the corrected city has used, by their share of the
+  /// directions.
+  void add_error(Match& match) const;
 
  private:
   static PhotographParameters matching_on_path();
-  struct Survey {
-    Match match;
-    int fixes = 0;  // that have used its roofs
-  };
 
   Parameters p_;
   City model_;
@@ -47,7 +44,7 @@ class RoofSurvey {
   PhotographMatcher matcher_;
   std::unordered_map<int, double> heights_m_;  // by object
   std::unordered_map<int, size_t> survey_of_;  // the same
-  std::vector<Survey> surveys_;
+  std::vector<Match> surveys_;
   bool changed_ = false;
 };
 

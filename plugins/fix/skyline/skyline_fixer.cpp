@@ -218,10 +218,10 @@ void SkylineFixer::finish() {
   }
   joins_ = job_.view.has_value();
   auto why = joins_ ? validate_path_match() : validate_single_match();
-  const bool surveyed = why && job_.surveyed;
-  if (surveyed) {
+  std::string surveyed;
+  if (why && job_.surveyed) {
     job_.match = std::move(job_.surveyed), why.reset();
-    survey_->adopt(*job_.match);
+    surveyed = survey_->adopt(*job_.match);
     window_.clear(), path_validator_.clear();
   } else if (!why && survey_) {
     survey_->add_error(*job_.match);
@@ -236,8 +236,9 @@ void SkylineFixer::finish() {
   fixed_at_m_ = job_.path_m;
   update_road_height(*job_.match);
   if (pose_->t_ns - job_.picture.t_ns > kParameters.late_ns)  // too late for estimators: refer it to the newest pose
-    return emit({pose_->t_ns, job_.propagated_to(pose_->p_n, pose_->q_n_c, kParameters.drift), false});
-  emit({job_.picture.t_ns, *job_.match, !surveyed});  // the highest roof's height is not that of the model
+    return emit({pose_->t_ns, job_.propagated_to(pose_->p_n, pose_->q_n_c, kParameters.drift), false, false, surveyed});
+  // After a survey the highest roof's height is not that of the model.
+  emit({job_.picture.t_ns, *job_.match, surveyed.empty(), false, surveyed});
 }
 
 std::optional<Rejection> SkylineFixer::validate_single_match() {

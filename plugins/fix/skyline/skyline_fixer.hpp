@@ -38,6 +38,7 @@ struct Fix {
   int64_t t_ns;
   Match match;
   bool has_slant = true, has_height = false;
+  std::string surveyed = {};  ///< how the model was corrected with it
 };
 /// What became of a picture.
 using Outcome = std::variant<Fix, Rejection>;
