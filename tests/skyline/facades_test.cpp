@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "plugins/fix/skyline/facades.hpp"
+#include "plugins/fix/skyline/photograph_matcher.hpp"
 
 using namespace odograph::skyline;
 using Eigen::Quaterniond;
@@ -18,6 +19,14 @@ TEST_SUITE_BEGIN("facades");
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
+
+/// Looks at 30 degrees and upwards by 12.
+Quaterniond camera() {
+  Eigen::Matrix3d level;  // x right, y down, z to the north
+  level << 0, 0, 1, 1, 0, 0, 0, 1, 0;
+  return Quaterniond(Eigen::AngleAxisd(30 * kDegree, Vector3d::UnitZ()) * level *
+                     Eigen::AngleAxisd(12 * kDegree, Vector3d::UnitX()));
+}
 
 /// Two walls that end at a corner north-east of the origin: one runs east, one runs at `slant` from north.
 struct Corner {
@@ -55,10 +64,7 @@ struct Corner {
 TEST_CASE("the ledges of two walls determine the heading, and at a wrong place they contradict it") {
   const Corner corner(35 * kDegree);
   const Vector3d place(-3, 0, -1.6);
-  Eigen::Matrix3d level;  // x right, y down, z to the north
-  level << 0, 0, 1, 1, 0, 0, 0, 1, 0;
-  const Quaterniond q(Eigen::AngleAxisd(30 * kDegree, Vector3d::UnitZ()) * level *
-                      Eigen::AngleAxisd(12 * kDegree, Vector3d::UnitX()));
+  const Quaterniond q = camera();
   const Quaterniond turned(Eigen::AngleAxisd(-0.4, Vector3d::UnitZ()));
   Facades facades(corner.model());
   facades.set(corner.seen_from(place, q), turned * q);
@@ -74,6 +80,54 @@ TEST_CASE("the ledges of two walls determine the heading, and at a wrong place t
   CHECK(facades.cost(Eigen::Vector2d(1000, 0), 0.4) == 0);        // no wall, no evidence
   facades.set({}, q);
   CHECK(facades.cost(here, 0.4) == 0);
+}
+
+TEST_CASE("lines that have nothing to do with the model contradict a place by a factor of ten at most") {
+  const Corner corner(35 * kDegree);
+  const Vector3d place(-3, 0, -1.6);
+  const Quaterniond q = camera();
+  Facades facades(corner.model());
+  const Quaterniond turned(Eigen::AngleAxisd(0.8, Vector3d::UnitZ()));
+  auto lines = corner.seen_from(place, q);
+  for (SeenLine& line : lines) line.normal_c = q.conjugate() * (turned * (q * line.normal_c));
+  facades.set(lines, q);
+  CHECK(facades.cost(place.head<2>(), 0) > 1);
+  CHECK(facades.cost(place.head<2>(), 0) < 2.31);
+}
+
+TEST_CASE("lines below the horizon are not used: they are on the ground as often as on walls") {
+  const Corner corner(35 * kDegree);
+  const Vector3d above(-3, 0, -20);
+  Facades facades(corner.model());
+  facades.set(corner.seen_from(above, camera()), camera());
+  CHECK(facades.lines() == 0);
+}
+
+TEST_CASE("the likelihood of a photograph is higher where its facades fit too") {
+  const Corner corner(35 * kDegree);
+  const Vector3d place(-3, 0, -1.6);
+  const Quaterniond q = camera();
+  City city(corner.model());
+  const Ground ground(corner.model());
+  city.select_near_edges(place, 1, 0.01);
+  Horizon horizon;
+  city.horizon(place, horizon);
+  std::vector<SkyEdge> edges;
+  for (size_t j = 0; j < Horizon::kDirections; ++j) {
+    const double azimuth = (static_cast<double>(j) + 0.5) * 0.5 * kDegree,
+                 e = static_cast<double>(horizon.elevation[j]);
+    const Vector3d ray(std::cos(e) * std::cos(azimuth), std::cos(e) * std::sin(azimuth), -std::sin(e));
+    if (e > 0 && (q.conjugate() * ray).z() > 0.6) edges.push_back({q.conjugate() * ray});
+  }
+  const PhotographPrior prior{
+      .p_n = place, .q_n_c = q, .sigma_m = 1, .yaw_sigma_rad = 0.1, .tilt_sigma_rad = 0.01, .eye_m = std::nullopt};
+  PhotographMatcher matcher(city, ground);
+  matcher.match(edges, prior);
+  const double roofs_alone = matcher.gain();
+  Facades facades(corner.model());
+  facades.set(corner.seen_from(place, q), q);
+  matcher.clear(), matcher.add(edges, prior, nullptr, &facades), matcher.match();
+  CHECK(matcher.gain() > roofs_alone + 5);
 }
 
 TEST_SUITE_END();

@@ -29,12 +29,13 @@ std::optional<Match> RoofSurvey::match(const std::vector<SkyEdge>& edges, const 
 std::string RoofSurvey::adopt(const Match& match) {
   int buildings = 0;
   double largest_m = 0;
+  const auto survey = std::make_shared<Match>(match);
+  survey->roofs.clear();
   for (const RoofHeight& roof : match.roofs) {
     if (roof.directions < p_.min_directions) continue;
-    heights_m_[roof.object] = roof.height_m, survey_of_[roof.object] = surveys_.size();
+    heights_m_[roof.object] = roof.height_m, survey_of_[roof.object] = survey;
     ++buildings, largest_m = std::max(largest_m, std::abs(roof.height_m));
   }
-  surveys_.push_back(match);
   changed_ = true;
   char text[80];
   std::snprintf(text, sizeof text, "%d buildings are up to %.1f m higher or lower than in the model", buildings,
@@ -44,7 +45,7 @@ std::string RoofSurvey::adopt(const Match& match) {
 
 void RoofSurvey::forget() {
   changed_ |= !heights_m_.empty();
-  heights_m_.clear(), survey_of_.clear(), surveys_.clear();
+  heights_m_.clear(), survey_of_.clear();
 }
 
 void RoofSurvey::correct_roofs(City& city, const Spend& spend) {
@@ -55,17 +56,13 @@ void RoofSurvey::correct_roofs(City& city, const Spend& spend) {
 }
 
 void RoofSurvey::add_error(Match& match) const {
-  std::vector<double> directions(surveys_.size());
   double all = 0;
+  for (const RoofHeight& roof : match.roofs) all += roof.directions;
   for (const RoofHeight& roof : match.roofs) {
-    all += roof.directions;
-    if (const auto survey = survey_of_.find(roof.object); survey != survey_of_.end())
-      directions[survey->second] += roof.directions;
-  }
-  for (size_t i = 0; i < surveys_.size(); ++i) {
-    if (directions[i] == 0) continue;
-    const Match& survey = surveys_[i];
-    const double share = directions[i] / all;
+    const auto found = survey_of_.find(roof.object);
+    if (found == survey_of_.end() || roof.directions == 0) continue;
+    const Match& survey = *found->second;
+    const double share = roof.directions / all;
     match.covariance += share * survey.covariance;
     match.yaw_sigma_rad = std::hypot(match.yaw_sigma_rad, std::sqrt(share) * survey.yaw_sigma_rad);
     match.height_sigma_m = std::hypot(match.height_sigma_m, std::sqrt(share) * survey.height_sigma_m);

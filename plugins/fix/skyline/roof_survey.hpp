@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <unordered_map>
@@ -42,9 +43,8 @@ class RoofSurvey {
   City model_;
   Ground ground_;
   PhotographMatcher matcher_;
-  std::unordered_map<int, double> heights_m_;  // by object
-  std::unordered_map<int, size_t> survey_of_;  // the same
-  std::vector<Match> surveys_;
+  std::unordered_map<int, double> heights_m_;                        // by object
+  std::unordered_map<int, std::shared_ptr<const Match>> survey_of_;  // the same; without roofs
   bool changed_ = false;
 };
 
