@@ -39,6 +39,7 @@ struct Corner {
         const Vector3d at = north + Vector3d(0, 0, down);
         edges.push_back({at, at + 25 * along, 0});
       }
+    edges.push_back({Vector3d(40, -20, -8), Vector3d(10, 40, -8), 1});  // of a house behind
     return edges;
   }
   /// Ledges of three metres on both, seen from a place, and an upright line at the end of each.
@@ -93,6 +94,16 @@ TEST_CASE("lines that have nothing to do with the model contradict a place by a 
   facades.set(lines, q);
   CHECK(facades.cost(place.head<2>(), 0) > 1);
   CHECK(facades.cost(place.head<2>(), 0) < 2.31);
+}
+
+TEST_CASE("upright lines are not used: they have no direction") {
+  const Corner corner(35 * kDegree);
+  const auto lines = corner.seen_from(Vector3d(-3, 0, -1.6), camera());
+  std::vector<SeenLine> upright;
+  for (size_t i = 1; i < lines.size(); i += 2) upright.push_back(lines[i]);
+  Facades facades(corner.model());
+  facades.set(upright, camera());
+  CHECK(facades.lines() == 0);
 }
 
 TEST_CASE("lines below the horizon are not used: they are on the ground as often as on walls") {
