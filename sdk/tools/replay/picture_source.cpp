@@ -87,12 +87,15 @@ Result<std::vector<PictureSource>> of_video(const std::string& path) {
   arguments.push_back(nullptr);
   pid_t child = 0;
   int status = 0;
-  if (folder->path().empty() || posix_spawnp(&child, "ffmpeg", nullptr, nullptr, arguments.data(), environ) != 0)
+  const bool started = !folder->path().empty() &&
+                       posix_spawnp(&child, "ffmpeg", nullptr, nullptr, arguments.data(), environ) == 0 &&
+                       waitpid(child, &status, 0) == child;
+  // A program that cannot be run may also end with status 127 (POSIX, posix_spawn), as it does under qemu-user.
+  if (!started || (WIFEXITED(status) && WEXITSTATUS(status) == 127))
     return Failure{ODO_E_UNSUPPORTED, path +
                                           ": a video needs ffmpeg, which could not be run (on Debian: apt install "
                                           "ffmpeg); a folder of pictures needs nothing"};
-  if (waitpid(child, &status, 0) != child || status != 0)
-    return Failure{ODO_E_DATA, path + ": ffmpeg could not read this video"};
+  if (status != 0) return Failure{ODO_E_DATA, path + ": ffmpeg could not read this video"};
   return of_folder(folder->path(), folder);
 }
 
