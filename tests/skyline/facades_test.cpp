@@ -19,6 +19,7 @@ TEST_SUITE_BEGIN("facades");
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
+constexpr double kLevel = 0.1 * kDegree;  // sigma of the inclination
 
 /// Looks at 30 degrees and upwards by 12.
 Quaterniond camera() {
@@ -68,19 +69,18 @@ TEST_CASE("the ledges of two walls determine the heading, and at a wrong place t
   const Quaterniond q = camera();
   const Quaterniond turned(Eigen::AngleAxisd(-0.4, Vector3d::UnitZ()));
   Facades facades(corner.model());
-  facades.set(corner.seen_from(place, q), turned * q);
+  facades.set(corner.seen_from(place, q), turned * q, kLevel);
   REQUIRE(facades.lines() > 6);
-  const Eigen::Vector2d here = place.head<2>();
   double best = 0, least = 1e9;
   for (double yaw = -std::numbers::pi; yaw < std::numbers::pi; yaw += 0.5 * kDegree)
-    if (const double cost = facades.cost(here, yaw); cost < least) least = cost, best = yaw;
+    if (const double cost = facades.cost(place, yaw); cost < least) least = cost, best = yaw;
   CHECK(std::abs(best - 0.4) < 1 * kDegree);
   CHECK(least < -8);
-  CHECK(facades.cost(here, 0.4 + 10 * kDegree) > least + 5);
-  CHECK(facades.cost(Eigen::Vector2d(20, 20), 0.4) > least + 5);  // behind the walls
-  CHECK(facades.cost(Eigen::Vector2d(1000, 0), 0.4) == 0);        // no wall, no evidence
-  facades.set({}, q);
-  CHECK(facades.cost(here, 0.4) == 0);
+  CHECK(facades.cost(place, 0.4 + 10 * kDegree) > least + 5);
+  CHECK(facades.cost({20, 20, -1.6}, 0.4) > least + 5);  // behind the walls
+  CHECK(facades.cost({1000, 0, -1.6}, 0.4) == 0);        // no wall, no evidence
+  facades.set({}, q, kLevel);
+  CHECK(facades.cost(place, 0.4) == 0);
 }
 
 TEST_CASE("lines that have nothing to do with the model contradict a place by a factor of ten at most") {
@@ -91,9 +91,64 @@ TEST_CASE("lines that have nothing to do with the model contradict a place by a 
   const Quaterniond turned(Eigen::AngleAxisd(0.8, Vector3d::UnitZ()));
   auto lines = corner.seen_from(place, q);
   for (SeenLine& line : lines) line.normal_c = q.conjugate() * (turned * (q * line.normal_c));
-  facades.set(lines, q);
-  CHECK(facades.cost(place.head<2>(), 0) > 1);
-  CHECK(facades.cost(place.head<2>(), 0) < 2.31);
+  facades.set(lines, q, kLevel);
+  CHECK(facades.cost(place, 0) > 1);
+  CHECK(facades.cost(place, 0) < 2.31);
+}
+
+TEST_CASE("one long line is one piece of evidence, not one for each of its parts") {
+  const Vector3d place(-3, 0, -1.6);
+  const Quaterniond q = camera();
+  const std::vector<Edge> wall = {{{9, -30, 0}, {9, 30, 0}, 0}, {{9, -30, -8}, {9, 30, -8}, 0}};
+  const auto seen = [&](const Vector3d& from, const Vector3d& to) {
+    const Vector3d a = (q.conjugate() * (from - place)).normalized(), b = (q.conjugate() * (to - place)).normalized();
+    return SeenLine{a.cross(b).normalized(), std::acos(a.dot(b)), a, b};
+  };
+  Facades facades(wall);
+  facades.set({seen({9, -2, -7}, {9, 16, -7})}, q, kLevel);
+  REQUIRE(facades.lines() > 8);
+  CHECK(facades.cost(place, 0) < -1.5);
+  CHECK(facades.cost(place, 0) > -4);
+}
+
+TEST_CASE("a garage in front of a house does not hide its facade") {
+  const Corner corner(35 * kDegree);
+  const Vector3d place(-3, 0, -1.6);
+  auto model = corner.model();
+  const std::vector<Edge> houses = model;
+  for (const double down : {0.0, -2.5}) model.push_back({{3, -8, down}, {6, 16, down}, 2});
+  Facades with(model), without(houses);
+  for (Facades* facades : {&with, &without}) facades->set(corner.seen_from(place, camera()), camera(), kLevel);
+  CHECK(without.cost(place, 0) < -8);
+  CHECK(with.cost(place, 0) == without.cost(place, 0));
+}
+
+TEST_CASE("the likelihood of the facades has no steps between places") {
+  const Corner corner(35 * kDegree);
+  const Vector3d place(-3, 0, -1.6);
+  Facades facades(corner.model());
+  facades.set(corner.seen_from(place, camera()), camera(), kLevel);
+  double before = facades.cost(place, 0), largest = 0;
+  for (double m = 0.005; m < 3; m += 0.005) {
+    const double now = facades.cost(place + Vector3d(-m, 0.3 * m, 0), 0);
+    largest = std::max(largest, std::abs(now - before)), before = now;
+  }
+  CHECK(largest < 0.3);
+}
+
+TEST_CASE("where the inclination is hardly known lines do not determine the heading") {
+  const Corner corner(35 * kDegree);
+  const Vector3d place(-3, 0, -1.6);
+  const Quaterniond q = camera();
+  Facades facades(corner.model());
+  // Pitched by four degrees.
+  const Quaterniond pitched = q * Quaterniond(Eigen::AngleAxisd(4 * kDegree, Vector3d::UnitX()));
+  facades.set(corner.seen_from(place, q), pitched, 4 * kDegree);
+  double best = 0, least = 1e9;
+  for (double yaw = -0.2; yaw <= 0.2; yaw += 0.5 * kDegree)
+    if (const double cost = facades.cost(place, yaw); cost < least) least = cost, best = yaw;
+  CAPTURE(best);
+  CHECK(facades.cost(place, 0) < least + 4);
 }
 
 TEST_CASE("upright lines are not used: they have no direction") {
@@ -102,7 +157,7 @@ TEST_CASE("upright lines are not used: they have no direction") {
   std::vector<SeenLine> upright;
   for (size_t i = 1; i < lines.size(); i += 2) upright.push_back(lines[i]);
   Facades facades(corner.model());
-  facades.set(upright, camera());
+  facades.set(upright, camera(), kLevel);
   CHECK(facades.lines() == 0);
 }
 
@@ -110,7 +165,7 @@ TEST_CASE("lines below the horizon are not used: they are on the ground as often
   const Corner corner(35 * kDegree);
   const Vector3d above(-3, 0, -20);
   Facades facades(corner.model());
-  facades.set(corner.seen_from(above, camera()), camera());
+  facades.set(corner.seen_from(above, camera()), camera(), kLevel);
   CHECK(facades.lines() == 0);
 }
 
@@ -136,7 +191,7 @@ TEST_CASE("the likelihood of a photograph is higher where its facades fit too") 
   matcher.match(edges, prior);
   const double roofs_alone = matcher.gain();
   Facades facades(corner.model());
-  facades.set(corner.seen_from(place, q), q);
+  facades.set(corner.seen_from(place, q), q, kLevel);
   matcher.clear(), matcher.add(edges, prior, nullptr, &facades), matcher.match();
   CHECK(matcher.gain() > roofs_alone + 5);
 }

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <set>
+#include <map>
 #include <utility>
 
 namespace odograph::skyline {
@@ -12,15 +12,13 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-int64_t cell_of(double north, double east, double size) {
-  return static_cast<int64_t>(std::floor(north / size)) * (int64_t{1} << 32) +
-         static_cast<int64_t>(std::floor(east / size));
-}
+int64_t key_of(int64_t north, int64_t east) { return north * (int64_t{1} << 32) + east; }
+int64_t whole(double x) { return static_cast<int64_t>(std::floor(x)); }
 
 }  // namespace
 
 Facades::Facades(const std::vector<Edge>& edges, const FacadeParameters& parameters) : p_(parameters) {
-  std::set<std::array<int64_t, 4>> known;  // in plan, dm: eaves and feet coincide
+  std::map<std::array<int64_t, 4>, Wall> walls;  // by plan, dm: eaves and feet coincide
   const auto dm = [](const Eigen::Vector3d& p) {
     return std::pair(std::llround(10 * p.x()), std::llround(10 * p.y()));
   };
@@ -30,26 +28,33 @@ Facades::Facades(const std::vector<Edge>& edges, const FacadeParameters& paramet
     const double length = along.head<2>().norm();
     if (length < p_.min_wall_m || length > p_.max_wall_m || std::abs(along.z()) > p_.max_slope * length) continue;
     const auto [a, b] = std::minmax({dm(e.from), dm(e.to)});
-    if (!known.insert({a.first, a.second, b.first, b.second}).second) continue;
-    const Eigen::Vector3d low = e.from.cwiseMin(e.to) / p_.reach_m, high = e.from.cwiseMax(e.to) / p_.reach_m;
-    for (double north = std::floor(low.x()); north <= high.x(); ++north)
-      for (double east = std::floor(low.y()); east <= high.y(); ++east)
-        walls_[cell_of(north, east, 1)].push_back({e.from.head<2>().cast<float>(), e.to.head<2>().cast<float>()});
+    const double top = std::min(e.from.z(), e.to.z());
+    const auto [at, is_new] =
+        walls.try_emplace({a.first, a.second, b.first, b.second}, Wall{e.from.head<2>(), e.to.head<2>(), top});
+    at->second.top = std::min(at->second.top, top);
+  }
+  for (const auto& [plan, wall] : walls) {
+    const Eigen::Vector2d from = wall.from / p_.reach_m, to = wall.to / p_.reach_m;
+    for (int64_t north = whole(std::min(from.x(), to.x())); north <= whole(std::max(from.x(), to.x())); ++north)
+      for (int64_t east = whole(std::min(from.y(), to.y())); east <= whole(std::max(from.y(), to.y())); ++east)
+        walls_[key_of(north, east)].push_back(wall);
   }
 }
 
-void Facades::set(const std::vector<SeenLine>& lines, const Eigen::Quaterniond& q_n_c) {
+void Facades::set(const std::vector<SeenLine>& lines, const Eigen::Quaterniond& q_n_c, double tilt_sigma_rad) {
   lines_.clear();
-  double all = 0;
+  double all = 0, independent = 0;
   for (const SeenLine& line : lines) {
     const Eigen::Vector3d n = q_n_c * line.normal_c;
     const double level = std::hypot(n.x(), n.y());  // sine of the angle between the line's plane and the horizon
     if (std::abs(n.z()) < std::sin(p_.vertical_rad)) continue;
-    const double sigma = std::hypot(p_.line_rad / std::max(level, 1e-3), p_.wall_rad);
+    const double sigma =
+        std::hypot(std::hypot(p_.line_rad, tilt_sigma_rad * n.z()) / std::max(level, 1e-3), p_.wall_rad);
     if (sigma > p_.max_sigma_rad) continue;
     const double direction = std::atan2(n.x(), -n.y());
     const int parts = 1 + static_cast<int>(line.length_rad / p_.part_rad);
     const double length = line.length_rad / parts;
+    bool is_new = false;
     for (int k = 0; k < parts; ++k) {
       const double part = (k + 0.5) / parts;
       const Eigen::Vector3d ray = q_n_c * ((1 - part) * line.from_c + part * line.to_c);
@@ -63,27 +68,29 @@ void Facades::set(const std::vector<SeenLine>& lines, const Eigen::Quaterniond& 
       if (same != lines_.end())
         same->weight += static_cast<float>(length);
       else
-        lines_.push_back({static_cast<float>(bearing), static_cast<float>(direction), static_cast<float>(1 / sigma),
-                          static_cast<float>(length)});
+        is_new = true, lines_.push_back({static_cast<float>(bearing), static_cast<float>(direction),
+                                         static_cast<float>(1 / sigma), static_cast<float>(length)});
     }
+    independent += is_new;
   }
-  for (Line& l : lines_) l.weight *= static_cast<float>(std::min(p_.weight, static_cast<double>(lines_.size())) / all);
+  for (Line& l : lines_) l.weight *= static_cast<float>(std::min(p_.max_lines, independent) / all);
 }
 
 /// The direction of the nearest wall in each bearing: a facade, since roofs' ridges and hips are behind it.
-Facades::Directions Facades::look(const Eigen::Vector2f& from) const {
+Facades::Directions Facades::nearest_walls(const Eigen::Vector3d& p_n) const {
   constexpr double kStep = 2 * kPi / kBearings;
   Directions directions;
   directions.fill(std::numeric_limits<float>::quiet_NaN());
   std::array<double, kBearings> nearest;
   nearest.fill(p_.reach_m);
+  const Eigen::Vector2d here = p_n.head<2>();
   for (int a = -1; a <= 1; ++a)
     for (int b = -1; b <= 1; ++b) {
-      const auto walls = walls_.find(cell_of(static_cast<double>(from.x()) + a * p_.reach_m,
-                                             static_cast<double>(from.y()) + b * p_.reach_m, p_.reach_m));
+      const auto walls = walls_.find(key_of(whole(here.x() / p_.reach_m) + a, whole(here.y() / p_.reach_m) + b));
       if (walls == walls_.end()) continue;
       for (const Wall& wall : walls->second) {
-        const Eigen::Vector2d u = (wall.from - from).cast<double>(), v = (wall.to - from).cast<double>(), d = v - u;
+        if (p_n.z() - wall.top < p_.min_above_m) continue;
+        const Eigen::Vector2d u = wall.from - here, v = wall.to - here, d = v - u;
         const double cross = u.x() * v.y() - u.y() * v.x();
         if (std::abs(cross) < 1e-6) continue;
         const double start = std::atan2(u.y(), u.x()), end = std::atan2(v.y(), v.x());
@@ -103,19 +110,17 @@ Facades::Directions Facades::look(const Eigen::Vector2f& from) const {
   return directions;
 }
 
-const Facades::Directions& Facades::around(const Eigen::Vector2d& north_east) {
-  if (seen_.size() > p_.max_cells) seen_.clear();
-  const auto [at, is_new] = seen_.try_emplace(cell_of(north_east.x(), north_east.y(), p_.cell_m));
-  if (is_new) {
-    const auto middle = [&](double m) { return static_cast<float>((std::floor(m / p_.cell_m) + 0.5) * p_.cell_m); };
-    at->second = look({middle(north_east.x()), middle(north_east.y())});
-  }
+/// From a place of the lattice, with the height of the camera at the first one nearby.
+const Facades::Directions& Facades::directions_from(int64_t north, int64_t east, double down) {
+  if (seen_.size() > p_.max_places) seen_.clear();
+  const auto [at, is_new] = seen_.try_emplace(key_of(north, east));
+  if (is_new)
+    at->second = nearest_walls({static_cast<double>(north) * p_.step_m, static_cast<double>(east) * p_.step_m, down});
   return at->second;
 }
 
-double Facades::cost(const Eigen::Vector2d& north_east, double yaw) {
-  if (lines_.empty()) return 0;
-  const Directions& walls = around(north_east);
+/// A bearing without a wall is no evidence: a house that the model lacks opens it as often.
+double Facades::cost_of_lines(const Directions& walls, double yaw) const {
   double cost = 0;
   for (const Line& l : lines_) {
     const double bearing = (static_cast<double>(l.bearing) + yaw) * kBearings / (2 * kPi);
@@ -126,6 +131,18 @@ double Facades::cost(const Eigen::Vector2d& north_east, double yaw) {
     const double density = std::sqrt(0.5 / kPi) * inverse * std::exp(-0.5 * x * x);
     cost -= static_cast<double>(l.weight) * std::log(1 - p_.on_wall + p_.on_wall * kPi * density);
   }
+  return cost;
+}
+
+double Facades::cost(const Eigen::Vector3d& p_n, double yaw) {
+  if (lines_.empty()) return 0;
+  const Eigen::Vector2d at = p_n.head<2>() / p_.step_m;
+  const int64_t north = whole(at.x()), east = whole(at.y());
+  const double u = at.x() - static_cast<double>(north), v = at.y() - static_cast<double>(east);
+  double cost = 0;
+  for (const int a : {0, 1})
+    for (const int b : {0, 1})
+      cost += (a ? u : 1 - u) * (b ? v : 1 - v) * cost_of_lines(directions_from(north + a, east + b, p_n.z()), yaw);
   return -std::log((1 - p_.contradicting) * std::exp(-cost) + p_.contradicting);
 }
 

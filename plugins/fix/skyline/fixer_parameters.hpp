@@ -44,6 +44,7 @@ struct FixerParameters {
   int failures_until_search = 20;       ///< then the whole database is searched
   double failed_yaw_rad = 1 * kDegree;  ///< added to the heading's sigma per failure, with joined pictures
   double farthest_survey_m = 15;        ///< max three sigmas of the pose's position for a survey, which searches 12 m
+  double min_survey_sigma_m = 0.5;      ///< of its prior: the pose's own sigma excludes errors of the map
   // A place found in a database.
   double found_sigma_m = 1.5, found_sigma_rad = 2 * kDegree;  ///< sigmas, from several pictures
   double found_apart_m = 3;  ///< max distance of the newest picture's own match from it

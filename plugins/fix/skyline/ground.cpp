@@ -119,4 +119,30 @@ std::optional<Ground::At> Ground::at(const Eigen::Vector2d& north_east) const {
   return At{mean, false};
 }
 
+CameraHeights::CameraHeights(const Ground& ground, const Eigen::Vector3d& p_n, std::optional<double> eye_m,
+                             double reach_m, double step_m)
+    : step_m_(step_m) {
+  const auto reach = static_cast<Eigen::Index>(std::ceil(reach_m / step_m));
+  downs_.resize(2 * reach + 1, 2 * reach + 1);
+  const auto here = ground.at(p_n.head<2>());
+  const double above_m = eye_m.value_or(here ? here->down_m - p_n.z() : 0);
+  for (Eigen::Index a = -reach; a <= reach; ++a)
+    for (Eigen::Index b = -reach; b <= reach; ++b) {
+      const Eigen::Vector2d by(static_cast<double>(a) * step_m, static_cast<double>(b) * step_m);
+      const auto there = ground.at(p_n.head<2>() + by);
+      downs_(a + reach, b + reach) = there && (here || eye_m) ? there->down_m - above_m : p_n.z();
+    }
+}
+
+double CameraHeights::down_m(double north, double east) const {
+  const Eigen::Index reach = downs_.rows() / 2;
+  const double last = static_cast<double>(2 * reach) - 1e-6;
+  const double x = std::clamp(north / step_m_ + static_cast<double>(reach), 0.0, last);
+  const double y = std::clamp(east / step_m_ + static_cast<double>(reach), 0.0, last);
+  const auto a = static_cast<Eigen::Index>(x), b = static_cast<Eigen::Index>(y);
+  const double u = x - static_cast<double>(a), v = y - static_cast<double>(b);
+  return (1 - u) * ((1 - v) * downs_(a, b) + v * downs_(a, b + 1)) +
+         u * ((1 - v) * downs_(a + 1, b) + v * downs_(a + 1, b + 1));
+}
+
 }  // namespace odograph::skyline

@@ -65,4 +65,22 @@ class Ground {
   std::unordered_map<int64_t, std::vector<uint32_t>> buildings_of_;  // by cell
 };
 
+/// Heights of a camera on the ground around a place, interpolated between those of a lattice: steps of the ground would
+/// be steps of a likelihood. Thread: any.
+class CameraHeights {
+ public:
+  CameraHeights() = default;
+  /// `p_n`: of the camera at the middle; its height counts where the model has no ground. `eye_m`: of the camera above
+  /// the ground; none: as at the middle.
+  CameraHeights(const Ground& ground, const Eigen::Vector3d& p_n, std::optional<double> eye_m, double reach_m,
+                double step_m);
+  /// Down in n at a distance from the middle, m; at the border's beyond it.
+  double down_m(double north, double east) const;
+  size_t size() const { return static_cast<size_t>(downs_.size()); }
+
+ private:
+  double step_m_ = 1;
+  Eigen::MatrixXd downs_;
+};
+
 }  // namespace odograph::skyline

@@ -16,7 +16,7 @@ constexpr double kThreeSigma2 = 11.829;  // chi-square of two degrees of freedom
 
 template <class... Numbers>
 std::string format_text(const char* format, Numbers... numbers) {
-  char text[160];
+  char text[200];
   std::snprintf(text, sizeof text, format, numbers...);
   return text;
 }
@@ -29,7 +29,9 @@ void estimate_uncertainty(const std::vector<PhotographAttempt>& attempts, const 
   const PhotographPlace& at = best.places.front();
   const auto weight = [&](const PhotographAttempt& of, const PhotographPlace& c) {
     // A sky with fewer edges has less to gain, and skies' likelihoods are hardly comparable.
-    const double gain = of.places.front().gain * std::max(1.0, best.possible_gain / of.possible_gain);
+    const PhotographPlace& first = of.places.front();
+    const double facades = first.facade_gain;
+    const double gain = facades + (first.gain - facades) * std::max(1.0, best.possible_gain / of.possible_gain);
     const double less = p.sky_power * std::max(0.0, at.gain - gain) + of.places.front().gain - c.gain;
     return std::exp(-p.power * std::max(0.0, less));
   };
@@ -42,29 +44,25 @@ void estimate_uncertainty(const std::vector<PhotographAttempt>& attempts, const 
     for (const PhotographAttempt& attempt : attempts)
       for (const PhotographPlace& c : attempt.places) with(weight(attempt, c), offset(c), c);
   };
-  double all = 0, others = 0;
-  for_each([&](double w, const Eigen::Vector3d&, const PhotographPlace&) { all += w; });
-  // Spread about the best place, which is the estimate, not about the mean: of the places around it, or of all where
-  // that leaves too many out.
-  Eigen::Matrix3d spread;
-  for (const double radius_m : {p.mode_radius_m, 1e9}) {
-    double within = 0;
-    spread.setZero(), others = 0;
-    for_each([&](double w, const Eigen::Vector3d& d, const PhotographPlace& c) {
-      if (d.head<2>().norm() <= radius_m) within += w, spread += w * (c.covariance + d * d.transpose());
-    });
-    spread /= within;
-    match.covariance = spread.topLeftCorner<2, 2>() + p.min_sigma_m * p.min_sigma_m * Eigen::Matrix2d::Identity();
-    const Eigen::Matrix2d information = match.covariance.inverse();
-    for_each([&](double w, const Eigen::Vector3d& d, const PhotographPlace&) {
-      if (d.head<2>().dot(information * d.head<2>()) > kThreeSigma2) others += w;
-    });
-    if (others <= p.max_other * all) break;
-  }
+  // Spread about the best place, which is the estimate, not about the mean, of the places around it.
+  double all = 0, within = 0, others = 0;
+  Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
+  for_each([&](double w, const Eigen::Vector3d& d, const PhotographPlace& c) {
+    all += w;
+    if (d.head<2>().norm() <= p.mode_radius_m) within += w, spread += w * (c.covariance + d * d.transpose());
+  });
+  spread /= within;
+  match.covariance = spread.topLeftCorner<2, 2>() + p.min_sigma_m * p.min_sigma_m * Eigen::Matrix2d::Identity();
+  const Eigen::Matrix2d information = match.covariance.inverse();
+  for_each([&](double w, const Eigen::Vector3d& d, const PhotographPlace&) {
+    if (d.head<2>().dot(information * d.head<2>()) > kThreeSigma2) others += w;
+  });
   // Likelihood that the model has nothing of the picture, over the evidence of the best place by Laplace's
-  // approximation in place and heading. A right place has most of the line in the model.
+  // approximation in place and heading. A right place has most of the line in the model. Lines of two directions, as
+  // any street has them, fit the facades of many places: they count for neither.
   const double share = (p.modelled_power + 1) * std::pow(std::max(match.agreement, 1e-6), p.modelled_power);
-  const double none = p.unmodelled / share * std::exp(std::min(50.0, -at.log_volume - p.power * at.gain));
+  const double none =
+      p.unmodelled / share * std::exp(std::min(50.0, -at.log_volume - p.power * (at.gain - at.facade_gain)));
   decision.other = (others + none) / (all + none);
   decision.chance = none > others;
   match.second_best_ratio = decision.other;
@@ -81,12 +79,17 @@ PhotographDecision decide(const std::vector<PhotographAttempt>& attempts, const 
   estimate_uncertainty(attempts, best, p, decision);
   const Match& match = *decision.tried;
   const double worst_m = std::sqrt(Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(match.covariance).eigenvalues()[1]);
-  if ((decision.chance && decision.other > p.max_other) || match.agreement < p.min_agreement)
-    decision.why = format_text("only %.0f %% of the sky's edge coincides with a roof of the model: that may be chance",
-                               100 * match.agreement);
+  if (match.agreement < p.min_agreement)
+    decision.why =
+        format_text("only %.0f %% of the sky's edge coincides with a roof of the model; %.0f %% are required",
+                    100 * match.agreement, 100 * p.min_agreement);
   else if (decision.other > p.max_other)
     decision.why =
-        format_text("it fits elsewhere too: the best place is right with %.0f %%", 100 * (1 - decision.other));
+        format_text(decision.chance ? "%.0f %% of the sky's edge coincides with a roof of the model: that may "
+                                      "be chance with %.0f %%, and %.0f %% are allowed"
+                                    : "%.0f %% of the sky's edge coincides with a roof of the model, but "
+                                      "other places fit with %.0f %%, and %.0f %% are allowed",
+                    100 * match.agreement, 100 * decision.other, 100 * p.max_other);
   else if (worst_m > p.max_sigma_m)
     decision.why = format_text("the visible roofs determine the place only to %.1f m; %.1f m are required", worst_m,
                                p.max_sigma_m);

@@ -19,7 +19,7 @@ struct PhotographDecisionParameters {
   double max_sigma_m = 5;      ///< of the position along its worst axis
   double max_yaw_sigma_rad = 10 * std::numbers::pi / 180;  ///< half of a compass's: less would not help; judgement
   double min_sigma_m = 0.5;   ///< of north and of east: no model's corners are more accurate (CityGML 2.0, LOD3: 0.5 m)
-  double mode_radius_m = 6;   ///< of the places that form the covariance unless too many are left out
+  double mode_radius_m = 6;   ///< of the places that form the covariance; those beyond three sigmas are others
   double max_other = 0.02;    ///< total probability of places beyond three sigmas and of no place
   double unmodelled = 0.05;   ///< odds, before the picture is seen, that the model has nothing of it; judgement
   double power = 0.8;         ///< of the likelihoods, since the model's errors are not those assumed
@@ -35,13 +35,14 @@ struct PhotographPlace {
   double gain;         ///< log-likelihood over that of a place where nothing fits
   double log_volume;   ///< of the standard deviations, over the prior's
   Eigen::Matrix3d covariance;
+  double facade_gain = 0;  ///< the facades' part of the gain
 };
 
 /// The places by one hypothesis about the photograph: a sky and an inclination.
 struct PhotographAttempt {
   Match match;                          ///< of the best place, without covariance
   std::vector<PhotographPlace> places;  ///< the best one first
-  double possible_gain = 0;             ///< of a place where everything fits
+  double possible_gain = 0;             ///< of a place where all roofs fit
 };
 
 struct PhotographDecision {

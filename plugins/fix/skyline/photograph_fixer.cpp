@@ -38,7 +38,7 @@ PhotographFixer::Outcome PhotographFixer::estimate_pose(Picture picture, const P
     PhotographPrior held = prior;
     held.q_n_c = (prior.q_n_c * Eigen::Quaterniond::FromTwoVectors(level.up_c, prior_up_c)).normalized();
     held.tilt_sigma_rad = level.sigma_rad;
-    facades_.set(lines, held.q_n_c);
+    facades_.set(lines, held.q_n_c, held.tilt_sigma_rad);
     // Colour shows more of the sky, but a colour cast misleads.
     for (const bool in_colour : {true, false}) {
       if (in_colour && chroma.empty()) continue;

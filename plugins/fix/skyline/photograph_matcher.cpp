@@ -10,7 +10,7 @@ namespace odograph::skyline {
 namespace {
 
 constexpr double kDegree = PhotographParameters::kDegree;
-constexpr double kAnyHeading = 1.5;  // rad; a larger standard deviation says nothing
+constexpr double kAnyHeading = 1.5;  // rad; with a larger standard deviation any heading is as likely
 
 using Vector6 = Eigen::Matrix<double, 6, 1>;  // north, east, yaw, tilt_north, tilt_east, up
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
@@ -27,33 +27,6 @@ Guess guess_of(const Vector6& v) {
 double apart(const Guess& x, const Guess& y) { return std::hypot(x.north - y.north, x.east - y.east); }
 
 }  // namespace
-
-/// Of a camera on the ground, in and around the reach of the search. Steps of the ground would be steps of the cost.
-void PhotographMatcher::interpolate_ground() {
-  const auto reach = static_cast<Eigen::Index>(std::ceil((reach_m() + 2 * p_.tile_m) / p_.ground_step_m));
-  downs_.resize(2 * reach + 1, 2 * reach + 1);
-  if (spend_) spend_(p_.ground_work * static_cast<uint64_t>(downs_.size()));
-  const auto here = ground_.at(prior_.p_n.head<2>());
-  const double eye_m = prior_.eye_m.value_or(here ? here->down_m - prior_.p_n.z() : 0);
-  for (Eigen::Index a = -reach; a <= reach; ++a)
-    for (Eigen::Index b = -reach; b <= reach; ++b) {
-      const Eigen::Vector2d by(static_cast<double>(a) * p_.ground_step_m, static_cast<double>(b) * p_.ground_step_m);
-      const auto ground = ground_.at(prior_.p_n.head<2>() + by);
-      downs_(a + reach, b + reach) = ground && (here || prior_.eye_m) ? ground->down_m - eye_m : prior_.p_n.z();
-    }
-}
-
-Eigen::Vector3d PhotographMatcher::place_of(const Guess& guess) const {
-  const Eigen::Index reach = downs_.rows() / 2;
-  const double last = static_cast<double>(2 * reach) - 1e-6;
-  const double x = std::clamp(guess.north / p_.ground_step_m + static_cast<double>(reach), 0.0, last);
-  const double y = std::clamp(guess.east / p_.ground_step_m + static_cast<double>(reach), 0.0, last);
-  const auto a = static_cast<Eigen::Index>(x), b = static_cast<Eigen::Index>(y);
-  const double u = x - static_cast<double>(a), v = y - static_cast<double>(b);
-  const double down = (1 - u) * ((1 - v) * downs_(a, b) + v * downs_(a, b + 1)) +
-                      u * ((1 - v) * downs_(a + 1, b) + v * downs_(a + 1, b + 1));
-  return {prior_.p_n.x() + guess.north, prior_.p_n.y() + guess.east, down};
-}
 
 std::vector<int> PhotographMatcher::roofs_around(const Guess& guess, double radius_m) {
   return city_.roofs_around(place_of(guess), radius_m, 0.03, 4, p_.spread_sigmas * p_.roofs.building_m, spend_);
@@ -130,7 +103,8 @@ void PhotographMatcher::search_place(const Candidate& at, double reach_rad) {
   }
 }
 
-/// The local optimum in place, heading, inclination and heights (Levenberg 1944, Marquardt 1963).
+/// The local optimum in place, heading, inclination and heights (Levenberg 1944, Marquardt 1963). The facades have a
+/// part in the cost but not in the steps.
 void PhotographMatcher::fit(Candidate& at) {
   const PhotographRefinementParameters& r = p_.refinement;
   const Guess from = at.guess;
@@ -308,7 +282,36 @@ PhotographPlace PhotographMatcher::place_at(const Candidate& at) const {
   return {{at.guess.north, at.guess.east, pitch_azimuth_ + at.guess.yaw},
           fit_.no_match_cost() - at.cost,
           0.5 * std::log(covariance.determinant()) - std::log(searched),
-          covariance};
+          covariance,
+          -cost_of_facades(at.guess)};
+}
+
+/// Reduces the covariance of a place to that by its likelihood at a distance, the heading, inclination and heights as
+/// they fit best there: the normal equations have no part of what is not smooth, the ends of houses and the facades.
+void PhotographMatcher::measure_position(const Candidate& at, PhotographPlace& place) {
+  const PhotographRefinementParameters& r = p_.refinement;
+  select_roofs(at, r.moved_m);
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(place.covariance.topLeftCorner<2, 2>());
+  Eigen::Matrix3d information = place.covariance.inverse();
+  for (const int axis : {0, 1}) {
+    const Eigen::Vector2d v = axes.eigenvectors().col(axis);
+    const double sigma_m = std::sqrt(axes.eigenvalues()[axis]);
+    double measured_m = 0;
+    for (const double side : {-1.0, 1.0}) {
+      double at_m = std::min(sigma_m, r.moved_m), increase = 0;
+      for (;; at_m *= 0.5) {
+        Candidate there = at;
+        there.guess.north += side * at_m * v.x(), there.guess.east += side * at_m * v.y();
+        render_skyline(there.guess, r.aligned_rad), align(there);
+        increase = p_.decision.power * (there.cost - at.cost);
+        if (increase < r.max_increase || at_m < r.min_measured_m) break;
+      }
+      measured_m = std::max(measured_m, at_m / std::sqrt(std::max(2 * increase, 1e-6)));
+    }
+    const double more = 1 / (measured_m * measured_m) - 1 / (sigma_m * sigma_m);
+    information.topLeftCorner<2, 2>() += std::max(0.0, more) * v * v.transpose();
+  }
+  place.covariance = information.inverse();
 }
 
 bool PhotographMatcher::describe(const Candidate& best, Match& match) {
@@ -347,9 +350,11 @@ void PhotographMatcher::add(const std::vector<SkyEdge>& edges, const PhotographP
   const Eigen::Vector3d axis = prior.q_n_c * Eigen::Vector3d::UnitZ();
   pitch_azimuth_ = std::atan2(axis.y(), axis.x());
   const auto ground = ground_.at(prior.p_n.head<2>());
-  terrain_ = ground && ground->terrain;
-  if (prior.eye_m && ground && !terrain_) prior_.height_sigma_m = std::hypot(prior.height_sigma_m, p_.feet_sigma_m);
-  if (attempts_.empty()) interpolate_ground();
+  if (prior.eye_m && ground && !ground->terrain)
+    prior_.height_sigma_m = std::hypot(prior.height_sigma_m, p_.feet_sigma_m);
+  if (attempts_.empty())
+    heights_ = CameraHeights(ground_, prior.p_n, prior.eye_m, reach_m() + 2 * p_.tile_m, p_.ground_step_m);
+  if (spend_ && attempts_.empty()) spend_(p_.ground_work * heights_.size());
   fit_.set_line(p_.coarse_rad);
   search();
   const std::vector<Candidate> modes = refined();
@@ -361,7 +366,10 @@ void PhotographMatcher::add(const std::vector<SkyEdge>& edges, const PhotographP
     return;
   }
   attempt.possible_gain = fit_.no_match_cost();
-  for (const Candidate& c : modes) attempt.places.push_back(place_at(c));
+  for (const Candidate& c : modes) {
+    attempt.places.push_back(place_at(c));
+    if (c.cost < modes.front().cost + p_.refinement.measured_gain) measure_position(c, attempt.places.back());
+  }
   attempts_.push_back(std::move(attempt));
 }
 

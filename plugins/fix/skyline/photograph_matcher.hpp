@@ -38,6 +38,10 @@ struct PhotographRefinementParameters {
   double align_deg = 0.03;                          ///< smallest step of the heading
   double move_m = 0.8, moved_to_m = 0.2;            ///< first and last step of the position with the wide sigma,
   double sharp_move_m = 0.4, sharp_moved_m = 0.05;  ///< and with the line's own
+  // The covariance of the position by the likelihood at a distance.
+  double measured_gain = 6;      ///< of the places whose log-likelihood is at most this below the best
+  double max_increase = 2;       ///< of the cost: beyond, which are two sigmas, the distance is halved
+  double min_measured_m = 0.25;  ///< smallest distance
 };
 
 /// Parameters of matching one photograph. Unless a source is named, chosen empirically on rendered pictures of Delft
@@ -110,8 +114,6 @@ class PhotographMatcher {
   const std::optional<Match>& tried() const { return decision_.tried; }
   /// Probability that the camera is beyond three sigmas of the best place.
   double other() const { return decision_.other; }
-  /// False where the model has no terrain there.
-  bool on_terrain() const { return terrain_; }
   /// Radius of the search.
   double reach_m() const { return std::clamp(p_.sigmas * prior_.sigma_m, p_.min_m, p_.max_m); }
 
@@ -123,8 +125,9 @@ class PhotographMatcher {
     Eigen::Matrix<double, 6, 6> information = {};  // as in normal_equations()
   };
   static bool is_likelier(const Candidate& x, const Candidate& y) { return x.cost < y.cost; }
-  void interpolate_ground();
-  Eigen::Vector3d place_of(const Guess& guess) const;
+  Eigen::Vector3d place_of(const Guess& g) const {
+    return {prior_.p_n.x() + g.north, prior_.p_n.y() + g.east, heights_.down_m(g.north, g.east)};
+  }
   /// Places inside buildings are excluded.
   bool is_built(const Guess& guess) const {
     return ground_.is_built(prior_.p_n.head<2>() + Eigen::Vector2d(guess.north, guess.east));
@@ -137,9 +140,7 @@ class PhotographMatcher {
   std::array<double, 2> heading_likelihoods(double yaw) const;
   Eigen::Matrix<double, 6, 1> information_of_prior(const Guess& guess) const;
   double cost_of_prior(const Guess& guess) const;
-  double cost_of_facades(const Guess& guess) {
-    return facades_ ? facades_->cost(prior_.p_n.head<2>() + Eigen::Vector2d(guess.north, guess.east), guess.yaw) : 0;
-  }
+  double cost_of_facades(const Guess& guess) const { return facades_ ? facades_->cost(place_of(guess), guess.yaw) : 0; }
   double cost_of(const Guess& guess, size_t stride = 1) {
     if (spend_) spend_(p_.direction_work * fit_.directions() / stride);
     return fit_.cost(line_, guess, stride) + cost_of_prior(guess) + cost_of_facades(guess);
@@ -153,6 +154,7 @@ class PhotographMatcher {
   std::vector<Candidate> distinct(std::vector<Candidate> all, size_t most, double apart_m) const;
   std::vector<Candidate> refined();
   PhotographPlace place_at(const Candidate& at) const;
+  void measure_position(const Candidate& at, PhotographPlace& place);
   bool describe(const Candidate& best, Match& match);
 
   PhotographParameters p_;
@@ -163,14 +165,13 @@ class PhotographMatcher {
   Spend spend_;
   RoofLine line_;                        // of the latest place
   std::vector<std::vector<int>> roofs_;  // of the tiles
-  Eigen::MatrixXd downs_;                // of the camera, m, on a lattice of ground_step_m around the prior
+  CameraHeights heights_;
   RoofTops tops_;
   PhotographPrior prior_{};
   double pitch_azimuth_ = 0;  // azimuth of the camera's axis
   std::vector<Candidate> candidates_;
   std::vector<PhotographAttempt> attempts_;
   PhotographDecision decision_;
-  bool terrain_ = false;
 };
 
 }  // namespace odograph::skyline

@@ -11,6 +11,7 @@
 #include "plugins/fix/skyline/matcher.hpp"
 #include "plugins/fix/skyline/sky_network.hpp"
 #include "plugins/shared/camera/camera_model.hpp"
+#include "plugins/fix/skyline/photograph_matcher.hpp"
 
 namespace odograph::skyline {
 
@@ -31,7 +32,7 @@ struct PictureJob {
   bool global_search = false;  ///< the place is searched in all of the database
   bool may_join = false;       ///< a picture that sees too little is matched jointly with `older`
   std::vector<View> older;
-  bool may_survey = false;  ///< where no match succeeds, one with errors of the roofs is tried
+  std::optional<PhotographPrior> survey;  ///< where no match succeeds, one with errors of the roofs is tried
 
   bool sky_seen = false;
   std::optional<View> view;  ///< this picture, where it must be matched jointly

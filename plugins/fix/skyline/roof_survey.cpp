@@ -36,7 +36,7 @@ std::string RoofSurvey::adopt(const Match& match) {
     heights_m_[roof.object] = roof.height_m, survey_of_[roof.object] = survey;
     ++buildings, largest_m = std::max(largest_m, std::abs(roof.height_m));
   }
-  changed_ = true;
+  changed_ |= buildings > 0;
   char text[80];
   std::snprintf(text, sizeof text, "%d buildings are up to %.1f m higher or lower than in the model", buildings,
                 largest_m);

@@ -26,11 +26,11 @@ void align_with_gravity(Prior& prior, const Picture& picture, double min_sigma_r
   prior.tilt_sigma_rad = std::max(zenith->sigma_rad, min_sigma_rad);
 }
 
-/// The prior of a survey: a heading that is hardly known may be any.
-PhotographPrior survey_prior(const Prior& prior) {
+/// The prior of a survey, with the pose's own sigma: it is not a search. A heading that is hardly known may be any.
+PhotographPrior survey_prior(const Prior& prior, double sigma_m) {
   return {.p_n = prior.p_n,
           .q_n_c = prior.q_n_c,
-          .sigma_m = prior.position_sigma_m,
+          .sigma_m = std::max(sigma_m, kParameters.min_survey_sigma_m),
           .height_sigma_m = prior.height_sigma_m,
           .yaw_sigma_rad = prior.yaw_sigma_rad < kParameters.no_heading_rad ? prior.yaw_sigma_rad : std::numbers::pi,
           .tilt_sigma_rad = prior.tilt_sigma_rad,
@@ -143,8 +143,9 @@ void SkylineFixer::begin(Picture picture) {
           global_search,
           config_.join && !global_search && yaw_sigma < kParameters.no_heading_rad &&
               pose_->scale_sigma < kParameters.max_scale_sigma * pose_->scale,
-          window_.views(),
-          survey_ && !global_search && failures_ % 2 == 1 && drift_m <= kParameters.farthest_survey_m};
+          window_.views()};
+  if (survey_ && !global_search && failures_ % 2 == 1 && drift_m <= kParameters.farthest_survey_m)
+    job_.survey = survey_prior(job_.prior, sigma);
   worker_.start([this](const Spend& spend) { process_picture(spend); }, slice_);
 }
 
@@ -189,8 +190,8 @@ void SkylineFixer::process_picture(const Spend& spend) {
     job_.match = matcher_->match(edges, prior, spend, job_.older);
   }
   if (job_.match && (!alone || !validate_match(*job_.match, config_.min_agreement, false))) return;
-  if (!job_.may_survey || gathers()) return;
-  job_.surveyed = survey_->match(edges, survey_prior(job_.prior), spend);
+  if (!job_.survey || gathers()) return;
+  job_.surveyed = survey_->match(edges, *job_.survey, spend);
 }
 
 /// Searches the database for the place on which several pictures agree, then matches this picture there.
@@ -262,7 +263,7 @@ std::optional<Rejection> SkylineFixer::validate_path_match() {
 /// Tracks the road's height above n's origin, which the odometry does not observe.
 void SkylineFixer::update_road_height(const Match& match) {
   up_m_ = job_.p_n.z() - match.p_n.z();
-  // The match includes the prior: its sigma is the posterior's.
+  // The match includes the prior: its sigma is the posterior's, or after a survey the prior's.
   const double sigma_m = std::max(match.height_sigma_m, kParameters.min_height_sigma_m);
   up_variance_ = std::min(sigma_m * sigma_m + kParameters.road_height_m * kParameters.road_height_m,
                           config_.height_sigma * config_.height_sigma);

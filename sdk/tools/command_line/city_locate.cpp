@@ -113,9 +113,11 @@ std::string line_of(const Json& row) {
   const std::string place = grid ? text("easting %.2f, northing %.2f", number("easting_m"), number("northing_m"))
                                  : text("%.7f, %.7f", number("latitude_deg"), number("longitude_deg"));
   return name + ": " + place +
-         text(" (sigma %.1f m), looks to %.1f deg (sigma %.1f), %+.1f deg up, rolled by %+.1f; risk %.2f",
-              number("sigma_m"), number("heading_deg"), number("heading_sigma_deg"), number("pitch_deg"),
-              number("roll_deg"), number("risk"));
+         text(
+             " (sigma %.1f m), looks to %.1f deg (sigma %.1f), %+.1f deg up, rolled by %+.1f; agreement %.2f, risk "
+             "%.2f",
+             number("sigma_m"), number("heading_deg"), number("heading_sigma_deg"), number("pitch_deg"),
+             number("roll_deg"), number("agreement"), number("risk"));
 }
 
 /// The table, written row by row: an interrupted run leaves what it has done.
@@ -339,7 +341,9 @@ int locate(const LocateArguments& a) {
 void add_city_locate(CLI::App& city, int& status) {
   auto a = std::make_shared<LocateArguments>();
   auto* command = city.add_subcommand("locate", "Locate photographs in a city model by their skyline");
-  command->add_option("pictures", a->pictures, "photographs, or folders of them (jpg, png; HEIC: convert it first)")
+  command
+      ->add_option("pictures", a->pictures,
+                   "photographs, or folders of them without their subfolders (jpg, png; HEIC: convert it first)")
       ->required();
   command->add_option("--model", a->model, "city model: CityJSON or CityGML")->required()->check(CLI::ExistingFile);
   auto* near = command->add_option(
@@ -371,8 +375,8 @@ void add_city_locate(CLI::App& city, int& status) {
       ->capture_default_str();
   command->add_flag("--json", a->json, "print the table as JSON");
   command->footer(
-      "Exit status: 0 a photograph was placed, 1 none was, 2 bad usage or a missing input, 3 a picture or the model "
-      "cannot be read.");
+      "Exit status: 3 a picture or the model cannot be read, 2 bad usage or a missing input, otherwise 0 where a "
+      "photograph was placed and 1 where none was.");
   command->callback([a, &status] { status = locate(*a); });
 }
 
