@@ -36,6 +36,25 @@ TEST_CASE("a place is accepted or rejected by other places, its agreement and it
   CHECK(decision_of({{{0, 0, 0}, 9, -9, accurate}}, 0.9).why.find(chance) != std::string::npos);
 }
 
+TEST_CASE("the likelier another place is, the less a photograph is placed") {
+  const PhotographDecisionParameters p;
+  const Eigen::Matrix3d accurate = Vector3d(0.04, 0.04, 1e-4).asDiagonal();
+  bool was_placed = true;
+  double risk = 0;
+  for (double less = 12; less >= 0; less -= 0.1) {
+    CAPTURE(less);
+    const auto decision = decide({{.match = {.agreement = 0.9},
+                                   .places = {{{0, 0, 0}, 60, -9, accurate}, {{15, 0, 0}, 60 - less, -9, accurate}},
+                                   .possible_gain = 80}},
+                                 p);
+    CHECK(decision.other >= risk);
+    CHECK((was_placed || !decision.why.empty()));
+    was_placed = decision.why.empty(), risk = decision.other;
+  }
+  CHECK_FALSE(was_placed);
+  CHECK(risk == doctest::Approx(0.5));
+}
+
 TEST_CASE("lines of two directions do not turn a line of roofs that may be chance into evidence") {
   const PhotographDecisionParameters p;
   const Eigen::Matrix3d accurate = Vector3d(0.04, 0.04, 1e-4).asDiagonal();
