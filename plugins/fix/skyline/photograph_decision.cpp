@@ -53,16 +53,22 @@ void estimate_uncertainty(const std::vector<PhotographAttempt>& attempts, const 
   });
   spread /= within;
   match.covariance = spread.topLeftCorner<2, 2>() + p.min_sigma_m * p.min_sigma_m * Eigen::Matrix2d::Identity();
-  const Eigen::Matrix2d information = match.covariance.inverse();
-  for_each([&](double w, const Eigen::Vector3d& d, const PhotographPlace&) {
-    if (d.head<2>().dot(information * d.head<2>()) > kThreeSigma2) others += w;
-  });
+  // Several places nearby are not a Gaussian: its three sigmas are those that hold.
+  for (double near = 1e9; near > p.near_part * p.max_other * all;) {
+    const Eigen::Matrix2d information = match.covariance.inverse();
+    near = others = 0;
+    for_each([&](double w, const Eigen::Vector3d& d, const PhotographPlace&) {
+      if (d.head<2>().dot(information * d.head<2>()) <= kThreeSigma2) return;
+      others += w;
+      if (d.head<2>().norm() <= p.mode_radius_m) near += w;
+    });
+    if (near > p.near_part * p.max_other * all) match.covariance *= 1.2;
+  }
   // Likelihood that the model has nothing of the picture, over the evidence of the best place by Laplace's
-  // approximation in place and heading. A right place has most of the line in the model. Lines of two directions, as
-  // any street has them, fit the facades of many places: they count for neither.
+  // approximation in place and heading. A right place has most of the line in the model.
   const double share = (p.modelled_power + 1) * std::pow(std::max(match.agreement, 1e-6), p.modelled_power);
-  const double none =
-      p.unmodelled / share * std::exp(std::min(50.0, -at.log_volume - p.power * (at.gain - at.facade_gain)));
+  const double gain = at.gain - at.facade_gain + std::min(at.facade_gain, p.facade_evidence);
+  const double none = p.unmodelled / share * std::exp(std::min(50.0, -at.log_volume - p.power * gain));
   decision.other = (others + none) / (all + none);
   decision.chance = none > others;
   match.second_best_ratio = decision.other;
