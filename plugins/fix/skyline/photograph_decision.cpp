@@ -32,7 +32,7 @@ void estimate_uncertainty(const std::vector<PhotographAttempt>& attempts, const 
     const PhotographPlace& first = of.places.front();
     const double facades = first.facade_gain;
     const double gain = facades + (first.gain - facades) * std::max(1.0, best.possible_gain / of.possible_gain);
-    const double less = p.sky_power * std::max(0.0, at.gain - gain) + of.places.front().gain - c.gain;
+    const double less = p.sky_power * std::max(0.0, at.gain - gain) + first.gain - c.gain;
     return std::exp(-p.power * std::max(0.0, less));
   };
   const auto offset = [&](const PhotographPlace& c) {
@@ -58,7 +58,7 @@ void estimate_uncertainty(const std::vector<PhotographAttempt>& attempts, const 
     const Eigen::Matrix2d information = match.covariance.inverse();
     near = others = 0;
     for_each([&](double w, const Eigen::Vector3d& d, const PhotographPlace&) {
-      if (d.head<2>().dot(information * d.head<2>()) <= kThreeSigma2) return;
+      if (!(d.head<2>().dot(information * d.head<2>()) > kThreeSigma2)) return;  // nor where it is not a number
       others += w;
       if (d.head<2>().norm() <= p.mode_radius_m) near += w;
     });
