@@ -34,7 +34,7 @@ struct FacadeParameters {
   double min_elevation_rad = 2 * kDegree;  ///< of a line: lower ones are often on the ground
   double contradicting = 0.1;      ///< fraction of photographs whose lines have nothing to do with the model; judgement
   double on_wall = 0.5;            ///< fraction of the lines that are horizontal and on the model's wall; judgement
-  double part_rad = 3 * kDegree;   ///< a longer line counts as several, side by side
+  double part_rad = 3 * kDegree;   ///< a longer line is compared in several bearings
   double alike_rad = 2 * kDegree;  ///< lines that differ less in bearing and direction are one
   double max_lines = 6;            ///< max number of independent lines
 };
