@@ -283,6 +283,33 @@ TEST_CASE("the normal equations of a roof line lead back to the camera's pose") 
   CHECK(off(g) < 0.1 * first);
 }
 
+TEST_CASE("the ends of houses, which the line's slopes do not know, determine the position along a street") {
+  std::vector<Edge> row;  // of equal heights along the street, with a gap; all is symmetric
+  int object = 0;
+  for (const double from : {-40.0, 3.0}) {
+    for (const double h : {0.0, 9.0}) row.push_back({{12, from, -h}, {12, from + 37, -h}, object});
+    ++object;
+  }
+  City city(row);
+  const Ground ground(row);
+  const Vector3d place(0, 0, -1.6);
+  const Quaterniond q = camera(0, 15 * kDegree);
+  const auto sigma_along = [&](const PhotographParameters& p, double& error_m) {
+    PhotographMatcher matcher(city, ground, p);
+    matcher.match(seen_in(row, place, q), prior_of(place + Vector3d(1, 1.2, 0), q));
+    REQUIRE(matcher.tried());
+    error_m = (matcher.tried()->p_n - place).y();
+    return std::sqrt(matcher.tried()->covariance(1, 1));
+  };
+  PhotographParameters unmeasured;
+  unmeasured.refinement.measured_gain = -1;  // of no place
+  double error_m = 0;
+  const double by_slopes_m = sigma_along(unmeasured, error_m), measured_m = sigma_along({}, error_m);
+  MESSAGE("along the street " << measured_m << " m, by the slopes alone " << by_slopes_m << " m, error " << error_m);
+  CHECK(measured_m < 0.5 * by_slopes_m);
+  CHECK(std::abs(error_m) < 3 * measured_m);
+}
+
 TEST_CASE("a photograph whose skies lead to two places is not placed") {
   const auto model = a_crossing({});
   City city(model);
