@@ -57,14 +57,15 @@ place="-GPSLatitude=52.105 -GPSLatitudeRef=N -GPSLongitude=4.275 -GPSLongitudeRe
   tagged turned.jpg $place -FocalLengthIn35mmFormat=26 -Orientation#=6
 }
 town="$odograph city locate --model town.city.json"
-locate="$town -o found"
+locate="$town -o found --sigma 3"
 # EXIF data suffice; the picture is of another town and is not placed. Another without them has its row too.
-expect 1 "phone.jpg: not placed: " $locate phone.jpg no_place.jpg
+expect 1 "phone.jpg: not placed: " $town -o found phone.jpg no_place.jpg
 cat out err >first
 expect 0 "the model has no terrain there" cat first
 expect 0 "no_place.jpg: not placed: it does not state where it was taken (no GPS position in EXIF): give --near" cat first
 expect 0 "0 of 2 placed; found has photographs.csv, map.png" cat first
-expect 0 'phone.jpg",false' grep phone found/photographs.csv
+expect 0 'phone.jpg",false' grep phone.jpg found/photographs.csv
+expect 0 "4.5,250" grep phone.jpg found/photographs.csv
 expect 0 "PNG" head -c 8 found/map.png
 expect 1 "turned.jpg: not placed: " $locate turned.jpg
 # Missing inputs are requested with their options, all at once; the other pictures of a folder are still processed.
@@ -76,7 +77,7 @@ cp err all
 expect 0 "no picture states its focal length" cat all
 expect 0 "the model states no reference system" cat all
 
-expect 1 "plain.jpg: not placed: " $locate plain.jpg --near 52.105,4.275 --lens 26mm
+expect 1 "plain.jpg: not placed: " $locate plain.jpg --near 52.105,4.275 --lens 26mm --heading 250
 # A place without buildings is not searched; the reason has the model's bounds.
 expect 1 "km from the model, whose buildings span latitudes 52.104" $locate south.jpg
 expect 1 "4.27530; are the two numbers exchanged?" $locate plain.jpg --near 4.275,52.105 --lens 26mm
@@ -95,7 +96,7 @@ expect 3 "no folder can be made there" $town phone.jpg -o phone.jpg/out
 expect 2 "give --model-at LAT,LON of its zero" "$odograph" city locate -o found --model local.city.json phone.jpg
 expect 3 "cut.gml:1: not XML" "$odograph" city locate -o found --model cut.gml phone.jpg
 grep model-at err && { echo "FAILED: a hint at the reference system of a broken model"; failed=1; }
-expect 1 "phone.jpg: not placed: " "$odograph" city locate -o found --model local.city.json phone.jpg --at 78803.8 458001.5
+expect 1 "phone.jpg: not placed: " "$odograph" city locate -o found --model local.city.json phone.jpg --at 78803.8 458001.5 --sigma 3
 expect 1 '"placed": false' $locate south.jpg --json
 python3 -m json.tool out >/dev/null || { echo "FAILED: --json is not one JSON value"; failed=1; }
 # A picture that cannot be read has a row with the reason, and the next one is still processed.
@@ -106,8 +107,8 @@ head -c 30000 phone.jpg >folder/truncated.jpg
 printf '\0\0\0\030ftypheic\0\0\0\0mif1heic' | tee folder/phone.heic >folder/renamed.jpg
 cp south.jpg folder
 expect 3 "folder/truncated.jpg: not placed: the picture is truncated" $locate folder south.jpg
-expect 0 '"folder/phone.heic",false,,,,,,,,,,,,"HEIC and AVIF are not read; convert it to JPEG' cat found/photographs.csv
-expect 0 '"folder/renamed.jpg",false,,,,,,,,,,,,"HEIC' cat found/photographs.csv
+expect 0 '"folder/phone.heic",false,,,,,,,,,,,,,"HEIC and AVIF are not read; convert it to JPEG' cat found/photographs.csv
+expect 0 '"folder/renamed.jpg",false,,,,,,,,,,,,,"HEIC' cat found/photographs.csv
 expect 0 '"folder/south.jpg",false' cat found/photographs.csv
 # The table is written row by row.
 $town south.jpg phone.jpg -o stopped >/dev/null 2>&1 &

@@ -18,6 +18,34 @@ using Eigen::Vector3d;
 const cv::Scalar kRoofs(40, 90, 235), kShadow(255, 255, 255), kBuildings(150, 150, 150), kGuess(200, 140, 60),
     kPlaced(40, 140, 40), kInk(50, 50, 50);
 
+void put_text(cv::Mat& map, const std::string& words, const cv::Point& at, double size, const cv::Scalar& colour) {
+  cv::putText(map, words, at, cv::FONT_HERSHEY_SIMPLEX, size, cv::Scalar::all(255), 4, cv::LINE_AA);
+  cv::putText(map, words, at, cv::FONT_HERSHEY_SIMPLEX, size, colour, 1, cv::LINE_AA);
+}
+
+/// Names beside points, each where no other is, beneath each other where points are close.
+class Labels {
+ public:
+  explicit Labels(cv::Mat& map) : map_(map) {}
+  void add(const std::string& name, const cv::Point& point) {
+    constexpr double kScale = 0.4;
+    const cv::Size size = cv::getTextSize(name, cv::FONT_HERSHEY_SIMPLEX, kScale, 1, nullptr) + cv::Size(2, 4);
+    cv::Rect box;
+    for (int row = 0; row < 40; ++row) {
+      const int below = (row % 2 ? -1 : 1) * ((row + 1) / 2) * size.height;
+      box = {point + cv::Point(8, below - size.height), size};
+      if (std::none_of(used_.begin(), used_.end(), [&](const cv::Rect& other) { return (box & other).area() > 0; }))
+        break;
+    }
+    used_.push_back(box);
+    put_text(map_, name, box.tl() + cv::Point(1, size.height - 3), kScale, kInk);
+  }
+
+ private:
+  cv::Mat& map_;
+  std::vector<cv::Rect> used_;
+};
+
 }  // namespace
 
 void draw_roofs(cv::Mat& bgr, double focal_px, const PhotographPose& placed, const PhotographLocalizer& placer) {
@@ -62,20 +90,24 @@ cv::Mat map_of(const std::vector<MappedPhotograph>& photographs, const Photograp
   cv::Mat map(kSide, kSide, CV_8UC3, cv::Scalar(255, 255, 255));
   for (const auto& edge : placer.edges_near(middle, 0.75 * side_m + 50))
     cv::line(map, at(edge[0].head<2>()), at(edge[1].head<2>()), kBuildings, 1, cv::LINE_AA);
+  std::vector<std::pair<std::string, cv::Point>> names;  // drawn last
   for (const auto& [name, guess, placed] : photographs) {
     const cv::Point before = at({guess.north_m, guess.east_m});
     cv::circle(map, before, std::max(2, static_cast<int>(guess.sigma_m * scale)), kGuess, 1, cv::LINE_AA);
-    cv::putText(map, name, before + cv::Point(6, -6), cv::FONT_HERSHEY_SIMPLEX, 0.4, kInk, 1, cv::LINE_AA);
     if (!placed.placed) {
       cv::drawMarker(map, before, kGuess, cv::MARKER_TILTED_CROSS, 12, 2);
+      names.emplace_back(name, before);
       continue;
     }
     const Vector2d p = placed.p_n.head<2>();
     const double heading = placed.heading_rad();
     cv::line(map, before, at(p), kGuess, 1, cv::LINE_AA);
     cv::arrowedLine(map, at(p), at(p + 12 * Vector2d(std::cos(heading), std::sin(heading))), kPlaced, 2, cv::LINE_AA);
+    names.emplace_back(name, at(p));
     cv::circle(map, at(p), std::max(3, static_cast<int>(placed.sigma_m() * scale)), kPlaced, 1, cv::LINE_AA);
   }
+  Labels labels(map);
+  for (const auto& [name, point] : names) labels.add(name, point);
   cv::line(map, {20, kSide - 20}, {20 + static_cast<int>(20 * scale), kSide - 20}, kInk, 2);
   const std::pair<const char*, cv::Scalar> legend[] = {{"20 m, north is up", kInk},
                                                        {"estimate: viewing direction, circle of one sigma", kPlaced},
@@ -83,8 +115,7 @@ cv::Mat map_of(const std::vector<MappedPhotograph>& photographs, const Photograp
                                                        {"edges of the model, as its surfaces are divided", kBuildings}};
   int y = kSide - 28;
   for (const auto& [words, colour] : legend) {
-    cv::putText(map, words, {20, y}, cv::FONT_HERSHEY_SIMPLEX, 0.5, cv::Scalar::all(255), 4, cv::LINE_AA);
-    cv::putText(map, words, {20, y}, cv::FONT_HERSHEY_SIMPLEX, 0.5, colour, 1, cv::LINE_AA);
+    put_text(map, words, {20, y}, 0.5, colour);
     y -= 20;
   }
   return map;

@@ -85,13 +85,14 @@ Scenario scenario_of(const PhotographSceneParameters& p, const Vector3d& start) 
   scenario.world.pedestrians = scenario.world.cars = 0;
   scenario.route = {{start.x(), start.y(), 0}, {start.x() + 1, start.y(), 0}};
   scenario.camera.width = p.width, scenario.camera.height = p.height;
+  scenario.camera.colour = true;
   scenario.camera.row_time_s = 0, scenario.camera.exposure_s = 0, scenario.camera.pitch_rad = 0;
   return scenario;
 }
 
 /// Image processing of a phone: exposure, noise, a tone curve that lifts shadows and compresses highlights, sharpening,
-/// white balance.
-cv::Mat developed(const cv::Mat& light, Random& random) {
+/// colour, white balance.
+cv::Mat developed(const cv::Mat& light, const cv::Mat& tint, Random& random) {
   const double exposure = random.uniform(0.75, 1.35), curve = random.uniform(0.3, 1.0),
                grain = random.uniform(0.5, 2.5);
   cv::Mat noise(light.size(), CV_32F), value;
@@ -106,10 +107,10 @@ cv::Mat developed(const cv::Mat& light, Random& random) {
   cv::GaussianBlur(value, soft, {0, 0}, 1.2);
   value += random.uniform(0.2, 0.8) * (value - soft);
   const double warm = random.uniform(-0.12, 0.12), green = random.uniform(-0.04, 0.04);
-  cv::Mat channels[3], bgr;
-  const double gains[] = {1 - warm, 1 + green, 1 + warm};
-  for (int c = 0; c < 3; ++c) value.convertTo(channels[c], CV_8U, 255 * gains[c]);
-  cv::merge(channels, 3, bgr);
+  cv::Mat grey;
+  value.convertTo(grey, CV_8U, 255);
+  cv::Mat bgr = coloured(grey, tint);
+  cv::multiply(bgr, cv::Scalar(1 - warm, 1 + green, 1 + warm), bgr);
   return bgr;
 }
 
@@ -191,7 +192,9 @@ Result<SimulatedPhotograph> PhotographScene::take(uint64_t number) {
     const SimCamera camera(scenario.camera, 1.0, number);
     const Motion still(1, {at}, {(q_n_c * camera.in_body().conjugate()).normalized()});
     View view(*parts_->world, camera, scenario);
-    return SimulatedPhotograph{developed(view.render(still, 0, 0), random), scenario.camera.focal_px, at, q_n_c};
+    const cv::Mat light = view.render(still, 0, 0);
+    return SimulatedPhotograph{developed(light, view.tint(), random), view.sky_mask(), scenario.camera.focal_px, at,
+                               q_n_c};
   }
   return Failure{ODO_E_DATA, "the model has no place to take a photograph from"};
 }

@@ -29,6 +29,7 @@ struct PhotographSceneParameters {
 
 struct SimulatedPhotograph {
   cv::Mat bgr;  ///< before compression
+  cv::Mat sky;  ///< 255 where it shows the sky
   double focal_px;
   Eigen::Vector3d p_n;
   Eigen::Quaterniond q_n_c;

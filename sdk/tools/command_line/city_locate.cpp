@@ -12,6 +12,7 @@
 #include "sdk/tools/city/georeferenced_city.hpp"
 #include "sdk/tools/city/photograph.hpp"
 #include "sdk/tools/city/photograph_drawing.hpp"
+#include "sdk/tools/city/photograph_table.hpp"
 #include "sdk/tools/command_line/commands.hpp"
 #include "sdk/tools/table/table.hpp"
 #include "sdk/tools/text/text.hpp"
@@ -82,82 +83,6 @@ std::vector<std::string> missing_inputs(const LocateArguments& a, const Photogra
   return missing;
 }
 
-double degrees(double rad) { return std::fmod(rad / kDegree + 360, 360); }
-
-Json row_of(const fs::path& file, const GeoreferencedCity& city, const PhotographPose& placed, double eye_m) {
-  Json row = {{"picture", file.string()}, {"placed", placed.placed}};
-  if (!placed.placed) {
-    row["reason"] = placed.why;
-    return row;
-  }
-  const Coordinates at = city.coordinates(placed.p_n);
-  row[city.is_geodetic() ? "latitude_deg" : "easting_m"] = at[0];
-  row[city.is_geodetic() ? "longitude_deg" : "northing_m"] = at[1];
-  row["sigma_m"] = placed.sigma_m();
-  row["height_m"] = -placed.p_n.z();
-  row["above_ground_m"] = eye_m;
-  row["heading_deg"] = degrees(placed.heading_rad());
-  row["heading_sigma_deg"] = placed.heading_sigma_rad / kDegree;
-  row["pitch_deg"] = placed.pitch_rad() / kDegree;
-  row["roll_deg"] = placed.roll_rad() / kDegree;
-  row["agreement"] = placed.agreement;
-  row["risk"] = placed.integrity;
-  return row;
-}
-
-std::string line_of(const Json& row) {
-  const auto number = [&](const char* key) { return row[key].get<double>(); };
-  const std::string name = row["picture"].get<std::string>();
-  if (!row["placed"].get<bool>()) return name + ": not placed: " + row["reason"].get<std::string>();
-  const bool grid = row.contains("easting_m");
-  const std::string place = grid ? text("easting %.2f, northing %.2f", number("easting_m"), number("northing_m"))
-                                 : text("%.7f, %.7f", number("latitude_deg"), number("longitude_deg"));
-  return name + ": " + place +
-         text(
-             " (sigma %.1f m), looks to %.1f deg (sigma %.1f), %+.1f deg up, rolled by %+.1f; agreement %.2f, risk "
-             "%.2f",
-             number("sigma_m"), number("heading_deg"), number("heading_sigma_deg"), number("pitch_deg"),
-             number("roll_deg"), number("agreement"), number("risk"));
-}
-
-/// The table, written row by row: an interrupted run leaves what it has done.
-class Csv {
- public:
-  Csv(const fs::path& file, bool geodetic)
-      : name_(file.string()),
-        out_(file),
-        keys_{"picture",
-              "placed",
-              geodetic ? "latitude_deg" : "easting_m",
-              geodetic ? "longitude_deg" : "northing_m",
-              "sigma_m",
-              "height_m",
-              "heading_deg",
-              "heading_sigma_deg",
-              "pitch_deg",
-              "roll_deg",
-              "agreement",
-              "risk",
-              "drawing",
-              "reason"} {
-    for (size_t k = 0; k < keys_.size(); ++k) out_ << (k ? "," : "") << keys_[k];
-    out_ << '\n';
-  }
-  Result<bool> add(const Json& row) {
-    for (size_t k = 0; k < keys_.size(); ++k) {
-      out_ << (k ? "," : "");
-      if (row.contains(keys_[k])) out_ << row[keys_[k]].dump();
-    }
-    out_ << '\n';
-    return out_.flush() ? Result<bool>(true) : Failure{ODO_E_IO, name_ + ": cannot be written"};
-  }
-
- private:
-  std::string name_;
-  std::ofstream out_;
-  std::vector<std::string> keys_;
-};
-
 /// Places the pictures one by one; each gets a row, of the table and of the output.
 class Locator {
  public:
@@ -172,25 +97,25 @@ class Locator {
   Result<bool> add(const Picture& picture) {
     PhotographPose placed;
     cv::Mat bgr;
-    double focal_px = 0;
+    std::optional<PhotographInputs> prior;
     if (!picture.stated) {
       placed.why = unreadable(picture, picture.stated.failure());
-    } else if (const auto done = locate(picture, bgr, focal_px, placed); !done) {
+    } else if (const auto done = locate(picture, bgr, prior, placed); !done) {
       return done.failure();
     }
     const auto ground = city_.localizer().ground(placed.p_n.head<2>());
-    Json row = row_of(picture.file, city_, placed, ground ? ground->down_m - placed.p_n.z() : 0);
+    Json row = row_of_photograph(picture.file, city_, prior, placed, ground ? ground->down_m - placed.p_n.z() : 0);
     if (placed.placed) {
       const std::string stem = picture.file.stem().string();
       std::string name = stem + "_roofs.jpg";
       for (int copy = 2; !drawings_.insert(name).second; ++copy)  // the same name in another folder
         name = stem + "_" + std::to_string(copy) + "_roofs.jpg";
       row["drawing"] = name;
-      draw_roofs(bgr, focal_px, placed, city_.localizer());
+      draw_roofs(bgr, prior->focal_px, placed, city_.localizer());
       if (const auto written = write(name, bgr); !written) return written;
     }
     rows_.push_back(row);
-    if (!a_.json) std::printf("%s\n", line_of(row).c_str()), std::fflush(stdout);
+    if (!a_.json) std::printf("%s\n", text_of_photograph(row).c_str()), std::fflush(stdout);
     return csv_.add(row);
   }
 
@@ -217,7 +142,8 @@ class Locator {
                                            : Failure{ODO_E_IO, file.string() + ": cannot be written"};
   }
 
-  Result<bool> locate(const Picture& picture, cv::Mat& bgr, double& focal_px, PhotographPose& placed) {
+  Result<bool> locate(const Picture& picture, cv::Mat& bgr, std::optional<PhotographInputs>& prior,
+                      PhotographPose& placed) {
     const Photograph& photograph = *picture.stated;
     for (const std::string& what : missing_inputs(a_, photograph))
       placed.why += (placed.why.empty() ? "it does not state " : "; nor ") + what;
@@ -235,17 +161,16 @@ class Locator {
     bgr = std::move(*pixels);
     const auto focal = a_.lens.empty() ? Result<double>(*photograph.focal_px) : focal_of_lens(a_.lens, bgr.size());
     if (!focal) return focal.failure();
-    focal_px = *focal;
-    const PhotographGuess guess = guess_of(photograph, place);
-    print_notes(picture, guess);
+    prior = PhotographInputs{guess_of(photograph, place), *focal};
+    print_notes(picture, prior->guess);
     {
       Progress progress(picture.file.filename().string() + text(", %zu of %zu", rows_.size() + 1, count_));
       progress.show(rows_.size(), count_);
-      const auto answer = city_.localizer().estimate_pose(bgr, focal_px, guess);
+      const auto answer = city_.localizer().estimate_pose(bgr, *focal, prior->guess);
       if (!answer) return answer.failure();
       placed = *answer;
     }
-    mapped_.push_back({picture.file.stem().string(), guess, placed});
+    mapped_.push_back({picture.file.stem().string(), prior->guess, placed});
     return write("map.png", map_of(mapped_, city_.localizer()));
   }
 
@@ -279,7 +204,7 @@ class Locator {
   std::optional<Coordinates> place_;
   GeoreferencedCity& city_;
   size_t count_;
-  Csv csv_;
+  PhotographCsv csv_;
   Rows rows_;
   std::vector<MappedPhotograph> mapped_;
   std::set<std::string> drawings_;

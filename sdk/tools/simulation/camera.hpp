@@ -74,6 +74,8 @@ class View {
   /// The tint of each pixel of the last frame, as coloured() takes it; empty without `camera.colour`. Motion blur does
   /// not apply to it.
   const cv::Mat& tint() const { return tint_; }
+  /// Mask of the last frame: 255 where the pixel's ray meets nothing.
+  cv::Mat sky_mask() const;
   /// Fraction of the last frame's pixels that show moving objects.
   double moving_part() const { return moving_part_; }
   /// Unoccluded fraction of a known object, 0 to 1, in steps of a 25th.
@@ -89,7 +91,7 @@ class View {
   float sky(const Eigen::Vector3f& ray) const;
   float surface_grey(const RTCRayHit& hit, float distance_before, bool* glass, Eigen::Vector3f* normal) const;
   Tint tint_of(const RTCRayHit& hit, float grey) const;
-  cv::Mat blurred(const cv::Mat& grey, const cv::Mat& depth, const Motion& phone, double t_s, double exposure_s) const;
+  cv::Mat blurred(const cv::Mat& grey, const Motion& phone, double t_s, double exposure_s) const;
 
   const World& world_;
   const SimCamera& camera_;
@@ -98,7 +100,7 @@ class View {
   std::vector<RTCGeometry> movers_;
   std::vector<size_t> mesh_of_instance_;
   std::vector<Eigen::Isometry3f> place_of_instance_;
-  cv::Mat instance_of_pixel_, tint_;  // of the current frame
+  cv::Mat instance_of_pixel_, tint_, depth_;  // of the current frame
   double moving_part_ = 0;
   // Buffers of the current row: hits, sunlight, shadow rays, and reflected rays.
   std::vector<RTCRayHit> hits_, mirrors_;

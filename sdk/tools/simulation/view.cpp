@@ -229,9 +229,12 @@ void View::shade_row(float* row, float* depth, uint16_t* instance, Tint* tint) {
   cast_reflections(row, depth, tint);
 }
 
+cv::Mat View::sky_mask() const { return depth_ >= kFar; }
+
 cv::Mat View::render(const Motion& phone, double t_s, double exposure_s) {
   place_movers(t_s);
-  cv::Mat grey(camera_.height(), camera_.width(), CV_32F), depth(grey.size(), CV_32F);
+  cv::Mat grey(camera_.height(), camera_.width(), CV_32F);
+  depth_.create(grey.size(), CV_32F);
   instance_of_pixel_.create(grey.size(), CV_16U);
   if (c_.camera.colour) tint_.create(grey.size(), CV_32FC2);
   for (int y = 0; y < camera_.height(); ++y) {
@@ -242,14 +245,14 @@ cv::Mat View::render(const Motion& phone, double t_s, double exposure_s) {
     const SimLens::State lens = camera_.lens().at(t_s + camera_.row_offset_s(y));
     for (int x = 0; x < camera_.width(); ++x)
       aim(hits_[static_cast<size_t>(x)], origin, R * (still ? camera_.ray(x, y) : camera_.ray(x, y, lens)));
-    shade_row(grey.ptr<float>(y), depth.ptr<float>(y), instance_of_pixel_.ptr<uint16_t>(y),
+    shade_row(grey.ptr<float>(y), depth_.ptr<float>(y), instance_of_pixel_.ptr<uint16_t>(y),
               tint_.empty() ? nullptr : tint_.ptr<Tint>(y));
   }
   moving_part_ = static_cast<double>(cv::countNonZero(instance_of_pixel_)) / static_cast<double>(grey.total());
   if (!tint_.empty()) cv::GaussianBlur(tint_, tint_, {5, 5}, 1.2);  // a sensor resolves colour half as well as grey
   cv::Mat sharp;
   cv::GaussianBlur(grey, sharp, {3, 3}, 0.5);  // lens blur and antialiasing, because there is one ray per pixel
-  return exposure_s > 0 ? blurred(sharp, depth, phone, t_s, exposure_s) : sharp;
+  return exposure_s > 0 ? blurred(sharp, phone, t_s, exposure_s) : sharp;
 }
 
 double View::visible_part(const KnownObject& object, const Vector3d& eye_n, double t_s) {
@@ -271,8 +274,7 @@ double View::visible_part(const KnownObject& object, const Vector3d& eye_n, doub
          (kSide * kSide);
 }
 
-cv::Mat View::blurred(const cv::Mat& grey, const cv::Mat& depth, const Motion& phone, double t_s,
-                      double exposure_s) const {
+cv::Mat View::blurred(const cv::Mat& grey, const Motion& phone, double t_s, double exposure_s) const {
   const auto state = phone.at(t_s);
   const Eigen::Matrix3d R_c_b = camera_.in_body().conjugate().toRotationMatrix();
   const Vector3f rotation = (R_c_b * state.angular_velocity_b).cast<float>();
@@ -288,7 +290,7 @@ cv::Mat View::blurred(const cv::Mat& grey, const cv::Mat& depth, const Motion& p
   const int right = grey.cols - 1, bottom = grey.rows - 1;
   const auto* pixels = grey.ptr<float>();
   for (int y = 0; y <= bottom; ++y) {
-    const auto *row = grey.ptr<float>(y), *depths = depth.ptr<float>(y);
+    const auto *row = grey.ptr<float>(y), *depths = depth_.ptr<float>(y);
     const auto* instances = instance_of_pixel_.ptr<uint16_t>(y);
     auto* to = out.ptr<float>(y);
     const Eigen::Vector2d lens = camera_.lens().at(t_s + camera_.row_offset_s(y)).rate_px_s * exposure_s;
