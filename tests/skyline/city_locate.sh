@@ -93,7 +93,7 @@ expect 2 "expected 26mm (35 mm equivalent" $locate plain.jpg --near 52.105,4.275
 expect 3 "--lens none.yaml: no such file" $locate plain.jpg --near 52.105,4.275 --lens none.yaml
 expect 2 "not in range" $locate phone.jpg --heading 400
 expect 3 "no folder can be made there" $town phone.jpg -o phone.jpg/out
-expect 2 "give --model-at LAT,LON of its zero" "$odograph" city locate -o found --model local.city.json phone.jpg
+expect 2 "give the place in its own coordinates by --at EASTING NORTHING, or" "$odograph" city locate -o found --model local.city.json phone.jpg
 expect 3 "cut.gml:1: not XML" "$odograph" city locate -o found --model cut.gml phone.jpg
 grep model-at err && { echo "FAILED: a hint at the reference system of a broken model"; failed=1; }
 expect 1 "phone.jpg: not placed: " "$odograph" city locate -o found --model local.city.json phone.jpg --at 78803.8 458001.5 --sigma 3

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "plugins/fix/skyline/photograph_decision.hpp"
+#include "plugins/fix/skyline/photograph_prior.hpp"
 
 using namespace odograph::skyline;
 using Eigen::Vector3d;
@@ -26,13 +27,13 @@ TEST_CASE("a place is accepted or rejected by other places, its agreement and it
   CHECK(alone.other < 0.001);
   CHECK(alone.tried->covariance.trace() / 2 == doctest::Approx(0.04 + p.min_sigma_m * p.min_sigma_m));
   const PhotographPlace elsewhere{{15, 0, 0}, 59, -9, accurate}, beside{{3, 0, 0}, 60, -9, accurate};
-  CHECK(decision_of({best, elsewhere}, 0.9).why.find("other places fit with") != std::string::npos);
+  CHECK(decision_of({best, elsewhere}, 0.9).why.find("probability of other places is") != std::string::npos);
   CHECK(std::sqrt(decision_of({best, beside}, 0.9).tried->covariance(0, 0)) > 2);
   const PhotographPlace turned{{0, 0, 1.5}, 60, -9, accurate};
   CHECK(decision_of({best, turned}, 0.9).why.find("determine the heading only to") != std::string::npos);
   CHECK(decision_of({best}, 0.4).why ==
         "only 40 % of the sky's edge coincides with a roof of the model; 50 % are required");
-  const auto chance = "that may be chance with";
+  const auto chance = "the probability that this is chance is";
   CHECK(decision_of({{{0, 0, 0}, 9, -9, accurate}}, 0.9).why.find(chance) != std::string::npos);
 }
 
@@ -66,8 +67,41 @@ TEST_CASE("lines of two directions do not turn a line of roofs that may be chanc
         .why;
   };
   CHECK(why(60, 10).empty());
-  CHECK(why(6, 10).find("may be chance") != std::string::npos);
-  CHECK(why(6, 30).find("may be chance") != std::string::npos);
+  CHECK(why(6, 10).find("this is chance") != std::string::npos);
+  CHECK(why(6, 30).find("this is chance") != std::string::npos);
+}
+
+TEST_CASE(
+    "the same place by several skies is no more evidence, and an area that was not searched is evidence against it") {
+  const PhotographDecisionParameters p;
+  const Eigen::Matrix3d accurate = Vector3d(0.04, 0.04, 1e-4).asDiagonal();
+  PhotographAttempt attempt{
+      .match = {.agreement = 0.9}, .places = {{{0, 0, 0}, 11, -9, accurate}}, .possible_gain = 80};
+  const double once = decide({attempt}, p).other;
+  CHECK(once > 0.01);
+  CHECK(decide({attempt, attempt, attempt}, p).other == doctest::Approx(once));
+  attempt.outside = 0.8;
+  CHECK(decide({attempt}, p).other > 5 * once);
+}
+
+TEST_CASE("a place that is not a number is not accepted") {
+  const PhotographDecisionParameters p;
+  const Eigen::Matrix3d undefined = Eigen::Matrix3d::Constant(std::nan(""));
+  CHECK_FALSE(
+      decide({{.match = {.agreement = 0.9}, .places = {{{0, 0, 0}, 60, -9, undefined}}, .possible_gain = 80}}, p)
+          .why.empty());
+}
+
+TEST_CASE("a fix does not contain the prior, which an estimator has already") {
+  Eigen::Matrix2d measured;
+  measured << 0.5, 0.2, 0.2, 2.0;
+  const double sigma_m = 0.7;
+  const Eigen::Matrix2d known = Eigen::Matrix2d::Identity() / (sigma_m * sigma_m);
+  const Eigen::Matrix2d both = (measured.inverse() + known).inverse();
+  CHECK((covariance_without_prior(both, sigma_m) - measured).norm() < 1e-9);
+  // A picture that adds nothing has the prior's covariance, or more by its own minimum.
+  for (const double factor : {1.0, 1.5})
+    CHECK(covariance_without_prior(factor * known.inverse(), sigma_m)(0, 0) == doctest::Approx(900));
 }
 
 TEST_CASE("a second sky with few roofs does not gain by the facades, which both have") {

@@ -49,6 +49,7 @@ struct Match {
   /// The highest point of the skyline: eq. (2) and (4) of Gakne & O'Keefe 2018.
   Eigen::Vector3d landmark_n;
   double slant_distance_m;
+  double tilt_sigma_rad = 0;           ///< of pitch and roll each, where they are estimated
   std::vector<RoofHeight> roofs = {};  ///< in view, the model's (height 0) or estimated
 };
 

@@ -64,13 +64,15 @@ void estimate_uncertainty(const std::vector<PhotographAttempt>& attempts, const 
     });
     if (near > p.near_part * p.max_other * all) match.covariance *= 1.2;
   }
-  // Likelihood that the model has nothing of the picture, over the evidence of the best place by Laplace's
-  // approximation in place and heading. A right place has most of the line in the model.
+  // Likelihood that what was searched has nothing of the picture, over the evidence of the best place by Laplace's
+  // approximation. A right place has most of the line in the model.
   const double share = (p.modelled_power + 1) * std::pow(std::max(match.agreement, 1e-6), p.modelled_power);
   const double gain = at.gain - at.facade_gain + std::min(at.facade_gain, p.facade_evidence);
-  const double none = p.unmodelled / share * std::exp(std::min(50.0, -at.log_volume - p.power * gain));
-  decision.other = (others + none) / (all + none);
-  decision.chance = none > others;
+  const double odds = (p.unmodelled + best.outside) / std::max(1 - best.outside, 1e-6);
+  const double none = odds / share * std::exp(std::min(50.0, -at.log_volume - p.power * gain));
+  const double chance = none / (1 + none);  // the same place by several attempts is no more evidence
+  decision.other = chance + (1 - chance) * others / all;
+  decision.chance = chance > 0.5 * decision.other;
   match.second_best_ratio = decision.other;
   match.yaw_sigma_rad = std::hypot(std::sqrt(spread(2, 2)), p.min_sigma_m / p.roof_distance_m);
 }
@@ -85,16 +87,18 @@ PhotographDecision decide(const std::vector<PhotographAttempt>& attempts, const 
   estimate_uncertainty(attempts, best, p, decision);
   const Match& match = *decision.tried;
   const double worst_m = std::sqrt(Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(match.covariance).eigenvalues()[1]);
-  if (match.agreement < p.min_agreement)
+  if (!match.covariance.allFinite() || !std::isfinite(decision.other))
+    decision.why = "the roofs leave the place undetermined";
+  else if (match.agreement < p.min_agreement)
     decision.why =
         format_text("only %.0f %% of the sky's edge coincides with a roof of the model; %.0f %% are required",
                     100 * match.agreement, 100 * p.min_agreement);
   else if (decision.other > p.max_other)
     decision.why =
-        format_text(decision.chance ? "%.0f %% of the sky's edge coincides with a roof of the model: that may "
-                                      "be chance with %.0f %%, and %.0f %% are allowed"
-                                    : "%.0f %% of the sky's edge coincides with a roof of the model, but "
-                                      "other places fit with %.0f %%, and %.0f %% are allowed",
+        format_text(decision.chance ? "%.0f %% of the sky's edge coincides with a roof of the model, but the "
+                                      "probability that this is chance is %.0f %%; at most %.0f %% are accepted"
+                                    : "%.0f %% of the sky's edge coincides with a roof of the model, but the "
+                                      "probability of other places is %.0f %%; at most %.0f %% are accepted",
                     100 * match.agreement, 100 * decision.other, 100 * p.max_other);
   else if (worst_m > p.max_sigma_m)
     decision.why = format_text("the visible roofs determine the place only to %.1f m; %.1f m are required", worst_m,

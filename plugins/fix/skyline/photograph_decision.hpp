@@ -36,7 +36,7 @@ struct PhotographDecisionParameters {
 struct PhotographPlace {
   Eigen::Vector3d at;  ///< north, east, m; yaw, rad
   double gain;         ///< log-likelihood over that of a place where nothing fits
-  double log_volume;   ///< of the standard deviations, over the prior's
+  double log_volume;   ///< of the standard deviations in place, orientation and height, over the prior's
   Eigen::Matrix3d covariance;
   double facade_gain = 0;  ///< the facades' part of the gain
 };
@@ -46,6 +46,7 @@ struct PhotographAttempt {
   Match match;                          ///< of the best place, without covariance
   std::vector<PhotographPlace> places;  ///< the best one first
   double possible_gain = 0;             ///< of a place where all roofs fit
+  double outside = 0;                   ///< probability by the prior that the camera is outside the search
 };
 
 struct PhotographDecision {

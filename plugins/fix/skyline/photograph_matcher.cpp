@@ -10,8 +10,6 @@ namespace odograph::skyline {
 namespace {
 
 constexpr double kDegree = PhotographParameters::kDegree;
-constexpr double kAnyHeading = 1.5;  // rad; with a larger standard deviation any heading is as likely
-
 using Vector6 = Eigen::Matrix<double, 6, 1>;  // north, east, yaw, tilt_north, tilt_east, up
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
@@ -44,33 +42,6 @@ void PhotographMatcher::render_skyline(const Guess& guess, double reach_rad) {
   if (spend_) spend_(2 * city_.quick_work(sector));
   city_.roof_tops(place_of(guess), p_.spread_sigmas * p_.roofs.building_m, sector, tops_);
   line_.set(tops_);
-}
-
-/// Of the heading: the likelihood that the compass is right with this error, over that of no error, and that it is
-/// wrong by any angle.
-std::array<double, 2> PhotographMatcher::heading_likelihoods(double yaw) const {
-  const double x = yaw / prior_.yaw_sigma_rad;
-  if (prior_.yaw_sigma_rad > kAnyHeading) return {0, 1};
-  return {std::exp(-0.5 * x * x),
-          p_.wrong_heading / (1 - p_.wrong_heading) * prior_.yaw_sigma_rad / std::sqrt(2 * std::numbers::pi)};
-}
-
-/// Of north, east, yaw, tilt_north, tilt_east and up.
-Eigen::Matrix<double, 6, 1> PhotographMatcher::information_of_prior(const Guess& g) const {
-  Vector6 sigmas;
-  sigmas << prior_.sigma_m, prior_.sigma_m, prior_.yaw_sigma_rad, prior_.tilt_sigma_rad, prior_.tilt_sigma_rad,
-      prior_.height_sigma_m;
-  Vector6 information = sigmas.cwiseAbs2().cwiseInverse();
-  const auto [right, wrong] = heading_likelihoods(g.yaw);
-  information[2] = (right * information[2] + wrong / (kAnyHeading * kAnyHeading)) / (right + wrong);
-  return information;
-}
-
-double PhotographMatcher::cost_of_prior(const Guess& g) const {
-  const double far = std::hypot(g.north, g.east) / prior_.sigma_m, up = g.up / prior_.height_sigma_m;
-  const double tilt = std::hypot(g.tilt_north, g.tilt_east) / prior_.tilt_sigma_rad;
-  const auto [right, wrong] = heading_likelihoods(g.yaw);
-  return 0.5 * (far * far + tilt * tilt + up * up) - std::log(right + wrong);
 }
 
 /// The likeliest headings of the current place within the reach: a single one is too often wrong.
@@ -115,7 +86,7 @@ void PhotographMatcher::fit(Candidate& at) {
   };
   const auto linearise = [&] {
     const auto normal = fit_.normal_equations(at.guess);
-    at.information = normal.information, prior = information_of_prior(at.guess);
+    at.information = normal.information, prior = prior_.information(at.guess);
     gradient = normal.gradient + prior.cwiseProduct(vector_of(at.guess));
   };
   evaluate(at), linearise();
@@ -163,6 +134,7 @@ void PhotographMatcher::align(Candidate& at) {
 
 /// The same including the position.
 void PhotographMatcher::move(Candidate& at, double from_m, double to_m) {
+  const Guess from = at.guess;
   render_skyline(at.guess, p_.refinement.aligned_rad);
   align(at);
   for (double size = from_m; size > 0.9 * to_m; size *= 0.5)
@@ -173,7 +145,9 @@ void PhotographMatcher::move(Candidate& at, double from_m, double to_m) {
         const double by = k < 4 ? size : 0.7 * size,
                      azimuth = k * 0.5 * std::numbers::pi + (k < 4 ? 0 : 0.25 * std::numbers::pi);
         there.guess.north += by * std::cos(azimuth), there.guess.east += by * std::sin(azimuth);
-        if (apart(there.guess, {}) > reach_m() + 2 || is_built(there.guess)) continue;
+        if (apart(there.guess, from) > 0.5 * p_.refinement.moved_m || apart(there.guess, {}) > reach_m() + 2 ||
+            is_built(there.guess))
+          continue;
         render_skyline(there.guess, p_.refinement.aligned_rad);
         align(there);
         if (there.cost < at.cost - 1e-3) at = there, better = true;
@@ -203,7 +177,7 @@ void PhotographMatcher::search() {
           if (apart(at.guess, {}) > radius || is_built(at.guess)) continue;
           select_roofs(at, 0.1);
           // Headings that contradict the compass are searched at each second place.
-          const bool any_heading = p_.wrong_heading > 0 && a % 2 == 0 && b % 2 == 0;
+          const bool any_heading = prior_.wrong_heading > 0 && a % 2 == 0 && b % 2 == 0;
           const double reach_rad = any_heading ? std::numbers::pi : yaw_reach();
           render_skyline(at.guess, reach_rad + p_.turned_rad);
           search_place(at, reach_rad);
@@ -274,15 +248,19 @@ std::vector<PhotographMatcher::Candidate> PhotographMatcher::refined() {
   return distinct(places, places.size(), r.mode_m);
 }
 
-PhotographPlace PhotographMatcher::place_at(const Candidate& at) const {
+/// Of the six dimensions of a guess, with the prior.
+Eigen::Matrix<double, 6, 6> PhotographMatcher::covariance_of(const Candidate& at) const {
   Matrix6 information = p_.decision.power * at.information;
-  information.diagonal() += information_of_prior(at.guess);
-  const Eigen::Matrix3d covariance = information.inverse().topLeftCorner<3, 3>();
-  const double searched = prior_.sigma_m * prior_.sigma_m * std::min(prior_.yaw_sigma_rad, kAnyHeading);
+  information.diagonal() += prior_.information(at.guess);
+  return information.inverse();
+}
+
+PhotographPlace PhotographMatcher::place_at(const Candidate& at) const {
+  const Matrix6 covariance = covariance_of(at);
   return {{at.guess.north, at.guess.east, pitch_azimuth_ + at.guess.yaw},
           fit_.no_match_cost() - at.cost,
-          0.5 * std::log(covariance.determinant()) - std::log(searched),
-          covariance,
+          0.5 * std::log(covariance.determinant()) - prior_.log_volume(),
+          covariance.topLeftCorner<3, 3>(),
           -cost_of_facades(at.guess)};
 }
 
@@ -311,13 +289,17 @@ void PhotographMatcher::measure_position(const Candidate& at, PhotographPlace& p
     const double more = 1 / (measured_m * measured_m) - 1 / (sigma_m * sigma_m);
     information.topLeftCorner<2, 2>() += std::max(0.0, more) * v * v.transpose();
   }
+  const double before = place.covariance.determinant();
   place.covariance = information.inverse();
+  place.log_volume += 0.5 * std::log(place.covariance.determinant() / before);
 }
 
 bool PhotographMatcher::describe(const Candidate& best, Match& match) {
   match.p_n = place_of(best.guess) - Eigen::Vector3d(0, 0, best.guess.up);
   match.q_n_c = best.guess.rotation() * prior_.q_n_c;
   match.height_sigma_m = prior_.height_sigma_m;
+  match.tilt_sigma_rad =
+      std::sqrt(Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(covariance_of(best).block<2, 2>(3, 3)).eigenvalues()[1]);
   render_skyline(best.guess, p_.refinement.aligned_rad);
   fit_.cost(line_, best.guess);
   match.agreement = fit_.agreement();
@@ -366,6 +348,7 @@ void PhotographMatcher::add(const std::vector<SkyEdge>& edges, const PhotographP
     return;
   }
   attempt.possible_gain = fit_.no_match_cost();
+  attempt.outside = std::exp(-0.5 * std::pow(reach_m() / prior_.sigma_m, 2));
   for (const Candidate& c : modes) {
     attempt.places.push_back(place_at(c));
     if (c.cost < modes.front().cost + p_.refinement.measured_gain) measure_position(c, attempt.places.back());

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <array>
 #include <optional>
 #include <string>
 #include <vector>
@@ -11,6 +10,7 @@
 #include "plugins/fix/skyline/facades.hpp"
 #include "plugins/fix/skyline/ground.hpp"
 #include "plugins/fix/skyline/photograph_decision.hpp"
+#include "plugins/fix/skyline/photograph_prior.hpp"
 #include "plugins/fix/skyline/roof_line.hpp"
 
 namespace odograph::skyline {
@@ -57,7 +57,6 @@ struct PhotographParameters {
   double wide_m = 30, wide_step_m = 2;
   double yaw_step_rad = 1.5 * kDegree;
   double pitch_step_rad = 1.2 * kDegree;  ///< step of the pitches within a sigma and a half
-  double wrong_heading = 0.05;            ///< fraction of compasses that are wrong by any angle; judgement
   size_t stride = 3;                      ///< the search uses every third direction
   size_t headings = 3;                    ///< number of headings kept for a place
   double turned_rad = 5 * kDegree;        ///< and their min distance
@@ -73,16 +72,6 @@ struct PhotographParameters {
   PhotographRefinementParameters refinement;
   size_t min_edges = 40;  ///< directions with a roof's edge that a search requires: 20 degrees
   PhotographDecisionParameters decision;
-};
-
-struct PhotographPrior {
-  Eigen::Vector3d p_n;  ///< of the camera
-  Eigen::Quaterniond q_n_c;
-  double sigma_m = 10;  ///< of north and east each
-  double height_sigma_m = 0.6;
-  double yaw_sigma_rad = 0.35, tilt_sigma_rad = 0.01;
-  /// Of the camera above the model's ground, where it has some: p_n's down is ignored then. None: p_n's down is right.
-  std::optional<double> eye_m = 1.6;
 };
 
 /// Estimates the position of one photograph. A search on a lattice of places and headings around the prior gives the
@@ -137,13 +126,10 @@ class PhotographMatcher {
   std::vector<int> roofs_around(const Guess& guess, double radius_m);
   void select_roofs(const Candidate& at, double radius_m);
   void render_skyline(const Guess& guess, double reach_rad);
-  std::array<double, 2> heading_likelihoods(double yaw) const;
-  Eigen::Matrix<double, 6, 1> information_of_prior(const Guess& guess) const;
-  double cost_of_prior(const Guess& guess) const;
   double cost_of_facades(const Guess& guess) const { return facades_ ? facades_->cost(place_of(guess), guess.yaw) : 0; }
   double cost_of(const Guess& guess, size_t stride = 1) {
     if (spend_) spend_(p_.direction_work * fit_.directions() / stride);
-    return fit_.cost(line_, guess, stride) + cost_of_prior(guess) + cost_of_facades(guess);
+    return fit_.cost(line_, guess, stride) + prior_.cost(guess) + cost_of_facades(guess);
   }
   void search();
   void search_place(const Candidate& at, double reach_rad);
@@ -153,6 +139,7 @@ class PhotographMatcher {
   void polish(Candidate& at);
   std::vector<Candidate> distinct(std::vector<Candidate> all, size_t most, double apart_m) const;
   std::vector<Candidate> refined();
+  Eigen::Matrix<double, 6, 6> covariance_of(const Candidate& at) const;
   PhotographPlace place_at(const Candidate& at) const;
   void measure_position(const Candidate& at, PhotographPlace& place);
   bool describe(const Candidate& best, Match& match);

@@ -1,26 +1,43 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <algorithm>
-#include <cmath>
-#include <numbers>
+#include <array>
+#include <optional>
 
-#include <odograph/types.h>
+#include <Eigen/Geometry>
 
-#include "plugins/fix/skyline/photograph_matcher.hpp"
-#include "sdk/math/rotation.hpp"
+#include "plugins/fix/skyline/seen_skyline.hpp"
 
 namespace odograph::skyline {
 
-/// The prior of a photograph from a pose and its covariance.
-inline PhotographPrior photograph_prior(const odo_pose& pose, double height_sigma_m) {
-  const auto sigma = [&](size_t a, size_t b) { return std::sqrt(std::max(pose.covariance[a], pose.covariance[b])); };
-  return {.p_n = Eigen::Vector3d(pose.p_n),
-          .q_n_c = raw_quaternion(pose.q_n).normalized(),
-          .sigma_m = std::max(0.5, sigma(21, 28)),
-          .height_sigma_m = height_sigma_m,
-          .yaw_sigma_rad = std::clamp(sigma(14, 14), 0.02, std::numbers::pi),
-          .tilt_sigma_rad = std::max(0.01, sigma(0, 7))};
-}
+/// What is known of a photograph's pose before the search.
+struct PhotographPrior {
+  /// Of north, east, yaw, tilt_north, tilt_east and up, in this order.
+  using Vector6 = Eigen::Matrix<double, 6, 1>;
+
+  Eigen::Vector3d p_n;  ///< of the camera
+  Eigen::Quaterniond q_n_c;
+  double sigma_m = 10;  ///< of north and east each
+  double height_sigma_m = 0.6;
+  double yaw_sigma_rad = 0.35, tilt_sigma_rad = 0.01;
+  /// Of the camera above the model's ground, where it has some: p_n's down is ignored then. None: p_n's down is right.
+  std::optional<double> eye_m = 1.6;
+  double wrong_heading = 0.05;  ///< fraction of compasses that are wrong by any angle; judgement
+
+  /// Negative log-likelihood of a guess over that of the prior's own pose.
+  double cost(const Guess& guess) const;
+  /// Second derivatives of the cost, with the heading's averaged over both cases of the compass.
+  Vector6 information(const Guess& guess) const;
+  /// Of the six standard deviations; that of a heading that is unknown is limited.
+  double log_volume() const;
+
+ private:
+  Vector6 sigmas() const;
+  std::array<double, 2> heading_likelihoods(double yaw) const;
+};
+
+/// Covariance of north and east, m^2, without the part of the prior, which an estimator that fuses it has already;
+/// a direction that the picture does not determine has a sigma of 30 m.
+Eigen::Matrix2d covariance_without_prior(const Eigen::Matrix2d& covariance, double prior_sigma_m);
 
 }  // namespace odograph::skyline

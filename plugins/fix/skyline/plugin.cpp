@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 #include <optional>
 #include <utility>
 
@@ -16,6 +18,17 @@
 namespace {
 
 using namespace odograph::skyline;
+
+/// The prior of a photograph from a pose and its covariance.
+PhotographPrior photograph_prior(const odo_pose& pose, double height_sigma_m) {
+  const auto sigma = [&](size_t a, size_t b) { return std::sqrt(std::max(pose.covariance[a], pose.covariance[b])); };
+  return {.p_n = Eigen::Vector3d(pose.p_n),
+          .q_n_c = odograph::raw_quaternion(pose.q_n).normalized(),
+          .sigma_m = std::max(0.5, sigma(21, 28)),
+          .height_sigma_m = height_sigma_m,
+          .yaw_sigma_rad = std::clamp(sigma(14, 14), 0.02, std::numbers::pi),
+          .tilt_sigma_rad = std::max(0.01, sigma(0, 7))};
+}
 
 /// Fixes from the skyline around a camera and a 3D city model: section 3.2 of Gakne & O'Keefe 2018.
 class Skyline : public FixerConfig {
@@ -154,7 +167,7 @@ class Skyline : public FixerConfig {
     fix.covariance_n[0] = match.covariance(0, 0), fix.covariance_n[4] = match.covariance(1, 1);
     fix.covariance_n[1] = fix.covariance_n[3] = match.covariance(0, 1);
     odograph::put_quaternion((match.q_n_c * q_c_b_).normalized(), fix.q_n_b);
-    fix.orientation_cov_n[0] = fix.orientation_cov_n[4] = tilt_sigma * tilt_sigma;
+    fix.orientation_cov_n[0] = fix.orientation_cov_n[4] = std::pow(std::max(tilt_sigma, match.tilt_sigma_rad), 2);
     fix.orientation_cov_n[8] = match.yaw_sigma_rad * match.yaw_sigma_rad;
     fix.integrity = match.second_best_ratio;
     Eigen::Vector3d::Map(fix.landmark_n) = match.landmark_n;

@@ -11,7 +11,7 @@ namespace odograph::skyline {
 /// photograph's.
 PhotographParameters RoofSurvey::matching_on_path() {
   PhotographParameters p;
-  p.min_m = 6, p.max_m = 12, p.wrong_heading = 0, p.decision.min_agreement = 0.45;
+  p.min_m = 6, p.max_m = 12, p.decision.min_agreement = 0.45;
   p.decision.power = 0.6;  // a path's pictures are matched without their facades
   p.refinement.starts = 60, p.refinement.polished = 0, p.refinement.fits_wide = true;
   return p;

@@ -34,7 +34,8 @@ PhotographPrior survey_prior(const Prior& prior, double sigma_m) {
           .height_sigma_m = prior.height_sigma_m,
           .yaw_sigma_rad = prior.yaw_sigma_rad < kParameters.no_heading_rad ? prior.yaw_sigma_rad : std::numbers::pi,
           .tilt_sigma_rad = prior.tilt_sigma_rad,
-          .eye_m = std::nullopt};
+          .eye_m = std::nullopt,
+          .wrong_heading = 0};
 }
 
 }  // namespace
@@ -165,8 +166,11 @@ std::optional<double> SkylineFixer::displacement_from_start() const {
 
 /// Synchronous, on this thread: a photograph has no frame-time limit.
 void SkylineFixer::estimate_photograph(const Picture& picture) {
-  const auto outcome = photograph_fixer_->estimate_pose(picture, pose_->photograph);
-  if (outcome.match) return emit({picture.t_ns, *outcome.match, true, true});
+  auto outcome = photograph_fixer_->estimate_pose(picture, pose_->photograph);
+  if (outcome.match) {
+    outcome.match->covariance = covariance_without_prior(outcome.match->covariance, pose_->photograph.sigma_m);
+    return emit({picture.t_ns, *outcome.match, false, true});  // the highest roof's height is not that of the model
+  }
   const bool elsewhere = outcome.other > kParameters.max_elsewhere;
   refuse(outcome.no_sky ? kSky : elsewhere ? kAmbiguity : kAgreement, outcome.why);
 }
@@ -222,6 +226,7 @@ void SkylineFixer::finish() {
   std::string surveyed;
   if (why && job_.surveyed) {
     job_.match = std::move(job_.surveyed), why.reset();
+    job_.match->covariance = covariance_without_prior(job_.match->covariance, job_.survey->sigma_m);
     surveyed = survey_->adopt(*job_.match);
     window_.clear(), path_validator_.clear();
   } else if (!why && survey_) {

@@ -31,10 +31,17 @@ struct Photographs : Benchmark {
                   0) {}
   void add_options(CLI::App& command) override {
     command.add_option("model", models, "city models: CityJSON, not CityGML")->required()->group(kCases);
-    command.add_option("--photographs", count, "in each model")->check(CLI::Range(1, 10000))->group(kCases);
-    command.add_option("--first-seed", options.first_seed, "of places, sun, roofs and errors")->group(kCases);
-    command.add_option("--position-sigma", sigma_m, "standard deviation of north and of east that is known before, m");
-    command.add_option("--heading-sigma", heading_sigma_deg, "of the compass, degrees; 180: there is none");
+    command.add_option("--photographs", count, "number of photographs in each model")
+        ->check(CLI::Range(1, 10000))
+        ->group(kCases);
+    command
+        .add_option("--first-seed", options.first_seed,
+                    "of places, sun, roofs and errors; each further ten photographs have the next")
+        ->group(kCases);
+    command.add_option("--position-sigma", sigma_m, "standard deviation of north and of east that is known before, m")
+        ->check(CLI::Range(0.5, 100.0));
+    command.add_option("--heading-sigma", heading_sigma_deg, "of the compass, degrees, up to 60; 180: there is none")
+        ->check(CLI::Range(0.5, 60.0) | CLI::Range(180.0, 180.0));
     command.add_option(
         "--prior-off", prior_off_m,
         "displacement of the known position in any direction, m: beyond the search, where every position "

@@ -105,7 +105,10 @@ Result<PhotographPose> PhotographLocalizer::estimate_pose(const cv::Mat& photogr
   t_ns_ += kBetween_ns;
   cv::Mat bgr = photograph;
   if (const double part = kWidest_px / std::max(bgr.cols, bgr.rows); part < 1) {
-    cv::resize(photograph, bgr, {}, part, part, cv::INTER_AREA);
+    cv::resize(
+        photograph, bgr,
+        {std::max(1, static_cast<int>(part * photograph.cols)), std::max(1, static_cast<int>(part * photograph.rows))},
+        0, 0, cv::INTER_AREA);
     focal_px *= static_cast<double>(bgr.cols) / photograph.cols;
   }
   odo_calibration lens{};
@@ -128,7 +131,9 @@ Result<PhotographPose> PhotographLocalizer::estimate_pose(const cv::Mat& photogr
     const auto fix = copy_as<odo_fix>(event.header());
     placed.placed = true;
     placed.p_n = Vector3d(fix.p_n), placed.q_n_c = raw_quaternion(fix.q_n_b);
-    placed.covariance << fix.covariance_n[0], fix.covariance_n[1], fix.covariance_n[3], fix.covariance_n[4];
+    const Eigen::Matrix2d measured = Eigen::Map<const Eigen::Matrix3d>(fix.covariance_n).topLeftCorner<2, 2>();
+    const Eigen::Matrix2d known = Eigen::Matrix2d::Identity() / (guess.sigma_m * guess.sigma_m);
+    placed.covariance = (measured.inverse() + known).inverse();  // a fix is without the prior
     placed.height_sigma_m = std::sqrt(fix.covariance_n[8]);
     placed.heading_sigma_rad = std::sqrt(fix.orientation_cov_n[8]);
     placed.integrity = fix.integrity, placed.agreement = static_cast<double>(fix.header.quality);

@@ -19,6 +19,14 @@ std::array<std::string, 2> axes_of(bool geodetic) {
                   : std::array<std::string, 2>{"easting_m", "northing_m"};
 }
 
+/// As RFC 4180 quotes text.
+std::string csv_field(const Json& value) {
+  if (!value.is_string()) return value.dump();
+  std::string quoted = "\"";
+  for (const char c : value.get<std::string>()) quoted += c == '"' ? "\"\"" : std::string(1, c);
+  return quoted + '"';
+}
+
 }  // namespace
 
 Json row_of_photograph(const std::filesystem::path& file, const GeoreferencedCity& city,
@@ -98,7 +106,7 @@ PhotographCsv::PhotographCsv(const std::filesystem::path& file, bool geodetic) :
 Result<bool> PhotographCsv::add(const Json& row) {
   for (size_t k = 0; k < keys_.size(); ++k) {
     out_ << (k ? "," : "");
-    if (row.contains(keys_[k])) out_ << row[keys_[k]].dump();
+    if (row.contains(keys_[k])) out_ << csv_field(row[keys_[k]]);
   }
   out_ << '\n';
   return out_.flush() ? Result<bool>(true) : Failure{ODO_E_IO, name_ + ": cannot be written"};

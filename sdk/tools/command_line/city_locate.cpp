@@ -122,7 +122,7 @@ class Locator {
   int finish() const {
     const auto done = std::count_if(rows_.begin(), rows_.end(), [](const Json& row) { return row["placed"] == true; });
     if (a_.json)
-      std::printf("%s\n", Json(rows_).dump(2).c_str());
+      std::printf("%s\n", Json(rows_).dump(2, ' ', false, Json::error_handler_t::replace).c_str());
     else
       std::printf("%zu of %zu placed; %s has photographs.csv%s%s\n", static_cast<size_t>(done), rows_.size(),
                   a_.output.c_str(), mapped_.empty() ? "" : ", map.png",
@@ -167,7 +167,10 @@ class Locator {
       Progress progress(picture.file.filename().string() + text(", %zu of %zu", rows_.size() + 1, count_));
       progress.show(rows_.size(), count_);
       const auto answer = city_.localizer().estimate_pose(bgr, *focal, prior->guess);
-      if (!answer) return answer.failure();
+      if (!answer) {
+        placed.why = unreadable(picture, answer.failure());
+        return true;
+      }
       placed = *answer;
     }
     mapped_.push_back({picture.file.stem().string(), prior->guess, placed});
@@ -220,8 +223,8 @@ Result<GeoreferencedCity> open_city(const LocateArguments& a, std::optional<Coor
   auto city = GeoreferencedCity::geodetic(a.model, place);
   if (city || city.failure().status != ODO_E_UNSUPPORTED) return city;
   return Failure{ODO_E_UNSUPPORTED, city.failure().text +
-                                        ": give --model-at LAT,LON of its zero, or the place in its own coordinates "
-                                        "by --at EASTING NORTHING"};
+                                        ": give the place in its own coordinates by --at EASTING NORTHING, or, where "
+                                        "the model lies around its zero, --model-at LAT,LON of that"};
 }
 
 int locate(const LocateArguments& a) {
@@ -257,7 +260,10 @@ int locate(const LocateArguments& a) {
   if (status != kDone) return status;
   Locator locator(a, *place, *city, pictures.size());
   for (const Picture& picture : pictures)
-    if (const auto done = locator.add(picture); !done) return print_failure(done.failure());
+    if (const auto done = locator.add(picture); !done) {
+      locator.finish();
+      return print_failure(done.failure());
+    }
   return locator.finish();
 }
 
@@ -274,11 +280,13 @@ void add_city_locate(CLI::App& city, int& status) {
   auto* near = command->add_option(
       "--near", a->near,
       "LAT,LON in degrees: where the photographs were taken, instead of EXIF's position and its sigma");
-  command->add_option("--at", a->at, "the same as easting and northing in the model's coordinates, m")
-      ->expected(2)
-      ->excludes(near);
-  command->add_option("--model-at", a->model_at,
-                      "LAT,LON of the model's zero, in degrees, if its reference system is not supported");
+  auto* at = command->add_option("--at", a->at, "the same as easting and northing in the model's coordinates, m")
+                 ->expected(2)
+                 ->excludes(near);
+  command
+      ->add_option("--model-at", a->model_at,
+                   "LAT,LON in degrees of the zero of a model without a reference system, some km away at most")
+      ->excludes(at);
   command
       ->add_option(
           "--sigma", a->sigma_m,
