@@ -110,6 +110,16 @@ expect 3 "folder/truncated.jpg: not placed: the picture is truncated" $locate fo
 expect 0 '"folder/phone.heic",false,,,,,,,,,,,,,"HEIC and AVIF are not read; convert it to JPEG' cat found/photographs.csv
 expect 0 '"folder/renamed.jpg",false,,,,,,,,,,,,,"HEIC' cat found/photographs.csv
 expect 0 '"folder/south.jpg",false' cat found/photographs.csv
+# A name that is not UTF-8, and a strip of three rows that is reduced to less than one.
+cp south.jpg "$(printf 'caf\351.jpg')"
+expect 1 '"placed": false' $locate caf*.jpg --json
+python3 - <<'PYTHON'
+import struct, zlib
+def chunk(name, data): return struct.pack(">I", len(data)) + name + data + struct.pack(">I", zlib.crc32(name + data))
+open("strip.png", "wb").write(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", 16384, 3, 8, 0, 0, 0, 0)) +
+                              chunk(b"IDAT", zlib.compress(bytes(3 * 16385))) + chunk(b"IEND", b""))
+PYTHON
+expect 3 "strip.png: not placed: fix/skyline reported no result" $locate strip.png --near 52.105,4.275 --lens 26mm
 # The table is written row by row.
 $town south.jpg phone.jpg -o stopped >/dev/null 2>&1 &
 for _ in $(seq 300); do
