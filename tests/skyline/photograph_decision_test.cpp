@@ -76,7 +76,7 @@ TEST_CASE(
   const PhotographDecisionParameters p;
   const Eigen::Matrix3d accurate = Vector3d(0.04, 0.04, 1e-4).asDiagonal();
   PhotographAttempt attempt{
-      .match = {.agreement = 0.9}, .places = {{{0, 0, 0}, 11, -9, accurate}}, .possible_gain = 80};
+      .match = {.agreement = 0.9}, .places = {{{0, 0, 0}, 14, -9, accurate}}, .possible_gain = 80};
   const double once = decide({attempt}, p).other;
   CHECK(once > 0.01);
   CHECK(decide({attempt, attempt, attempt}, p).other == doctest::Approx(once));
