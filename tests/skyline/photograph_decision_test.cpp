@@ -78,7 +78,7 @@ TEST_CASE(
   PhotographAttempt attempt{
       .match = {.agreement = 0.9}, .places = {{{0, 0, 0}, 14, -9, accurate}}, .possible_gain = 80};
   const double once = decide({attempt}, p).other;
-  CHECK(once > 0.01);
+  CHECK(once > 0.005);
   CHECK(decide({attempt, attempt, attempt}, p).other == doctest::Approx(once));
   attempt.outside = 0.8;
   CHECK(decide({attempt}, p).other > 5 * once);

@@ -24,7 +24,7 @@ struct PhotographDecisionParameters {
   double max_other = 0.02;   ///< total probability of places beyond three sigmas and of no place
   double facade_evidence = 4;   ///< max log-likelihood of the facades against chance: any street's lines have two
                                 ///< directions, so that only their heading is evidence, a degree of ninety
-  double unmodelled = 0.5;      ///< odds, before the picture is seen, that the model has nothing of it; judgement
+  double unmodelled = 0.2;      ///< odds, before the picture is seen, that the model has nothing of it; judgement
   double power = 0.8;           ///< of the likelihoods, since the model's errors are not those assumed
   double sky_power = 0.22;      ///< the same between a photograph's hypotheses, in addition
   double modelled_power = 3;    ///< the fraction of a line that a model has is distributed as its power: mean 80 %
