@@ -226,8 +226,8 @@ void SkylineFixer::finish() {
   std::string surveyed;
   if (why && job_.surveyed) {
     job_.match = std::move(job_.surveyed), why.reset();
-    surveyed = survey_->adopt(*job_.match);  // the heights have the error of the pose too
-    job_.match->covariance = covariance_without_prior(job_.match->covariance, job_.survey->sigma_m);
+    // The covariance contains the pose's, also as a fix: an estimator without a heading starts from its first fix.
+    surveyed = survey_->adopt(*job_.match);
     window_.clear(), path_validator_.clear();
   } else if (!why && survey_) {
     survey_->add_error(*job_.match);
