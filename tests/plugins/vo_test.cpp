@@ -224,14 +224,17 @@ TEST_CASE(
     CHECK(motion.outcome == antigny2019::Outcome::no_parallax);
     CHECK_FALSE(motion.translation_valid);
     std::vector<double> displacements;
+    Vector3d directions(0, 0, 0);
     int moved = 0;
     for (int i = 4; i < 12; ++i) {
       motion = vo.process(frame(i, 0.4 * (i - 3)), {});
       if (!motion.translation_valid || moved++ == 0) continue;  // the first includes the time before it
-      CHECK(motion.T_c0_c1.translation().normalized().z() > 0.97);
+      CHECK(motion.T_c0_c1.translation().normalized().z() > 0.9);
+      directions += motion.T_c0_c1.translation().normalized();
       displacements.push_back(motion.T_c0_c1.translation().norm());
     }
     REQUIRE(moved >= 5);
+    CHECK(directions.normalized().z() > 0.97);
     std::sort(displacements.begin(), displacements.end());
     CHECK(displacements.back() < 3 * displacements.front());  // true displacements are equal; the scale drifts
     motion = vo.process(cv::Mat(360, 480, CV_8U, cv::Scalar(2)), {});
