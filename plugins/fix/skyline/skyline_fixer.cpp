@@ -226,7 +226,7 @@ void SkylineFixer::finish() {
   std::string surveyed;
   if (why && job_.surveyed) {
     job_.match = std::move(job_.surveyed), why.reset();
-    // The covariance contains the pose's, also as a fix: an estimator without a heading starts from its first fix.
+    // The covariance contains the pose's, also as a fix: without it drives through flat blocks lose their fixes.
     surveyed = survey_->adopt(*job_.match);
     window_.clear(), path_validator_.clear();
   } else if (!why && survey_) {
