@@ -9,7 +9,11 @@
 
 #include "plugins/fix/skyline/photograph_decision.hpp"
 #include "plugins/fix/skyline/photograph_prior.hpp"
+#include "plugins/fix/skyline/skyline_fixer.hpp"
+#include "tests/skyline/rendered_street.hpp"
+#include "tests/support/support.hpp"
 
+using namespace odograph;
 using namespace odograph::skyline;
 using Eigen::Vector3d;
 
@@ -92,16 +96,48 @@ TEST_CASE("a place that is not a number is not accepted") {
           .why.empty());
 }
 
-TEST_CASE("a fix does not contain the prior, which an estimator has already") {
+TEST_CASE("the covariance without a prior, and of a picture that adds nothing to it") {
   Eigen::Matrix2d measured;
   measured << 0.5, 0.2, 0.2, 2.0;
   const double sigma_m = 0.7;
-  const Eigen::Matrix2d known = Eigen::Matrix2d::Identity() / (sigma_m * sigma_m);
-  const Eigen::Matrix2d both = (measured.inverse() + known).inverse();
-  CHECK((covariance_without_prior(both, sigma_m) - measured).norm() < 1e-9);
-  // A picture that adds nothing has the prior's covariance, or more by its own minimum.
+  const Eigen::Matrix2d known = Eigen::Matrix2d::Identity() / (sigma_m * sigma_m),
+                        corners = 0.3 * 0.3 * Eigen::Matrix2d::Identity();
+  const Eigen::Matrix2d both = (measured.inverse() + known).inverse() + corners;
+  CHECK((covariance_without_prior(both, sigma_m, 0.3) - measured - corners).norm() < 1e-9);
   for (const double factor : {1.0, 1.5})
-    CHECK(covariance_without_prior(factor * known.inverse(), sigma_m)(0, 0) == doctest::Approx(900));
+    CHECK(covariance_without_prior(factor * known.inverse(), sigma_m, 0, 30)(0, 0) == doctest::Approx(900));
+}
+
+TEST_CASE("a photograph's fix does not contain the pose that it was searched around, and no slant distance") {
+  const TemporaryFolder folder;
+  test::write_street(folder / "city.json");
+  FixerConfig config;
+  config.model = (folder / "city.json").string(), config.photographs = true;
+  const Eigen::Vector3d place(3.2, -1.7, -1.5);
+  const auto variance = [&](double sigma_m) {
+    SkylineFixer fixer(config);
+    PipelinePose pose{1, place, Eigen::Quaterniond(0, 1, 0, 0)};
+    pose.has_position = pose.is_of_camera = true;
+    pose.photograph = {
+        .p_n = place, .q_n_c = pose.q_n_c, .sigma_m = sigma_m, .yaw_sigma_rad = 0.1, .eye_m = std::nullopt};
+    CHECK(fixer.add_pose(pose).empty());
+    const auto outcomes = fixer.add_picture(
+        {.t_ns = 1, .grey = test::view_upwards(place), .mask = {}, .chroma = {}, .lens = test::kLens});
+    REQUIRE(outcomes.size() == 1);
+    const Fix* fix = std::get_if<Fix>(&outcomes.front());
+    if (!fix) MESSAGE(std::get<Rejection>(outcomes.front()).second);
+    REQUIRE(fix);
+    CHECK_FALSE(fix->has_slant);
+    CHECK(fix->match.tilt_sigma_rad > 0);
+    CHECK(fix->match.tilt_sigma_rad <= pose.photograph.tilt_sigma_rad);
+    CHECK((fix->match.p_n - place).head<2>().norm() < 0.6);
+    const double min_m = PhotographDecisionParameters().min_sigma_m;
+    return fix->match.covariance.trace() - 2 * (min_m * min_m + config.min_sigma * config.min_sigma);
+  };
+  const double wide = variance(6), narrow = variance(0.5);
+  MESSAGE("variances beyond those of the corners: " << wide << " and " << narrow << " m^2");
+  CHECK(narrow > wide);  // with the prior in it 0.89 of it
+  CHECK(narrow < 2 * wide);
 }
 
 TEST_CASE("a second sky with few roofs does not gain by the facades, which both have") {

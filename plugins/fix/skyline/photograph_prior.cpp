@@ -10,8 +10,7 @@
 namespace odograph::skyline {
 namespace {
 
-constexpr double kAnyHeading = 1.5;     // rad; with a larger standard deviation any heading is as likely
-constexpr double kUndetermined_m = 30;  // as of a match without errors of the roofs
+constexpr double kAnyHeading = 1.5;  // rad; with a larger standard deviation any heading is as likely
 
 }  // namespace
 
@@ -49,10 +48,13 @@ double PhotographPrior::log_volume() const {
   return s.array().log().sum();
 }
 
-Eigen::Matrix2d covariance_without_prior(const Eigen::Matrix2d& covariance, double prior_sigma_m) {
+Eigen::Matrix2d covariance_without_prior(const Eigen::Matrix2d& covariance, double prior_sigma_m, double min_sigma_m,
+                                         double unobserved_sigma_m) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(covariance);
-  const Eigen::Array2d information = axes.eigenvalues().array().inverse() - 1 / (prior_sigma_m * prior_sigma_m);
-  const Eigen::Vector2d variances = information.max(1 / (kUndetermined_m * kUndetermined_m)).inverse();
+  const double min = min_sigma_m * min_sigma_m, most = unobserved_sigma_m * unobserved_sigma_m;
+  const Eigen::Array2d known = (axes.eigenvalues().array() - min).max(1e-6);
+  const Eigen::Array2d measured = (known.inverse() - 1 / (prior_sigma_m * prior_sigma_m)).max(1 / most).inverse();
+  const Eigen::Vector2d variances = measured + min;
   return axes.eigenvectors() * variances.asDiagonal() * axes.eigenvectors().transpose();
 }
 

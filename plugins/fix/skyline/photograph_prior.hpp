@@ -6,6 +6,7 @@
 
 #include <Eigen/Geometry>
 
+#include "plugins/fix/skyline/match_parameters.hpp"
 #include "plugins/fix/skyline/seen_skyline.hpp"
 
 namespace odograph::skyline {
@@ -36,8 +37,10 @@ struct PhotographPrior {
   std::array<double, 2> heading_likelihoods(double yaw) const;
 };
 
-/// Covariance of north and east, m^2, without the part of the prior, which an estimator that fuses it has already;
-/// a direction that the picture does not determine has a sigma of 30 m.
-Eigen::Matrix2d covariance_without_prior(const Eigen::Matrix2d& covariance, double prior_sigma_m);
+/// Covariance of north and east, m^2, without the part of the prior, which an estimator that fuses it has already.
+/// `min_sigma_m`: of the model's corners, part of the covariance; `unobserved_sigma_m`: of a direction that the picture
+/// does not determine.
+Eigen::Matrix2d covariance_without_prior(const Eigen::Matrix2d& covariance, double prior_sigma_m, double min_sigma_m,
+                                         double unobserved_sigma_m = MatcherParameters().unobserved_sigma_m);
 
 }  // namespace odograph::skyline

@@ -168,7 +168,8 @@ std::optional<double> SkylineFixer::displacement_from_start() const {
 void SkylineFixer::estimate_photograph(const Picture& picture) {
   auto outcome = photograph_fixer_->estimate_pose(picture, pose_->photograph);
   if (outcome.match) {
-    outcome.match->covariance = covariance_without_prior(outcome.match->covariance, pose_->photograph.sigma_m);
+    outcome.match->covariance = covariance_without_prior(outcome.match->covariance, pose_->photograph.sigma_m,
+                                                         PhotographDecisionParameters().min_sigma_m);
     return emit({picture.t_ns, *outcome.match, false, true});  // the highest roof's height is not that of the model
   }
   const bool elsewhere = outcome.other > kParameters.max_elsewhere;
