@@ -5,95 +5,17 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
-#include <unordered_map>
 
 #include "plugins/fix/skyline/ground.hpp"
 #include "plugins/fix/skyline/photograph_level.hpp"
-#include "plugins/fix/skyline/photograph_matcher.hpp"
 #include "sdk/tools/simulation/random.hpp"
+#include "tests/skyline/crossing.hpp"
 
 using namespace odograph;
 using namespace odograph::skyline;
-using Eigen::Quaterniond;
-using Eigen::Vector3d;
+using namespace odograph::skyline::test;
 
 TEST_SUITE_BEGIN("photograph");
-
-namespace {
-
-constexpr double kDegree = std::numbers::pi / 180;
-
-/// A crossing of two streets: houses of various heights, each an object; `lift`: height errors of their roofs, m.
-std::vector<Edge> a_crossing(const std::vector<double>& lift) {
-  std::vector<Edge> edges;
-  int object = 0;
-  const auto house = [&](double north, double east, double a, double b, double height) {
-    height += object < static_cast<int>(lift.size()) ? lift[static_cast<size_t>(object)] : 0;
-    const Vector3d corners[] = {
-        {north - a, east - b, 0}, {north + a, east - b, 0}, {north + a, east + b, 0}, {north - a, east + b, 0}};
-    const Vector3d up(0, 0, -height);
-    for (int i = 0; i < 4; ++i) {
-      const Vector3d &p = corners[i], &q = corners[(i + 1) % 4];
-      edges.push_back({p, q, object}), edges.push_back({p + up, q + up, object}), edges.push_back({p, p + up, object});
-    }
-    ++object;
-  };
-  const double heights[] = {11, 16, 9, 13, 18, 12, 8, 15, 10, 14};
-  for (int side : {-1, 1})
-    for (int i = 0; i < 5; ++i) {
-      house(18 + 13 * i, side * 13.0, 6, 6, heights[(i + (side > 0 ? 5 : 0)) % 10]);
-      house(-18 - 14 * i, side * 14.0, 6.5, 6, heights[(2 * i + 3) % 10]);
-      house(side * 17.0, 22 + 12 * i, 5, 5.5, heights[(i + 7) % 10]);
-      house(side * 17.0, -24 - 12 * i, 5, 5.5, heights[(3 * i + 1) % 10]);
-    }
-  return edges;
-}
-
-Quaterniond camera(double heading, double pitch, double roll = 0) {
-  Eigen::Matrix3d R;
-  R << -std::sin(heading), 0, std::cos(heading), std::cos(heading), 0, std::sin(heading), 0, 1, 0;
-  return Quaterniond(R * Eigen::AngleAxisd(pitch, Vector3d::UnitX()) * Eigen::AngleAxisd(roll, Vector3d::UnitZ()));
-}
-
-/// The sky's edge in a picture of 70 by 54 degrees.
-std::vector<SkyEdge> seen_in(const std::vector<Edge>& houses, const Vector3d& p_n, const Quaterniond& q_n_c) {
-  City city(houses);
-  city.select_near_edges(p_n, 1, 0.01);
-  Horizon horizon;
-  city.horizon(p_n, horizon);
-  std::vector<SkyEdge> edges;
-  for (size_t j = 0; j < Horizon::kDirections; ++j) {
-    const double azimuth = (static_cast<double>(j) + 0.5) * 0.5 * kDegree;
-    const auto ray = [&](double e) -> Vector3d {
-      return q_n_c.conjugate() *
-             Vector3d(std::cos(e) * std::cos(azimuth), std::cos(e) * std::sin(azimuth), -std::sin(e));
-    };
-    const auto inside = [](const Vector3d& r) {
-      return r.z() > 0.1 && std::abs(r.x() / r.z()) < 0.70 && std::abs(r.y() / r.z()) < 0.51;
-    };
-    double top = 1.4;
-    while (top > -0.5 && !inside(ray(top))) top -= 0.004;
-    if (top < -0.4) continue;
-    const double e = static_cast<double>(horizon.elevation[j]);
-    if (e > top)
-      edges.push_back({ray(top), false, true});
-    else if (inside(ray(e)))
-      edges.push_back({ray(e)});
-  }
-  return edges;
-}
-
-PhotographPrior prior_of(const Vector3d& p_n, const Quaterniond& q_n_c) {
-  return {.p_n = p_n,
-          .q_n_c = q_n_c,
-          .sigma_m = 8,
-          .yaw_sigma_rad = 15 * kDegree,
-          .tilt_sigma_rad = 0.6 * kDegree,
-          .eye_m = 1.6};
-}
-
-}  // namespace
 
 TEST_CASE("a photograph of seventy degrees is placed though each roof is wrong, as well as it states") {
   Random random(7, 1);
@@ -127,20 +49,6 @@ TEST_CASE("a photograph of seventy degrees is placed though each roof is wrong, 
   }
   CHECK(placed >= 3);
   CHECK(beyond == 0);
-}
-
-TEST_CASE("a city with raised roofs has the skyline of that city") {
-  const std::vector<double> lift = {2, -1.5, 0, 3, 0.5, -2, 1, 0, 0, -3};
-  std::unordered_map<int, double> heights;
-  for (int k = 0; k < 10; ++k) heights[k] = lift[static_cast<size_t>(k)];
-  City corrected = City(a_crossing({})).with_roof_offsets(heights), real(a_crossing(lift));
-  Horizon expected, raised;
-  for (City* city : {&corrected, &real}) {
-    city->select_near_edges({-6, 1.5, -1.6}, 1, 0.01);
-    city->horizon({-6, 1.5, -1.6}, city == &real ? expected : raised);
-  }
-  for (size_t j = 0; j < Horizon::kDirections; ++j)
-    CHECK(raised.elevation[j] == doctest::Approx(expected.elevation[j]).epsilon(1e-5));
 }
 
 TEST_CASE("a photograph is placed though its compass is wrong by a right angle and more") {
@@ -184,104 +92,6 @@ TEST_CASE("a photograph with trees is located within its sigmas") {
   }
 }
 
-TEST_CASE("a house that is lower than in the model shows those behind it") {
-  std::vector<Edge> model, world;
-  const auto wall = [](double north, double height, int object, std::vector<Edge>& to) {
-    for (const double h : {0.0, height}) to.push_back({{north, -60, -h}, {north, 60, -h}, object});
-  };
-  wall(15, 8, 0, model), wall(40, 12, 1, model);    // the second is hidden
-  wall(15, 5, 0, world), wall(40, 12.5, 1, world);  // and is not any more
-  const Vector3d place(0, 0, -1.6);
-  const Quaterniond q = camera(0, 10 * kDegree);
-  City city(model);
-  RoofTops tops;
-  city.select_roofs(city.roofs_around(place, 2, 0.03, 4, 3), place, 2, 0.03, 4, 3);
-  city.roof_tops(place, 3, Sector::all(), tops);
-  RoofLine line;
-  line.set(tops);
-  RoofLineFit fit{RoofErrorParameters{}};
-  fit.set(seen_in(world, place, q), q);
-  const double cost = fit.cost(line, {});
-  CHECK(fit.agreement() > 0.95);
-  CHECK(cost < 0.5 * fit.no_match_cost());
-  // The height error has its price: the hidden house alone fits better.
-  City without({model.begin() + 2, model.end()});
-  without.select_roofs(without.roofs_around(place, 2, 0.03, 4, 3), place, 2, 0.03, 4, 3);
-  without.roof_tops(place, 3, Sector::all(), tops);
-  line.set(tops);
-  CHECK(fit.cost(line, {}) < cost);
-}
-
-TEST_CASE("the cost of a place does not change in steps with the camera's height, which the roofs' errors absorb") {
-  std::vector<double> lift(40);
-  Random random(3, 1);
-  for (double& l : lift) l = 1.5 * random.normal();
-  const auto model = a_crossing({});
-  const Vector3d place(-6, 1.5, -1.6);
-  City city(model);
-  city.select_roofs(city.roofs_around(place, 2, 0.03, 4, 3), place, 2, 0.03, 4, 3);
-  RoofTops tops;
-  RoofLine line;
-  city.roof_tops(place, 3, Sector::all(), tops);
-  line.set(tops);
-  for (int view = 0; view < 8; ++view) {
-    CAPTURE(view);
-    const Quaterniond q = camera(45 * kDegree * view, 10 * kDegree);
-    RoofLineFit fit{RoofErrorParameters{}};
-    fit.set(seen_in(a_crossing(lift), place, q), q);
-    double before = fit.cost(line, {}), steepest = 0;
-    for (int k = 1; k <= 12; ++k) {
-      const double cost = fit.cost(line, {.up = 0.025 * k});
-      steepest = std::max(steepest, std::abs(cost - before)), before = cost;
-    }
-    CHECK(steepest < 2);
-  }
-}
-
-TEST_CASE("the roofs of a tile are those that its places can see") {
-  const auto model = a_crossing({});
-  City city(model);
-  auto tile = city.roofs_around({0, 0, -1.6}, 18, 0.03, 4, 3);
-  std::sort(tile.begin(), tile.end());
-  size_t missing = 0;
-  for (double north = -12; north <= 12; north += 3)
-    for (double east = -12; east <= 12; east += 3)
-      for (const int roof : city.roofs_around({north, east, -1.6}, 0.5, 0.03, 4, 3))
-        missing += !std::binary_search(tile.begin(), tile.end(), roof);
-  CHECK(missing == 0);
-}
-
-TEST_CASE("the normal equations of a roof line lead back to the camera's pose") {
-  const auto model = a_crossing({});
-  const Vector3d place(-6, 1.5, -1.6);
-  const Quaterniond q = camera(0.5, 10 * kDegree);
-  City city(model);
-  const auto roofs = city.roofs_around(place, 3, 0.03, 4, 3);
-  city.select_roofs(roofs, place, 3, 0.03, 4, 3);
-  RoofLineFit fit{RoofErrorParameters{}};
-  fit.set(seen_in(model, place, q), q);
-  fit.set_line(0.3 * kDegree);
-  const auto off = [](const Guess& g) {
-    return std::hypot(g.north, g.east) + 20 * std::abs(g.yaw) + 20 * std::hypot(g.tilt_north, g.tilt_east);
-  };
-  Guess g{.north = 0.3, .east = -0.2, .yaw = 0.008, .tilt_north = 0.004, .tilt_east = -0.003};
-  const double first = off(g);
-  for (int step = 0; step < 8; ++step) {
-    RoofTops tops;
-    RoofLine line;
-    city.roof_tops(place + Vector3d(g.north, g.east, 0), 3, Sector::all(), tops);
-    line.set(tops);
-    fit.cost(line, g);
-    auto normal = fit.normal_equations(g);
-    normal.information.diagonal()[5] += 100;  // the height of the camera is known to 0.1 m
-    normal.gradient[5] += 100 * g.up;
-    const Eigen::Matrix<double, 6, 1> by = -normal.information.ldlt().solve(normal.gradient);
-    g.north += by[0], g.east += by[1], g.yaw += by[2], g.tilt_north += by[3], g.tilt_east += by[4], g.up += by[5];
-  }
-  MESSAGE("from " << first << " to " << off(g));
-  CHECK(off(g) < 0.1 * first);
-}
-
 TEST_CASE("the ends of houses, which the line's slopes do not know, determine the position along a street") {
   std::vector<Edge> row;  // of equal heights along the street, with a gap; all is symmetric
   int object = 0;
@@ -307,6 +117,31 @@ TEST_CASE("the ends of houses, which the line's slopes do not know, determine th
   MESSAGE("along the street " << measured_m << " m, by the slopes alone " << by_slopes_m << " m, error " << error_m);
   CHECK(measured_m < 0.5 * by_slopes_m);
   CHECK(std::abs(error_m) < 3 * measured_m);
+}
+
+TEST_CASE("the search of a photograph states what lies outside it, and the volume of the places that it measured") {
+  const auto model = a_crossing({});
+  City city(model);
+  const Ground ground(model);
+  const Vector3d place(-6, 1.5, -1.6);
+  const Quaterniond q = camera(-10 * kDegree, 10 * kDegree);
+  const auto attempt_of = [&](const PhotographParameters& p) {
+    PhotographMatcher matcher(city, ground, p);
+    matcher.match(seen_in(model, place, q), prior_of(place, q));
+    REQUIRE(matcher.attempts().size() == 1);
+    return matcher.attempts().front();
+  };
+  PhotographParameters p;
+  CHECK(attempt_of(p).outside == doctest::Approx(std::exp(-4.5)));  // of two dimensions, three sigmas
+  p.sigmas = 1;
+  const auto measured = attempt_of(p);
+  CHECK(measured.outside == doctest::Approx(std::exp(-0.5)));
+  p.refinement.measured_gain = -1;  // of no place
+  const auto& by_slopes = attempt_of(p).places.front();
+  const auto& best = measured.places.front();
+  CHECK(best.covariance.determinant() < 0.9 * by_slopes.covariance.determinant());
+  CHECK(best.log_volume - by_slopes.log_volume ==
+        doctest::Approx(0.5 * std::log(best.covariance.determinant() / by_slopes.covariance.determinant())));
 }
 
 TEST_CASE("a photograph whose skies lead to two places is not placed") {
@@ -385,6 +220,9 @@ TEST_CASE("upright lines determine how a photograph was held, and without them i
   REQUIRE_FALSE(levels.empty());
   CHECK(levels.front().lines > 30);
   CHECK(std::acos(std::min(1.0, levels.front().up_c.dot(up_c))) < 0.5 * kDegree);
+  const Quaterniond level = camera(0.4, 0), held = levelled(level, up_c);
+  CHECK((held.conjugate() * -Vector3d::UnitZ() - up_c).norm() < 1e-9);
+  CHECK((held * Vector3d::UnitZ()).head<2>().normalized().isApprox((level * Vector3d::UnitZ()).head<2>()));
   const auto guesses = levels_of({}, level_c);
   REQUIRE_FALSE(guesses.empty());
   CHECK(guesses.front().lines == 0);

@@ -24,11 +24,6 @@ void shrink(Picture& picture, int by) {
   lens.cx = (lens.cx + 0.5) / by - 0.5, lens.cy = (lens.cy + 0.5) / by - 0.5;
 }
 
-double heading_of(const Eigen::Quaterniond& q_n_c) {
-  const Eigen::Vector3d axis = q_n_c * Eigen::Vector3d::UnitZ();
-  return std::atan2(axis.y(), axis.x());
-}
-
 }  // namespace
 
 PhotographFixer::Outcome PhotographFixer::estimate_pose(Picture picture, const PhotographPrior& prior) {
@@ -42,9 +37,7 @@ PhotographFixer::Outcome PhotographFixer::estimate_pose(Picture picture, const P
   const Chroma chroma = picture.chroma;
   for (const PhotographLevel& level : levels) {
     PhotographPrior held = prior;
-    held.q_n_c = (prior.q_n_c * Eigen::Quaterniond::FromTwoVectors(level.up_c, prior_up_c)).normalized();
-    held.q_n_c =
-        Eigen::AngleAxisd(heading_of(prior.q_n_c) - heading_of(held.q_n_c), Eigen::Vector3d::UnitZ()) * held.q_n_c;
+    held.q_n_c = levelled(prior.q_n_c, level.up_c);
     held.tilt_sigma_rad = level.sigma_rad;
     facades_.set(lines, held.q_n_c, held.tilt_sigma_rad);
     // Colour shows more of the sky, but a colour cast misleads.

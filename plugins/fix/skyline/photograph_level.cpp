@@ -4,12 +4,20 @@
 #include <algorithm>
 #include <cmath>
 
-#include <Eigen/Geometry>
-
 namespace odograph::skyline {
 
 using Eigen::AngleAxisd;
+using Eigen::Quaterniond;
 using Eigen::Vector3d;
+
+namespace {
+
+double heading_of(const Quaterniond& q_n_c) {
+  const Vector3d axis = q_n_c * Vector3d::UnitZ();
+  return std::atan2(axis.y(), axis.x());
+}
+
+}  // namespace
 
 std::vector<PhotographLevel> levels_of(const std::vector<SeenLine>& lines, const Vector3d& level_up_c,
                                        const PhotographLevelParameters& p) {
@@ -45,6 +53,12 @@ std::vector<PhotographLevel> levels_of(const std::vector<SeenLine>& lines, const
   if (levels.empty())
     for (const double pitch : {8.0, 0.0, 16.0}) levels.push_back({up_of(pitch * p.kDegree, 0), p.unknown_sigma_rad, 0});
   return levels;
+}
+
+Quaterniond levelled(const Quaterniond& q_n_c, const Vector3d& up_c) {
+  const Quaterniond q =
+      q_n_c * Quaterniond::FromTwoVectors(up_c, q_n_c.conjugate() * -Vector3d::UnitZ()).normalized();
+  return AngleAxisd(heading_of(q_n_c) - heading_of(q), Vector3d::UnitZ()) * q;
 }
 
 }  // namespace odograph::skyline

@@ -3,6 +3,8 @@
 
 #include <vector>
 
+#include <Eigen/Geometry>
+
 #include "plugins/fix/skyline/vanishing_point.hpp"
 
 namespace odograph::skyline {
@@ -33,5 +35,8 @@ struct PhotographLevel {
 /// axis.
 std::vector<PhotographLevel> levels_of(const std::vector<SeenLine>& lines, const Eigen::Vector3d& level_up_c,
                                        const PhotographLevelParameters& parameters = {});
+
+/// The orientation with the same heading of the axis and this zenith in c, a unit vector.
+Eigen::Quaterniond levelled(const Eigen::Quaterniond& q_n_c, const Eigen::Vector3d& up_c);
 
 }  // namespace odograph::skyline

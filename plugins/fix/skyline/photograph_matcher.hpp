@@ -103,6 +103,8 @@ class PhotographMatcher {
   const std::optional<Match>& tried() const { return decision_.tried; }
   /// Probability that the camera is beyond three sigmas of the best place.
   double other() const { return decision_.other; }
+  /// The places by each hypothesis.
+  const std::vector<PhotographAttempt>& attempts() const { return attempts_; }
   /// Radius of the search.
   double reach_m() const { return std::clamp(p_.sigmas * prior_.sigma_m, p_.min_m, p_.max_m); }
 
