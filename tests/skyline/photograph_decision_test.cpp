@@ -33,10 +33,14 @@ TEST_CASE("a place is accepted or rejected by other places, its agreement and it
   const PhotographPlace elsewhere{{15, 0, 0}, 59, -9, accurate}, beside{{3, 0, 0}, 60, -9, accurate};
   CHECK(decision_of({best, elsewhere}, 0.9).why.find("probability of other places is") != std::string::npos);
   CHECK(std::sqrt(decision_of({best, beside}, 0.9).tried->covariance(0, 0)) > 2);
+  const double less = 4, weight = std::exp(-p.spread_power * less);
+  const PhotographPlace near{{3, 0, 0}, 60 - less, -9, accurate};
+  CHECK(decision_of({best, near}, 0.9).tried->covariance(0, 0) ==
+        doctest::Approx(0.04 + 9 * weight / (1 + weight) + p.min_sigma_m * p.min_sigma_m));
   const PhotographPlace turned{{0, 0, 1.5}, 60, -9, accurate};
   CHECK(decision_of({best, turned}, 0.9).why.find("determine the heading only to") != std::string::npos);
-  CHECK(decision_of({best}, 0.4).why ==
-        "only 40 % of the sky's edge coincides with a roof of the model; 50 % are required");
+  CHECK(decision_of({best}, 0.3).why ==
+        "only 30 % of the sky's edge coincides with a roof of the model; 40 % are required");
   const auto chance = "the probability that this is chance is";
   CHECK(decision_of({{{0, 0, 0}, 9, -9, accurate}}, 0.9).why.find(chance) != std::string::npos);
 }

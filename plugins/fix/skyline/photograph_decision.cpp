@@ -27,13 +27,13 @@ void estimate_uncertainty(const std::vector<PhotographAttempt>& attempts, const 
                           const PhotographDecisionParameters& p, PhotographDecision& decision) {
   Match& match = *decision.tried;
   const PhotographPlace& at = best.places.front();
-  const auto weight = [&](const PhotographAttempt& of, const PhotographPlace& c) {
+  const auto cost = [&](const PhotographAttempt& of, const PhotographPlace& c) {
     // A sky with fewer edges has less to gain, and skies' likelihoods are hardly comparable.
     const PhotographPlace& first = of.places.front();
     const double facades = first.facade_gain;
     const double gain = facades + (first.gain - facades) * std::max(1.0, best.possible_gain / of.possible_gain);
     const double less = p.sky_power * std::max(0.0, at.gain - gain) + first.gain - c.gain;
-    return std::exp(-p.power * std::max(0.0, less));
+    return std::max(0.0, less);
   };
   const auto offset = [&](const PhotographPlace& c) {
     Eigen::Vector3d d = c.at - at.at;
@@ -42,14 +42,16 @@ void estimate_uncertainty(const std::vector<PhotographAttempt>& attempts, const 
   };
   const auto for_each = [&](const auto& with) {
     for (const PhotographAttempt& attempt : attempts)
-      for (const PhotographPlace& c : attempt.places) with(weight(attempt, c), offset(c), c);
+      for (const PhotographPlace& c : attempt.places) with(cost(attempt, c), offset(c), c);
   };
   // Spread about the best place, which is the estimate, not about the mean, of the places around it.
   double all = 0, within = 0, others = 0;
   Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
-  for_each([&](double w, const Eigen::Vector3d& d, const PhotographPlace& c) {
-    all += w;
-    if (d.head<2>().norm() <= p.mode_radius_m) within += w, spread += w * (c.covariance + d * d.transpose());
+  for_each([&](double less, const Eigen::Vector3d& d, const PhotographPlace& c) {
+    all += std::exp(-p.power * less);
+    if (d.head<2>().norm() > p.mode_radius_m) return;
+    const double w = std::exp(-p.spread_power * less);
+    within += w, spread += w * (c.covariance + d * d.transpose());
   });
   spread /= within;
   match.covariance = spread.topLeftCorner<2, 2>() + p.min_sigma_m * p.min_sigma_m * Eigen::Matrix2d::Identity();
@@ -57,7 +59,8 @@ void estimate_uncertainty(const std::vector<PhotographAttempt>& attempts, const 
   for (double near = 1e9; near > p.near_part * p.max_other * all;) {
     const Eigen::Matrix2d information = match.covariance.inverse();
     near = others = 0;
-    for_each([&](double w, const Eigen::Vector3d& d, const PhotographPlace&) {
+    for_each([&](double less, const Eigen::Vector3d& d, const PhotographPlace&) {
+      const double w = std::exp(-p.power * less);
       if (!(d.head<2>().dot(information * d.head<2>()) > kThreeSigma2)) return;  // nor where it is not a number
       others += w;
       if (d.head<2>().norm() <= p.mode_radius_m) near += w;

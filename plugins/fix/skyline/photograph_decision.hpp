@@ -15,17 +15,19 @@ namespace odograph::skyline {
 /// Requirements for a match of a photograph, and how its uncertainty is computed. Unless a source is named, chosen
 /// empirically on rendered pictures of Delft and Linz (docs/accuracy/city.md).
 struct PhotographDecisionParameters {
-  double min_agreement = 0.5;  ///< fraction of the directions with a roof's edge where picture and model agree
+  double min_agreement = 0.4;  ///< fraction of the directions with a roof's edge where picture and model agree
   double max_sigma_m = 5;      ///< of the position along its worst axis
   double max_yaw_sigma_rad = 10 * std::numbers::pi / 180;  ///< half of a compass's: less would not help; judgement
   double min_sigma_m = 0.5;  ///< of north and of east: no model's corners are more accurate (CityGML 2.0, LOD3: 0.5 m)
-  double mode_radius_m = 6;  ///< of the places that form the covariance; those beyond three sigmas are others
+  double mode_radius_m = 8;  ///< of the places that form the covariance; those beyond three sigmas are others
   double near_part = 0.2;    ///< of max_other that may lie among them beyond three sigmas
   double max_other = 0.02;   ///< total probability of places beyond three sigmas and of no place
   double facade_evidence = 4;   ///< max log-likelihood of the facades against chance: any street's lines have two
                                 ///< directions, so that only their heading is evidence, a degree of ninety
   double unmodelled = 0.2;      ///< odds, before the picture is seen, that the model has nothing of it; judgement
   double power = 0.8;           ///< of the likelihoods, since the model's errors are not those assumed
+  double spread_power = 0.5;    ///< the same for the places that form the covariance: along a street the roofs' ends
+                                ///< alone determine the place, and their errors have longer tails
   double sky_power = 0.22;      ///< the same between a photograph's hypotheses, in addition
   double modelled_power = 3;    ///< the fraction of a line that a model has is distributed as its power: mean 80 %
   double roof_distance_m = 10;  ///< typical distance of a roof: min_sigma_m of its corners, seen from there, is the
