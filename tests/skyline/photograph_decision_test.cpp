@@ -23,8 +23,13 @@ TEST_CASE("a place is accepted or rejected by other places, its agreement and it
   const PhotographDecisionParameters p;
   const Eigen::Matrix3d accurate = Vector3d(0.04, 0.04, 1e-4).asDiagonal();
   const PhotographPlace best{{0, 0, 0}, 60, -9, accurate};
+  double straight_gain = 20;
   const auto decision_of = [&](std::vector<PhotographPlace> places, double agreement) {
-    return decide({{.match = {.agreement = agreement}, .places = std::move(places), .possible_gain = 80}}, p);
+    return decide({{.match = {.agreement = agreement},
+                    .places = std::move(places),
+                    .possible_gain = 80,
+                    .straight_gain = straight_gain}},
+                  p);
   };
   const auto alone = decision_of({best}, 0.9);
   CHECK(alone.why.empty());
@@ -43,6 +48,8 @@ TEST_CASE("a place is accepted or rejected by other places, its agreement and it
         "only 30 % of the sky's edge coincides with a roof of the model; 40 % are required");
   const auto chance = "the probability that this is chance is";
   CHECK(decision_of({{{0, 0, 0}, 9, -9, accurate}}, 0.9).why.find(chance) != std::string::npos);
+  straight_gain = 1;  // as good as unknown roofs
+  CHECK(decision_of({best}, 0.9).why.find(chance) != std::string::npos);
 }
 
 TEST_CASE("the likelier another place is, the less a photograph is placed") {
@@ -54,7 +61,8 @@ TEST_CASE("the likelier another place is, the less a photograph is placed") {
     CAPTURE(less);
     const auto decision = decide({{.match = {.agreement = 0.9},
                                    .places = {{{0, 0, 0}, 60, -9, accurate}, {{15, 0, 0}, 60 - less, -9, accurate}},
-                                   .possible_gain = 80}},
+                                   .possible_gain = 80,
+                                   .straight_gain = 20}},
                                  p);
     CHECK(decision.other >= risk);
     CHECK((was_placed || !decision.why.empty()));
@@ -70,7 +78,8 @@ TEST_CASE("lines of two directions do not turn a line of roofs that may be chanc
   const auto why = [&](double roofs, double facades) {
     return decide({{.match = {.agreement = 0.9},
                     .places = {{{0, 0, 0}, roofs + facades, -9, accurate, facades}},
-                    .possible_gain = 80}},
+                    .possible_gain = 80,
+                    .straight_gain = 20}},
                   p)
         .why;
   };
@@ -84,7 +93,7 @@ TEST_CASE(
   const PhotographDecisionParameters p;
   const Eigen::Matrix3d accurate = Vector3d(0.04, 0.04, 1e-4).asDiagonal();
   PhotographAttempt attempt{
-      .match = {.agreement = 0.9}, .places = {{{0, 0, 0}, 14, -9, accurate}}, .possible_gain = 80};
+      .match = {.agreement = 0.9}, .places = {{{0, 0, 0}, 14, -9, accurate}}, .possible_gain = 80, .straight_gain = 20};
   const double once = decide({attempt}, p).other;
   CHECK(once > 0.005);
   CHECK(decide({attempt, attempt, attempt}, p).other == doctest::Approx(once));
@@ -95,9 +104,12 @@ TEST_CASE(
 TEST_CASE("a place that is not a number is not accepted") {
   const PhotographDecisionParameters p;
   const Eigen::Matrix3d undefined = Eigen::Matrix3d::Constant(std::nan(""));
-  CHECK_FALSE(
-      decide({{.match = {.agreement = 0.9}, .places = {{{0, 0, 0}, 60, -9, undefined}}, .possible_gain = 80}}, p)
-          .why.empty());
+  CHECK_FALSE(decide({{.match = {.agreement = 0.9},
+                       .places = {{{0, 0, 0}, 60, -9, undefined}},
+                       .possible_gain = 80,
+                       .straight_gain = 20}},
+                     p)
+                  .why.empty());
 }
 
 TEST_CASE("the covariance without a prior, and of a picture that adds nothing to it") {
@@ -118,6 +130,8 @@ TEST_CASE("a photograph's fix does not contain the pose that it was searched aro
   FixerConfig config;
   config.model = (folder / "city.json").string(), config.photographs = true;
   const Eigen::Vector3d place(3.2, -1.7, -1.5);
+  CameraModel lens = test::kLens;
+  lens.fx = lens.fy = 400, lens.cx = 639.5, lens.cy = 479.5;
   const auto variance = [&](double sigma_m) {
     SkylineFixer fixer(config);
     PipelinePose pose{1, place, Eigen::Quaterniond(0, 1, 0, 0)};
@@ -125,8 +139,8 @@ TEST_CASE("a photograph's fix does not contain the pose that it was searched aro
     pose.photograph = {
         .p_n = place, .q_n_c = pose.q_n_c, .sigma_m = sigma_m, .yaw_sigma_rad = 0.1, .eye_m = std::nullopt};
     CHECK(fixer.add_pose(pose).empty());
-    const auto outcomes = fixer.add_picture(
-        {.t_ns = 1, .grey = test::view_upwards(place), .mask = {}, .chroma = {}, .lens = test::kLens});
+    const auto outcomes =
+        fixer.add_picture({.t_ns = 1, .grey = test::view_upwards(place, lens), .mask = {}, .chroma = {}, .lens = lens});
     REQUIRE(outcomes.size() == 1);
     const Fix* fix = std::get_if<Fix>(&outcomes.front());
     if (!fix) MESSAGE(std::get<Rejection>(outcomes.front()).second);
@@ -150,7 +164,8 @@ TEST_CASE("a second sky with few roofs does not gain by the facades, which both 
   const auto attempt = [&](double east, double roofs, double possible) {
     return PhotographAttempt{.match = {.agreement = 0.9},
                              .places = {{{0, east, 0}, roofs + 15, -9, accurate, 15}},
-                             .possible_gain = possible};
+                             .possible_gain = possible,
+                             .straight_gain = 20};
   };
   CHECK(decide({attempt(0, 40, 80), attempt(25, 4, 27)}, p).why.empty());
   CHECK_FALSE(decide({attempt(0, 40, 80), attempt(25, 14, 27)}, p).why.empty());

@@ -58,12 +58,12 @@ inline bool meets(const Eigen::Vector3d& eye, const Eigen::Vector3d& ray) {
 }
 
 /// The view of an upward camera with north at the right: walls with windows in front of a bright sky.
-inline cv::Mat view_upwards(const Eigen::Vector3d& eye) {
-  cv::Mat picture(480, 640, CV_8UC1, cv::Scalar(70));
+inline cv::Mat view_upwards(const Eigen::Vector3d& eye, const CameraModel& lens = kLens) {
+  cv::Mat picture(static_cast<int>(2 * lens.cy) + 1, static_cast<int>(2 * lens.cx) + 1, CV_8UC1, cv::Scalar(70));
   for (int y = 0; y < picture.rows; ++y)
     for (int x = 0; x < picture.cols; ++x) {
       Eigen::Vector3d ray_c;
-      if (!ray_of(kLens, {double(x), double(y)}, 1.5, ray_c)) continue;
+      if (!ray_of(lens, {double(x), double(y)}, 1.5, ray_c)) continue;
       const Eigen::Vector3d ray(ray_c.x(), -ray_c.y(), -ray_c.z());
       const double azimuth = std::atan2(ray.y(), ray.x()), up = std::asin(-ray.z());
       const bool window = std::fmod(azimuth * 30 + 100, 2) < 1 && std::fmod(up * 30 + 100, 2) < 1;

@@ -8,6 +8,7 @@
 #include <unordered_map>
 
 #include "plugins/fix/skyline/roof_line.hpp"
+#include "plugins/fix/skyline/straight_edges.hpp"
 #include "sdk/tools/simulation/random.hpp"
 #include "tests/skyline/crossing.hpp"
 
@@ -127,6 +128,59 @@ TEST_CASE("the normal equations of a roof line lead back to the camera's pose") 
   }
   MESSAGE("from " << first << " to " << off(g));
   CHECK(off(g) < 0.1 * first);
+}
+
+TEST_CASE("a skyline is divided at its corners, and where it is ragged it has no straight edge") {
+  const auto ray = [](double azimuth, double elevation) {
+    return SkyEdge{Vector3d(std::sin(azimuth) * std::cos(elevation), -std::sin(elevation),
+                            std::cos(azimuth) * std::cos(elevation))};
+  };
+  std::vector<SkyEdge> line;
+  Random random(11, 1);
+  for (int k = 0; k < 90; ++k) {
+    const double azimuth = (k - 45) * 0.5 * kDegree;
+    if (k < 30)
+      line.push_back(ray(azimuth, std::atan(0.3 * std::cos(azimuth))));  // a horizontal eave, 0.3 above the camera
+    else if (k < 60)
+      line.push_back(ray(azimuth, std::atan(0.1 * std::cos(azimuth))));
+    else
+      line.push_back(ray(azimuth, 0.1 + 0.1 * random.uniform()));
+  }
+  std::vector<double> weights(line.size(), 1);
+  const StraightEdgeCosts costs{9, 0.1 * kDegree, 0.6, -0.22, 0.2};
+  std::vector<int> edges = straight_edges(line, weights, costs);
+  CHECK(std::count(edges.begin(), edges.begin() + 30, edges[0]) == 30);
+  CHECK(std::count(edges.begin() + 30, edges.begin() + 60, edges[30]) == 30);
+  CHECK(edges[0] != edges[30]);
+  CHECK(std::count(edges.begin() + 60, edges.end(), kRagged) == 30);
+  weights[15] = 0;  // a gap
+  edges = straight_edges(line, weights, costs);
+  CHECK(edges[15] == kRagged);
+  CHECK(edges[0] != edges[29]);
+  CHECK(straight_edges({}, {}, costs).empty());
+}
+
+TEST_CASE("a roof is evidence with its ends, not by its length") {
+  const auto wall = [](double from, double to) {
+    return std::vector<Edge>{{{12, from, 0}, {12, to, 0}, 0}, {{12, from, -9}, {12, to, -9}, 0}};
+  };
+  const Vector3d place(0, 0, -1.6);
+  const Quaterniond q = camera(0, 15 * kDegree);
+  RoofLineFit fit{RoofErrorParameters{}};
+  fit.set(seen_in(wall(-20, 4), place, q), q);
+  const auto straight_gain = [&](double to) {
+    City city(wall(-20, to));
+    city.select_roofs(city.roofs_around(place, 2, 0.03, 4, 3), place, 2, 0.03, 4, 3);
+    RoofTops tops;
+    city.roof_tops(place, 3, Sector::all(), tops);
+    RoofLine line;
+    line.set(tops);
+    CHECK(fit.cost(line, {}) < fit.no_match_cost());  // direction by direction a part of the roof is evidence
+    return fit.straight_gain();
+  };
+  CHECK(straight_gain(4) > 5);
+  CHECK(straight_gain(-1) < 0);
+  CHECK(straight_gain(15) < straight_gain(4) - 3);
 }
 
 TEST_SUITE_END();

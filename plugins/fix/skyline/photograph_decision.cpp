@@ -67,12 +67,13 @@ void estimate_uncertainty(const std::vector<PhotographAttempt>& attempts, const 
     });
     if (near > p.near_part * p.max_other * all) match.covariance *= 1.2;
   }
-  // Likelihood that what was searched has nothing of the picture, over the evidence of the best place by Laplace's
-  // approximation. A right place has most of the line in the model.
+  // Likelihood that what was searched has nothing of the picture: one run of directions, over the evidence of the best
+  // place by Laplace's approximation, or straight roofs. A right place has most of the line in the model.
   const double share = (p.modelled_power + 1) * std::pow(std::max(match.agreement, 1e-6), p.modelled_power);
   const double gain = at.gain - at.facade_gain + std::min(at.facade_gain, p.facade_evidence);
   const double odds = (p.unmodelled + best.outside) / std::max(1 - best.outside, 1e-6);
-  const double none = odds / share * std::exp(std::min(50.0, -at.log_volume - p.power * gain));
+  const double none = odds * (std::exp(std::min(50.0, -at.log_volume - p.power * gain)) / share +
+                              std::exp(std::min(50.0, -best.straight_gain)));
   const double chance = none / (1 + none);  // the same place by several attempts is no more evidence
   decision.other = chance + (1 - chance) * others / all;
   decision.chance = chance > 0.5 * decision.other;

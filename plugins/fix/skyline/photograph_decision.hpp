@@ -19,7 +19,7 @@ struct PhotographDecisionParameters {
   double max_sigma_m = 5;      ///< of the position along its worst axis
   double max_yaw_sigma_rad = 10 * std::numbers::pi / 180;  ///< half of a compass's: less would not help; judgement
   double min_sigma_m = 0.5;  ///< of north and of east: no model's corners are more accurate (CityGML 2.0, LOD3: 0.5 m)
-  double mode_radius_m = 8;  ///< of the places that form the covariance; those beyond three sigmas are others
+  double mode_radius_m = 6;  ///< of the places that form the covariance; those beyond three sigmas are others
   double near_part = 0.2;    ///< of max_other that may lie among them beyond three sigmas
   double max_other = 0.02;   ///< total probability of places beyond three sigmas and of no place
   double facade_evidence = 4;   ///< max log-likelihood of the facades against chance: any street's lines have two
@@ -48,6 +48,7 @@ struct PhotographAttempt {
   Match match;                          ///< of the best place, without covariance
   std::vector<PhotographPlace> places;  ///< the best one first
   double possible_gain = 0;             ///< of a place where all roofs fit
+  double straight_gain = 0;             ///< of the best place, as RoofLineFit's, with the prior and the facades
   double outside = 0;                   ///< probability by the prior that the camera is outside the search
 };
 

@@ -56,8 +56,7 @@ std::vector<PhotographLevel> levels_of(const std::vector<SeenLine>& lines, const
 }
 
 Quaterniond levelled(const Quaterniond& q_n_c, const Vector3d& up_c) {
-  const Quaterniond q =
-      q_n_c * Quaterniond::FromTwoVectors(up_c, q_n_c.conjugate() * -Vector3d::UnitZ()).normalized();
+  const Quaterniond q = q_n_c * Quaterniond::FromTwoVectors(up_c, q_n_c.conjugate() * -Vector3d::UnitZ()).normalized();
   return AngleAxisd(heading_of(q_n_c) - heading_of(q), Vector3d::UnitZ()) * q;
 }
 

@@ -348,6 +348,8 @@ void PhotographMatcher::add(const std::vector<SkyEdge>& edges, const PhotographP
     return;
   }
   attempt.possible_gain = fit_.no_match_cost();
+  const Guess& best = modes.front().guess;
+  attempt.straight_gain = fit_.straight_gain() - prior_.cost(best) - cost_of_facades(best);
   attempt.outside = std::exp(-0.5 * std::pow(reach_m() / prior_.sigma_m, 2));
   for (const Candidate& c : modes) {
     attempt.places.push_back(place_at(c));

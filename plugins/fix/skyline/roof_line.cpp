@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "plugins/fix/skyline/straight_edges.hpp"
+
 namespace odograph::skyline {
 namespace {
 
@@ -69,6 +71,11 @@ void RoofLineFit::set(const std::vector<SkyEdge>& edges, const Eigen::Quaternion
   double north = 0, east = 0;
   for (const Ray& ray : rays_) north += ray.cosine, east += ray.sine;
   middle_ = std::atan2(east, north), half_width_ = 0;
+  std::vector<double> weights;
+  for (const Ray& ray : rays_) weights.push_back(ray.open || ray.above ? 0 : ray.weight);
+  const std::vector<int> straight = straight_edges(
+      edges, weights, {p_.straight_loss, p_.straight_rad, p_.run_above, loss_of_exact(), 1 / p_.correlated});
+  for (size_t i = 0; i < rays_.size(); ++i) rays_[i].edge = straight[i];
   for (const Ray& ray : rays_)
     half_width_ = std::max(half_width_, std::abs(std::remainder(ray.azimuth - middle_, 2 * std::numbers::pi)));
 }
@@ -153,6 +160,23 @@ double RoofLineFit::divided() const {
     unknown = std::min(unknown, before + p_.run_loss) + d.unknown;
   }
   return std::min(known, unknown);
+}
+
+double RoofLineFit::straight_gain() const {
+  double known = 0, unknown = p_.run_loss, nothing = p_.run_loss;
+  int last = kRagged;
+  for (const Direction& d : directions_) {
+    const Ray& ray = rays_[static_cast<size_t>(d.ray)];
+    const double value = d.top < 0 ? d.level : value_of(residuals_[static_cast<size_t>(d.top)]);
+    const double begins = ray.edge == kRagged ? 0 : p_.straight_loss, continues = ray.edge == last ? 0 : begins;
+    const double cost = ray.open || ray.above ? 0 : ray.weight * (ray.edge == kRagged ? p_.run_above : loss_of_exact());
+    const double before = known;
+    known = std::min(known, unknown) + d.known;
+    unknown = std::min(unknown + continues, before + p_.run_loss + begins) + (value > 0 ? d.unknown : cost);
+    nothing += continues + cost;
+    last = ray.edge;
+  }
+  return nothing - std::min(known, unknown) - heights_cost_;
 }
 
 /// The residuals of all layers in the picture's directions.
@@ -332,7 +356,7 @@ double RoofLineFit::cost(const RoofLine& model, const Guess& g, size_t stride) {
   for (Object& object : objects_)
     if (object.first >= 0) vote(object);
   find_tops();
-  const double heights = cost_of_heights();
+  const double heights = heights_cost_ = cost_of_heights();
   agreeing_ = edge_weight_ = 0;
   for (Direction& d : directions_) {
     const Ray& ray = rays_[static_cast<size_t>(d.ray)];

@@ -32,6 +32,9 @@ struct RoofErrorParameters {
   /// Cost of a run of directions with an object that the model lacks (a new house, a tree), for its free ends and
   /// height; and cost per direction, higher where sky is visible instead of the model's roof.
   double run_loss = 6, run_above = 0.6, run_below = 0.7;
+  /// Of straight_gain(): cost of a straight edge of such an object, for its height, slope and end, instead of that per
+  /// direction; and the sigma of its directions.
+  double straight_loss = 9, straight_rad = 0.1 * kDegree;
   double absent_loss = 2.2;  ///< cost of a building of the model that is not there: a tenth
   double correlated = 5;     ///< neighbouring directions with a common error: two and a half degrees
 };
@@ -86,6 +89,8 @@ class RoofLineFit {
   NormalEquations normal_equations(const Guess& guess) const;
   /// After cost() with stride 1: of the model's objects in view.
   std::vector<RoofHeight> heights(const RoofLine& model) const;
+  /// After cost() with stride 1: the fit's log-likelihood over that of straight edges of objects that the model lacks.
+  double straight_gain() const;
   /// After cost(): fraction of the directions with a roof's edge that agree.
   double agreement() const { return edge_weight_ > 0 ? agreeing_ / edge_weight_ : 0; }
 
@@ -93,6 +98,7 @@ class RoofLineFit {
   struct Ray {
     double azimuth, elevation, slope, cosine, sine, weight;
     bool open, above;
+    int edge;  // of straight_edges()
   };
   /// 1/rad, and the variance over the reference's.
   struct Accuracy {
@@ -155,6 +161,7 @@ class RoofLineFit {
   double cost_of_heights();
   void vote(Object& object) const;
   void refine(Object& object) const;
+  double loss_of_exact() const { return std::log(p_.line_rad / p_.reference_rad) / p_.correlated; }
   double divided() const;
 
   RoofErrorParameters p_;
@@ -168,6 +175,7 @@ class RoofLineFit {
   std::vector<Object> objects_;
   std::vector<std::pair<double, int>> order_;    // cost and number of the objects in view
   std::vector<std::pair<int, Residual*>> tops_;  // directions and their next layers, of an object
+  double heights_cost_ = 0;                      // of the latest cost()
   double agreeing_ = 0, edge_weight_ = 0;
   double correlated_ = 1;  // evaluated directions with a common error
 };
