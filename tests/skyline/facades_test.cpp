@@ -75,7 +75,7 @@ TEST_CASE("the ledges of two walls determine the heading, and at a wrong place t
   for (double yaw = -std::numbers::pi; yaw < std::numbers::pi; yaw += 0.5 * kDegree)
     if (const double cost = facades.cost(place, yaw); cost < least) least = cost, best = yaw;
   CHECK(std::abs(best - 0.4) < 1 * kDegree);
-  CHECK(least < -8);
+  CHECK(least < -6);
   CHECK(facades.cost(place, 0.4 + 10 * kDegree) > least + 5);
   CHECK(facades.cost({20, 20, -1.6}, 0.4) > least + 5);  // behind the walls
   CHECK(facades.cost({1000, 0, -1.6}, 0.4) == 0);        // no wall, no evidence
@@ -119,7 +119,7 @@ TEST_CASE("a garage in front of a house does not hide its facade") {
   for (const double down : {0.0, -2.5}) model.push_back({{3, -8, down}, {6, 16, down}, 2});
   Facades with(model), without(houses);
   for (Facades* facades : {&with, &without}) facades->set(corner.seen_from(place, camera()), camera(), kLevel);
-  CHECK(without.cost(place, 0) < -8);
+  CHECK(without.cost(place, 0) < -6);
   CHECK(with.cost(place, 0) == without.cost(place, 0));
 }
 
@@ -149,8 +149,9 @@ TEST_CASE("where the inclination is hardly known lines do not determine the head
     for (double yaw = -0.2; yaw <= 0.2; yaw += 0.5 * kDegree) least = std::min(least, facades.cost(place, yaw));
     return facades.cost(place, 0) - least;
   };
-  CHECK(excess(4 * kDegree) < 1.5);
-  CHECK(excess(kLevel) > 2);  // well known, it would matter
+  const double unknown = excess(4 * kDegree);
+  CHECK(unknown < 0.8);
+  CHECK(excess(kLevel) > 1.5 * unknown);  // well known, it would matter
 }
 
 TEST_CASE("upright lines are not used: they have no direction") {
