@@ -36,7 +36,7 @@ struct FacadeParameters {
   double on_wall = 0.5;            ///< fraction of the lines that are horizontal and on the model's wall; judgement
   double part_rad = 3 * kDegree;   ///< a longer line is compared in several bearings
   double alike_rad = 2 * kDegree;  ///< lines that differ less in bearing and direction are one
-  double max_lines = 3;            ///< max number of independent lines
+  double max_lines = 3;            ///< max number of independent lines; by seeds 201 to 251
 };
 
 /// Likelihood of a place and a heading from the horizontal lines of a picture: ledges, rows of windows, eaves. Such a
