@@ -8,14 +8,15 @@
 namespace odograph::skyline {
 namespace {
 
-constexpr size_t kShortest = 6;  // directions of an edge: a plane fits two of them
+constexpr size_t kShortest = 6;  // directions of an edge, three degrees: any two are on a great circle
 
 }  // namespace
 
 std::vector<int> straight_edges(const std::vector<SkyEdge>& directions, const std::vector<double>& weights,
                                 const StraightEdgeCosts& c) {
   const size_t n = directions.size();
-  std::vector<Eigen::Matrix3d> squares(n + 1, Eigen::Matrix3d::Zero());  // of the first directions, as the others
+  // Of the first directions: sums, and the shortest description and where its last edge starts.
+  std::vector<Eigen::Matrix3d> squares(n + 1, Eigen::Matrix3d::Zero());
   std::vector<double> weight(n + 1, 0), shortest(n + 1, 0);
   std::vector<size_t> from(n + 1, 0);
   size_t line = 0;  // first direction of a line without a gap
