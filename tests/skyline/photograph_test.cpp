@@ -176,7 +176,7 @@ TEST_CASE("a photograph of one long wall is not placed, with a reason") {
   CHECK_FALSE(matcher.why().empty());
   // Without any roof.
   CHECK_FALSE(matcher.match({}, prior_of(place, q)));
-  CHECK(matcher.why().find("roofs end against the sky") != std::string::npos);
+  CHECK(matcher.why().find("roofs are visible against the sky") != std::string::npos);
 }
 
 TEST_CASE("a photograph from elsewhere is not placed") {
@@ -207,7 +207,8 @@ TEST_CASE("a photograph from elsewhere is not placed") {
 TEST_CASE("upright lines determine how a photograph was held, and without them it is guessed") {
   Random random(3, 1);
   const Quaterniond q_n_c = camera(0, 18 * kDegree, 3 * kDegree);
-  const Vector3d up_c = q_n_c.conjugate() * -Vector3d::UnitZ(), level_c(0, -1, 0);
+  const Vector3d up_c = q_n_c.conjugate() * -Vector3d::UnitZ();
+  const PhotographLevel unknown{Vector3d(0, -1, 0), 20 * kDegree, 0};
   std::vector<SeenLine> lines;
   for (int i = 0; i < 60; ++i) {
     const Vector3d foot{std::cos(random.uniform(-0.5, 0.5)), std::sin(random.uniform(-0.5, 0.5)),
@@ -216,17 +217,29 @@ TEST_CASE("upright lines determine how a photograph was held, and without them i
                    b = q_n_c.conjugate() * (foot - Vector3d(0, 0, 0.3)).normalized();
     lines.push_back({a.cross(b).normalized(), 0.2});
   }
-  const auto levels = levels_of(lines, level_c);
+  const auto levels = levels_of(lines, unknown);
   REQUIRE_FALSE(levels.empty());
   CHECK(levels.front().lines > 30);
   CHECK(std::acos(std::min(1.0, levels.front().up_c.dot(up_c))) < 0.5 * kDegree);
   const Quaterniond level = camera(0.4, 0), held = levelled(level, up_c);
   CHECK((held.conjugate() * -Vector3d::UnitZ() - up_c).norm() < 1e-9);
   CHECK((held * Vector3d::UnitZ()).head<2>().normalized().isApprox((level * Vector3d::UnitZ()).head<2>()));
-  const auto guesses = levels_of({}, level_c);
+  const auto guesses = levels_of({}, unknown);
   REQUIRE_FALSE(guesses.empty());
   CHECK(guesses.front().lines == 0);
   CHECK(guesses.front().sigma_rad > 2 * kDegree);
+  // A phone's own inclination: of the lines' zeniths those near it, otherwise itself.
+  const Vector3d measured_c = camera(0, 22 * kDegree, 0).conjugate() * -Vector3d::UnitZ();
+  const auto near = levels_of(lines, {measured_c, 5 * kDegree, 0});
+  REQUIRE(near.size() == 1);
+  CHECK(near.front().up_c.dot(up_c) > std::cos(0.5 * kDegree));
+  const Vector3d other_c = camera(0, -20 * kDegree, 0).conjugate() * -Vector3d::UnitZ();
+  for (const auto& seen : {lines, std::vector<SeenLine>{}}) {
+    const auto own = levels_of(seen, {other_c, 5 * kDegree, 0});
+    REQUIRE(own.size() == 1);
+    CHECK(own.front().up_c == other_c);
+  }
+  CHECK(levels_of(lines, {Vector3d::UnitZ(), 20 * kDegree, 0}).front().up_c == Vector3d::UnitZ());  // faces the zenith
 }
 
 TEST_SUITE_END();

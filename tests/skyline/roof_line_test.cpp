@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <unordered_map>
+#include <utility>
 
 #include "plugins/fix/skyline/roof_line.hpp"
 #include "plugins/fix/skyline/straight_edges.hpp"
@@ -158,6 +159,29 @@ TEST_CASE("a skyline is divided at its corners, and where it is ragged it has no
   CHECK(edges[15] == kRagged);
   CHECK(edges[0] != edges[29]);
   CHECK(straight_edges({}, {}, costs).empty());
+}
+
+TEST_CASE("the direction with which the list of a sky's edge begins does not matter") {
+  const auto houses = a_crossing({});
+  const Vector3d place(-6, 1.5, -1.6);
+  const Quaterniond q = camera(0, 10 * kDegree);
+  City city(houses);
+  city.select_roofs(city.roofs_around(place, 2, 0.03, 4, 3), place, 2, 0.03, 4, 3);
+  RoofTops tops;
+  city.roof_tops(place, 3, Sector::all(), tops);
+  RoofLine line;
+  line.set(tops);
+  std::vector<SkyEdge> edges = seen_in(houses, place, q);  // begins at north, the picture's middle
+  RoofLineFit fit{RoofErrorParameters{}};
+  const auto costs = [&] {
+    fit.set(edges, q);
+    const double cost = fit.cost(line, {.north = 0.5});
+    return std::pair(cost, fit.straight_gain());
+  };
+  const auto first = costs();
+  std::rotate(edges.begin(), edges.begin() + static_cast<std::ptrdiff_t>(edges.size() / 2), edges.end());
+  CHECK(costs().first == doctest::Approx(first.first));
+  CHECK(costs().second == doctest::Approx(first.second));
 }
 
 TEST_CASE("a roof is evidence with its ends, not by its length") {

@@ -119,7 +119,7 @@ TEST_CASE("pitch and roll by vanishing points in pictures of real cities are wit
           const cv::Mat grey = grey_of(*frame, converted);
           const Vector3d up_c = at->q.conjugate() * -Vector3d::UnitZ();
           const Vector3d prior_c = (up_c + 0.02 * Vector3d{random.normal(), random.normal(), 0}).normalized();
-          if (const auto zenith = vanishing_zenith(lines_of(grey, camera.lens_of(*frame), {}), prior_c, {})) {
+          if (const auto zenith = vanishing_zenith(lines_of(grey, {}, camera.lens_of(*frame), {}), prior_c, {})) {
             errors.push_back(apart_deg(zenith->up_c, up_c));
             beyond += errors.back() * kDegree > 3.44 * zenith->sigma_rad;  // 99.73 % in two dimensions
           }

@@ -48,6 +48,8 @@ class Facades {
   Facades(const std::vector<Edge>& edges, const FacadeParameters& parameters);
   explicit Facades(const std::vector<Edge>& edges) : Facades(edges, FacadeParameters{}) {}
 
+  /// Starts a photograph: forgets the places, whose walls depend on the camera's height.
+  void clear() { seen_.clear(); }
   /// The horizontal lines of a picture; `tilt_sigma_rad`: of the camera's inclination.
   void set(const std::vector<SeenLine>& lines, const Eigen::Quaterniond& q_n_c, double tilt_sigma_rad);
   /// Negative log-likelihood of the lines' directions from the camera's place with a heading relative to that of set(),

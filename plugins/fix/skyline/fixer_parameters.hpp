@@ -63,7 +63,6 @@ struct FixerParameters {
   uint64_t min_slice = 400'000, max_slice = 3'200'000;  ///< per frame: 2 and 16 ms
   uint64_t sky_work = 10;                               ///< per pixel
 
-  double max_elsewhere = 0.1;   ///< probability of other places above which the reason for no fix is ambiguity
   double min_integrity = 0.01;  ///< lower bound of the risk that a fix is wrong
 };
 

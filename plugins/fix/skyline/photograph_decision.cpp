@@ -72,8 +72,8 @@ void estimate_uncertainty(const std::vector<PhotographAttempt>& attempts, const 
   const double share = (p.modelled_power + 1) * std::pow(std::max(match.agreement, 1e-6), p.modelled_power);
   const double gain = at.gain - at.facade_gain + std::min(at.facade_gain, p.facade_evidence);
   const double odds = (p.unmodelled + best.outside) / std::max(1 - best.outside, 1e-6);
-  const double none = odds * (std::exp(std::min(50.0, -at.log_volume - p.power * gain)) / share +
-                              std::exp(std::min(50.0, -best.straight_gain)));
+  const double straight = p.straight_roofs ? std::exp(std::min(50.0, -best.straight_gain)) : 0;
+  const double none = odds * (std::exp(std::min(50.0, -at.log_volume - p.power * gain)) / share + straight);
   const double chance = none / (1 + none);  // the same place by several attempts is no more evidence
   decision.other = chance + (1 - chance) * others / all;
   decision.chance = chance > 0.5 * decision.other;
@@ -91,25 +91,27 @@ PhotographDecision decide(const std::vector<PhotographAttempt>& attempts, const 
   estimate_uncertainty(attempts, best, p, decision);
   const Match& match = *decision.tried;
   const double worst_m = std::sqrt(Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(match.covariance).eigenvalues()[1]);
+  const auto refuse = [&](Reason reason, const char* format, auto... numbers) {
+    decision.reason = reason, decision.why = format_text(format, numbers...);
+  };
   if (!match.covariance.allFinite() || !std::isfinite(decision.other))
-    decision.why = "the roofs leave the place undetermined";
+    refuse(kAmbiguity, "%s", "the visible roofs do not determine the place");
   else if (match.agreement < p.min_agreement)
-    decision.why =
-        format_text("only %.0f %% of the sky's edge coincides with a roof of the model; %.0f %% are required",
-                    100 * match.agreement, 100 * p.min_agreement);
+    refuse(kAgreement, "only %.0f %% of the sky's edge coincides with a roof of the model; %.0f %% are required",
+           100 * match.agreement, 100 * p.min_agreement);
   else if (decision.other > p.max_other)
-    decision.why =
-        format_text(decision.chance ? "%.0f %% of the sky's edge coincides with a roof of the model, but the "
-                                      "probability that this is chance is %.0f %%; at most %.0f %% are accepted"
-                                    : "%.0f %% of the sky's edge coincides with a roof of the model, but the "
-                                      "probability of other places is %.0f %%; at most %.0f %% are accepted",
-                    100 * match.agreement, 100 * decision.other, 100 * p.max_other);
+    refuse(kAmbiguity,
+           decision.chance ? "%.0f %% of the sky's edge coincides with a roof of the model, but the probability that "
+                             "this is chance is %.0f %%; at most %.0f %% are accepted"
+                           : "%.0f %% of the sky's edge coincides with a roof of the model, but the probability of "
+                             "other places is %.0f %%; at most %.0f %% are accepted",
+           100 * match.agreement, 100 * decision.other, 100 * p.max_other);
   else if (worst_m > p.max_sigma_m)
-    decision.why = format_text("the visible roofs determine the place only to %.1f m; %.1f m are required", worst_m,
-                               p.max_sigma_m);
+    refuse(kAmbiguity, "the visible roofs determine the place only to %.1f m; %.1f m are required", worst_m,
+           p.max_sigma_m);
   else if (match.yaw_sigma_rad > p.max_yaw_sigma_rad)
-    decision.why = format_text("the visible roofs determine the heading only to %.0f degrees; %.0f are required",
-                               match.yaw_sigma_rad * kDegrees, p.max_yaw_sigma_rad * kDegrees);
+    refuse(kAmbiguity, "the visible roofs determine the heading only to %.0f degrees; %.0f are required",
+           match.yaw_sigma_rad * kDegrees, p.max_yaw_sigma_rad * kDegrees);
   return decision;
 }
 

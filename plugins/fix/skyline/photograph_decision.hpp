@@ -8,7 +8,7 @@
 
 #include <Eigen/Core>
 
-#include "plugins/fix/skyline/matcher.hpp"
+#include "plugins/fix/skyline/validate_match.hpp"
 
 namespace odograph::skyline {
 
@@ -24,6 +24,7 @@ struct PhotographDecisionParameters {
   double max_other = 0.02;   ///< total probability of places beyond three sigmas and of no place
   double facade_evidence = 4;   ///< max log-likelihood of the facades against chance: any street's lines have two
                                 ///< directions, so that only their heading is evidence, a degree of ninety
+  bool straight_roofs = true;   ///< straight roofs that the model lacks are compared with the match
   double unmodelled = 0.2;      ///< odds, before the picture is seen, that the model has nothing of it; judgement
   double power = 0.8;           ///< of the likelihoods, since the model's errors are not those assumed
   double spread_power = 0.5;    ///< the same for the places that form the covariance: along a street the roofs' ends
@@ -54,7 +55,8 @@ struct PhotographAttempt {
 
 struct PhotographDecision {
   std::optional<Match> tried;  ///< the best place, accepted or rejected
-  std::string why;             ///< reason for the rejection; empty where the place is accepted
+  std::string why = "";        ///< reason for the rejection; empty where the place is accepted,
+  Reason reason = kPrior;      ///< and its kind
   double gain = -1e9;          ///< of the best place
   double other = 1;            ///< probability that the camera is beyond three sigmas of it, or not in the model at all
   bool chance = false;         ///< most of that is the probability that the line fits by chance

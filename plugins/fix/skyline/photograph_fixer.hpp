@@ -22,11 +22,8 @@ class PhotographFixer {
   };
   struct Outcome {
     std::optional<Match> match = std::nullopt;
-    std::optional<Match> tried = std::nullopt;  ///< the rejected match, for tests and tools
-    double gain = -1e9;
-    std::string why;      ///< reason for no match
-    bool no_sky = false;  ///< whether that is the reason
-    double other = 1;     ///< probability that the camera is elsewhere
+    std::string why = "";    ///< reason for no match,
+    Reason reason = kPrior;  ///< and its kind
   };
 
   explicit PhotographFixer(City& city, const PhotographParameters& matching = {})

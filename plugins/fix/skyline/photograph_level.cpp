@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace odograph::skyline {
 
@@ -19,9 +20,11 @@ double heading_of(const Quaterniond& q_n_c) {
 
 }  // namespace
 
-std::vector<PhotographLevel> levels_of(const std::vector<SeenLine>& lines, const Vector3d& level_up_c,
+std::vector<PhotographLevel> levels_of(const std::vector<SeenLine>& lines, const PhotographLevel& prior,
                                        const PhotographLevelParameters& p) {
-  const Vector3d axis = Vector3d::UnitZ(), right = axis.cross(level_up_c).normalized();
+  const Vector3d across(prior.up_c.x(), prior.up_c.y(), 0);
+  if (across.norm() < p.min_across) return {prior};
+  const Vector3d axis = Vector3d::UnitZ(), level_up_c = across.normalized(), right = axis.cross(level_up_c);
   // A positive `pitch` raises the camera's axis towards the zenith.
   const auto up_of = [&](double pitch, double roll) -> Vector3d {
     return AngleAxisd(roll, axis) * (AngleAxisd(-pitch, right) * level_up_c);
@@ -36,7 +39,7 @@ std::vector<PhotographLevel> levels_of(const std::vector<SeenLine>& lines, const
       const auto zenith = vanishing_zenith(lines, up_of(pitch, roll), p.lines);
       if (!zenith) continue;
       const double rolled = std::asin(std::clamp(zenith->up_c.dot(right), -1.0, 1.0)) / p.usual_roll_rad;
-      const double score = zenith->lines / (1 + 0.25 * rolled * rolled);
+      const double score = zenith->lines / (1 + rolled * rolled);
       const PhotographLevel level{zenith->up_c, std::max(zenith->sigma_rad, p.min_sigma_rad), zenith->lines};
       const auto same = std::find_if(found.begin(), found.end(), [&](const Scored& s) {
         return s.level.up_c.dot(level.up_c) > std::cos(p.same_rad);
@@ -50,8 +53,11 @@ std::vector<PhotographLevel> levels_of(const std::vector<SeenLine>& lines, const
   std::vector<PhotographLevel> levels;
   for (const Scored& s : found)
     if (levels.size() < p.most && s.score >= p.others_part * found.front().score) levels.push_back(s.level);
-  if (levels.empty())
-    for (const double pitch : {8.0, 0.0, 16.0}) levels.push_back({up_of(pitch * p.kDegree, 0), p.unknown_sigma_rad, 0});
+  if (levels.empty() && prior.sigma_rad > 2 * p.unknown_sigma_rad)
+    for (const double pitch : p.guesses_rad) levels.push_back({up_of(pitch, 0), p.unknown_sigma_rad, 0});
+  const double nearest = std::cos(std::min(p.prior_sigmas * prior.sigma_rad, std::numbers::pi));
+  std::erase_if(levels, [&](const PhotographLevel& level) { return level.up_c.dot(prior.up_c) < nearest; });
+  if (levels.empty()) levels.push_back(prior);
   return levels;
 }
 

@@ -27,13 +27,14 @@ double apart(const Guess& x, const Guess& y) { return std::hypot(x.north - y.nor
 }  // namespace
 
 std::vector<int> PhotographMatcher::roofs_around(const Guess& guess, double radius_m) {
-  return city_.roofs_around(place_of(guess), radius_m, 0.03, 4, p_.spread_sigmas * p_.roofs.building_m, spend_);
+  return city_.roofs_around(place_of(guess), radius_m, p_.min_tan, p_.lower_m, p_.spread_sigmas * p_.roofs.building_m,
+                            spend_);
 }
 
 /// Of the candidate's tile.
 void PhotographMatcher::select_roofs(const Candidate& at, double radius_m) {
-  city_.select_roofs(roofs_[at.tile], place_of(at.guess), radius_m, 0.03, 4, p_.spread_sigmas * p_.roofs.building_m,
-                     spend_);
+  city_.select_roofs(roofs_[at.tile], place_of(at.guess), radius_m, p_.min_tan, p_.lower_m,
+                     p_.spread_sigmas * p_.roofs.building_m, spend_);
 }
 
 /// Computes the model's roof line at a guess's place; the fit treats the guess's `up` to first order.
@@ -48,7 +49,7 @@ void PhotographMatcher::render_skyline(const Guess& guess, double reach_rad) {
 void PhotographMatcher::search_place(const Candidate& at, double reach_rad) {
   const int yaws = static_cast<int>(std::ceil(reach_rad / p_.yaw_step_rad));
   const int pitches =
-      static_cast<int>(std::min(1.5 * prior_.tilt_sigma_rad, 12 * kDegree) / p_.pitch_step_rad);  // else one
+      static_cast<int>(std::min(p_.pitch_sigmas * prior_.tilt_sigma_rad, p_.max_pitch_rad) / p_.pitch_step_rad);
   std::vector<Candidate> headings;
   for (int y = -yaws; y <= yaws; ++y) {
     Candidate turned = at;
@@ -103,7 +104,7 @@ void PhotographMatcher::fit(Candidate& at) {
                               std::abs(there.guess.yaw - from.yaw) > r.aligned_rad || is_built(there.guess);
     if (!out_of_reach) evaluate(there);
     const double decrease = at.cost - there.cost;
-    if (out_of_reach || decrease <= 0) {
+    if (out_of_reach || !(decrease > 0)) {  // nor where it is not a number
       damping = std::max(r.retry_damping, 10 * damping);
       continue;
     }
@@ -145,8 +146,8 @@ void PhotographMatcher::move(Candidate& at, double from_m, double to_m) {
         const double by = k < 4 ? size : 0.7 * size,
                      azimuth = k * 0.5 * std::numbers::pi + (k < 4 ? 0 : 0.25 * std::numbers::pi);
         there.guess.north += by * std::cos(azimuth), there.guess.east += by * std::sin(azimuth);
-        if (apart(there.guess, from) > 0.5 * p_.refinement.moved_m || apart(there.guess, {}) > reach_m() + 2 ||
-            is_built(there.guess))
+        if (apart(there.guess, from) > 0.5 * p_.refinement.moved_m ||
+            apart(there.guess, {}) > reach_m() + p_.refinement.beyond_m || is_built(there.guess))
           continue;
         render_skyline(there.guess, p_.refinement.aligned_rad);
         align(there);
@@ -170,13 +171,13 @@ void PhotographMatcher::search() {
       if (std::hypot(std::max(0.0, std::abs(middle.north) - beside), std::max(0.0, std::abs(middle.east) - beside)) >
           radius)
         continue;
-      roofs_.push_back(roofs_around(middle, 0.71 * tile_m + p_.refinement.moved_m));
+      roofs_.push_back(roofs_around(middle, 0.71 * tile_m + 2 * p_.refinement.moved_m));
       for (int a = -reach; a <= reach; ++a)
         for (int b = -reach; b <= reach; ++b) {
           Candidate at{{.north = middle.north + a * step, .east = middle.east + b * step}, 0, roofs_.size() - 1};
           if (apart(at.guess, {}) > radius || is_built(at.guess)) continue;
           select_roofs(at, 0.1);
-          // Headings that contradict the compass are searched at each second place.
+          // Headings that contradict the compass are searched at every second place in both directions.
           const bool any_heading = prior_.wrong_heading > 0 && a % 2 == 0 && b % 2 == 0;
           const double reach_rad = any_heading ? std::numbers::pi : yaw_reach();
           render_skyline(at.guess, reach_rad + p_.turned_rad);
@@ -204,12 +205,14 @@ std::vector<PhotographMatcher::Candidate> PhotographMatcher::distinct(std::vecto
 /// A place at its optimum. A narrow line has a small basin of attraction, so the line's sigma decreases.
 void PhotographMatcher::polish(Candidate& at) {
   const PhotographRefinementParameters& r = p_.refinement;
-  at.tile = roofs_.size(), roofs_.push_back(roofs_around(at.guess, r.moved_m));  // its tile may lack some
+  // Its tile may lack some; two pattern searches, the fit and measure_position() move it.
+  at.tile = roofs_.size(), roofs_.push_back(roofs_around(at.guess, 3 * r.moved_m));
   select_roofs(at, r.moved_m);
   fit_.set_line(r.wide_rad);
   move(at, r.move_m, r.moved_to_m);
   fit_.set_line(p_.roofs.line_rad);
   move(at, r.sharp_move_m, r.sharp_moved_m);
+  select_roofs(at, r.moved_m);
   fit(at);
 }
 
@@ -282,7 +285,7 @@ void PhotographMatcher::measure_position(const Candidate& at, PhotographPlace& p
         there.guess.north += side * at_m * v.x(), there.guess.east += side * at_m * v.y();
         render_skyline(there.guess, r.aligned_rad), align(there);
         increase = p_.decision.power * (there.cost - at.cost);
-        if (increase < r.max_increase || at_m < r.min_measured_m) break;
+        if (!(increase >= r.max_increase) || at_m < r.min_measured_m) break;
       }
       measured_m = std::max(measured_m, at_m / std::sqrt(std::max(2 * increase, 1e-6)));
     }
@@ -294,6 +297,7 @@ void PhotographMatcher::measure_position(const Candidate& at, PhotographPlace& p
   place.log_volume += 0.5 * std::log(place.covariance.determinant() / before);
 }
 
+/// False where the model has no roof in view.
 bool PhotographMatcher::describe(const Candidate& best, Match& match) {
   match.p_n = place_of(best.guess) - Eigen::Vector3d(0, 0, best.guess.up);
   match.q_n_c = best.guess.rotation() * prior_.q_n_c;
@@ -304,28 +308,21 @@ bool PhotographMatcher::describe(const Candidate& best, Match& match) {
   fit_.cost(line_, best.guess);
   match.agreement = fit_.agreement();
   match.roofs = fit_.heights(line_);
-  size_t direction = 0;
-  const RoofLine::Layer* const highest = line_.highest(direction);
-  if (!highest || highest->elevation <= 0) return false;
-  const double e = static_cast<double>(highest->elevation);
-  const double azimuth = (static_cast<double>(direction) + 0.5) * kDegree / 2;
-  const double r = std::cos(e) * std::cos(e) / static_cast<double>(highest->per_m), h = r * std::tan(e);
-  match.slant_distance_m = h / std::sin(e);
-  match.landmark_n = place_of(best.guess) + Eigen::Vector3d(r * std::cos(azimuth), r * std::sin(azimuth), -h);
-  return true;
+  return line_.rises();
 }
 
 void PhotographMatcher::clear() {
   attempts_.clear();
-  decision_ = {.why = "nothing was searched"};
+  decision_ = {.why = "no sky is visible above roofs", .reason = kSky};
 }
 
 void PhotographMatcher::add(const std::vector<SkyEdge>& edges, const PhotographPrior& prior, const Spend& spend,
                             Facades* facades) {
   prior_ = prior, spend_ = spend, facades_ = facades;
   if (const size_t closed = closed_edges(edges); closed < p_.min_edges) {
-    decision_.why = "roofs end against the sky in " + std::to_string(closed / 2) + " degrees of the picture only, " +
-                    std::to_string(p_.min_edges / 2) + " are wanted";
+    decision_ = {.why = "roofs are visible against the sky over " + std::to_string(closed / 2) +
+                        " degrees of the picture only, " + std::to_string(p_.min_edges / 2) + " are wanted",
+                 .reason = kSky};
     return;
   }
   fit_.set(edges, prior.q_n_c);
@@ -340,11 +337,14 @@ void PhotographMatcher::add(const std::vector<SkyEdge>& edges, const PhotographP
   fit_.set_line(p_.coarse_rad);
   search();
   const std::vector<Candidate> modes = refined();
-  if (modes.empty()) return;
+  if (modes.empty()) {
+    decision_ = {.why = "every place of the search is inside a building of the model"};
+    return;
+  }
   PhotographAttempt attempt;
-  select_roofs(modes.front(), 2);
+  select_roofs(modes.front(), p_.refinement.moved_m);
   if (!describe(modes.front(), attempt.match)) {
-    decision_.why = "the model has no roof in view there";
+    decision_ = {.why = "the model has no roof in view there", .reason = kAgreement};
     return;
   }
   attempt.possible_gain = fit_.no_match_cost();

@@ -27,7 +27,8 @@ struct PhotographRefinementParameters {
   bool fits_wide = false;                           ///< first with the wide sigma, not only with the line's own
   int steps = 12;                                   ///< max number of steps of a fit
   double step_m = 1.5, rotation_rad = 4 * kDegree;  ///< max length of a step
-  double moved_m = 4, aligned_rad = 15 * kDegree;   ///< max distance from the start
+  double moved_m = 4, aligned_rad = 15 * kDegree;   ///< max distance from the start,
+  double beyond_m = 2;                              ///< and of a place beyond the radius of the search
   double min_decrease = 0.05;                       ///< of the cost, for another step
   double damping = 1e-3, retry_damping = 1e-2,
          max_damping = 1e3;  ///< first; min after a step that fails; last
@@ -56,19 +57,22 @@ struct PhotographParameters {
   double step_m = 1.5;  ///< of its lattice; 2 m where the radius exceeds 30 m
   double wide_m = 30, wide_step_m = 2;
   double yaw_step_rad = 1.5 * kDegree;
-  double pitch_step_rad = 1.2 * kDegree;  ///< step of the pitches within a sigma and a half
-  size_t stride = 3;                      ///< the search uses every third direction
-  size_t headings = 3;                    ///< number of headings kept for a place
-  double turned_rad = 5 * kDegree;        ///< and their min distance
-  double max_up_sigmas = 2;               ///< max deviation of the camera's height from eye_m, in its sigmas
-  double feet_sigma_m = 1.0;              ///< of the ground without terrain, from the feet of the buildings around
-  double ground_step_m = 2;               ///< of the lattice between whose heights the ground is interpolated
-  double tile_m = 12;                     ///< half the side of a tile, for which visible edges are selected together
-  double coarse_rad = 0.6 * kDegree;      ///< sigma of a direction of the line on the lattice, which is too coarse for
-                                          ///< the line's own: its optimum lies between two places
-  double spread_sigmas = 2;               ///< range of the buildings' heights in sigmas, for which roofs are visible
-  uint64_t direction_work = 12;           ///< of a Spend, for the cost of a direction
-  uint64_t ground_work = 1000;            ///< the same, for the height of the ground at a place
+  double pitch_step_rad = 1.2 * kDegree;                    ///< step of the pitches,
+  double pitch_sigmas = 1.5, max_pitch_rad = 12 * kDegree;  ///< searched within so many of the prior's sigmas, at most
+  size_t stride = 3;                                        ///< the search uses every third direction
+  size_t headings = 3;                                      ///< number of headings kept for a place
+  double turned_rad = 5 * kDegree;                          ///< and their min distance
+  double max_up_sigmas = 2;           ///< max deviation of the camera's height from eye_m, in its sigmas
+  double feet_sigma_m = 1.0;          ///< of the ground without terrain, from the feet of the buildings around
+  double ground_step_m = 2;           ///< of the lattice between whose heights the ground is interpolated
+  double tile_m = 12;                 ///< half the side of a tile, for which visible edges are selected together
+  double coarse_rad = 0.6 * kDegree;  ///< sigma of a direction of the line on the lattice, which is too coarse for
+                                      ///< the line's own: its optimum lies between two places
+  double spread_sigmas = 2;           ///< range of the buildings' heights in sigmas, for which roofs are visible
+  double min_tan = 0.03;              ///< tangent of the elevation of a roof in a picture: two degrees
+  double lower_m = 4;                 ///< max height of a place of a tile below its middle
+  uint64_t direction_work = 12;       ///< of a Spend, for the cost of a direction
+  uint64_t ground_work = 1000;        ///< the same, for the height of the ground at a place
   PhotographRefinementParameters refinement;
   size_t min_edges = 40;  ///< directions with a roof's edge that a search requires: 20 degrees
   PhotographDecisionParameters decision;
@@ -97,6 +101,7 @@ class PhotographMatcher {
     return match();
   }
   const std::string& why() const { return decision_.why; }
+  Reason reason() const { return decision_.reason; }
   /// Log-likelihood of the best place over that of a place where nothing fits. Low where there is no place.
   double gain() const { return decision_.gain; }
   /// The best place, accepted or rejected.

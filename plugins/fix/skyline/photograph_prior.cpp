@@ -10,7 +10,7 @@
 namespace odograph::skyline {
 namespace {
 
-constexpr double kAnyHeading = 1.5;  // rad; with a larger standard deviation any heading is as likely
+constexpr double kAnyHeading = 1.5;  // rad; with a larger standard deviation any heading is as likely; judgement
 
 }  // namespace
 

@@ -110,7 +110,8 @@ class Skyline : public FixerConfig {
     };
     PipelinePose p{pose.header.t_ns, Eigen::Vector3d(pose.p_n), odograph::raw_quaternion(pose.q_n)};
     p.has_position = has(ODO_POSE_POSITION);
-    p.is_of_camera = has(ODO_POSE_ORIENTATION | ODO_POSE_POSITION | ODO_POSE_CAMERA);
+    p.is_of_camera =
+        has(ODO_POSE_ORIENTATION | ODO_POSE_POSITION | ODO_POSE_CAMERA) && (!photographs || has(ODO_POSE_COVARIANCE));
     p.is_metric = has(ODO_POSE_METRIC), p.is_lost = pose.state == ODO_LOST;
     p.horizontal_sigma_m = sigma(3, 4), p.yaw_sigma_rad = sigma(2, 2), p.tilt_sigma_rad = sigma(0, 1);
     p.scale = pose.scale, p.scale_sigma = pose.scale_sigma, p.path_m = pose.distance_m;

@@ -15,6 +15,25 @@ constexpr double kSteepest = 20;  // max tangent of the elevation: the azimuth i
 constexpr double kMinWeight = 0.1;
 constexpr int kHalfBins = 15;  // of the histogram of a building's height; bins of 0.3 m for a sigma of 1.5 m
 constexpr double kVotedSigmas = 3;
+constexpr double kBorderGap = 2 * std::numbers::pi / 180;  // rad; neighbouring directions are half a degree apart
+
+double azimuth_of(const SkyEdge& edge, const Eigen::Quaterniond& q_n_c) {
+  const Eigen::Vector3d u = q_n_c * edge.ray_c;
+  return std::atan2(u.y(), u.x());
+}
+
+/// The edges, in the order of their azimuths, from one border of the picture to the other: they begin at north, which
+/// may be in its middle. Unchanged without a gap, as around the zenith.
+void begin_at_border(std::vector<SkyEdge>& edges, const Eigen::Quaterniond& q_n_c) {
+  size_t first = 0;
+  double widest = kBorderGap;
+  for (size_t i = 0; i < edges.size(); ++i) {
+    const double before = azimuth_of(edges[i > 0 ? i - 1 : edges.size() - 1], q_n_c);
+    const double gap = std::abs(std::remainder(azimuth_of(edges[i], q_n_c) - before, 2 * std::numbers::pi));
+    if (gap > widest) widest = gap, first = i;
+  }
+  std::rotate(edges.begin(), edges.begin() + static_cast<std::ptrdiff_t>(first), edges.end());
+}
 
 }  // namespace
 
@@ -46,17 +65,10 @@ void RoofLine::set(const RoofTops& tops) {
         }
 }
 
-const RoofLine::Layer* RoofLine::highest(size_t& direction) const {
-  const auto lower = [](const Layer& a, const Layer& b) { return a.elevation < b.elevation; };
-  const auto at = std::max_element(layers.begin(), layers.end(), lower);
-  if (at == layers.end()) return nullptr;
-  const auto index = static_cast<uint32_t>(at - layers.begin());
-  direction = static_cast<size_t>(std::upper_bound(first.begin(), first.end(), index) - first.begin()) - 1;
-  return &*at;
-}
-
-void RoofLineFit::set(const std::vector<SkyEdge>& edges, const Eigen::Quaterniond& q_n_c) {
+void RoofLineFit::set(std::vector<SkyEdge> edges, const Eigen::Quaterniond& q_n_c) {
+  begin_at_border(edges, q_n_c);
   rays_.clear();
+  std::vector<double> weights;
   for (const SkyEdge& e : edges) {
     const Eigen::Vector3d u = q_n_c * e.ray_c;
     const double horizontal = std::hypot(u.x(), u.y());
@@ -66,18 +78,16 @@ void RoofLineFit::set(const std::vector<SkyEdge>& edges, const Eigen::Quaternion
     ray.cosine = std::cos(ray.azimuth), ray.sine = std::sin(ray.azimuth);
     ray.weight = kMinWeight + (1 - kMinWeight) * e.weight;
     ray.open = e.open, ray.above = e.above;
-    rays_.push_back(ray);
+    rays_.push_back(ray), weights.push_back(ray.open || ray.above ? 0 : ray.weight);
   }
   double north = 0, east = 0;
   for (const Ray& ray : rays_) north += ray.cosine, east += ray.sine;
   middle_ = std::atan2(east, north), half_width_ = 0;
-  std::vector<double> weights;
-  for (const Ray& ray : rays_) weights.push_back(ray.open || ray.above ? 0 : ray.weight);
+  for (const Ray& ray : rays_)
+    half_width_ = std::max(half_width_, std::abs(std::remainder(ray.azimuth - middle_, 2 * std::numbers::pi)));
   const std::vector<int> straight = straight_edges(
       edges, weights, {p_.straight_loss, p_.straight_rad, p_.run_above, loss_of_exact(), 1 / p_.correlated});
   for (size_t i = 0; i < rays_.size(); ++i) rays_[i].edge = straight[i];
-  for (const Ray& ray : rays_)
-    half_width_ = std::max(half_width_, std::abs(std::remainder(ray.azimuth - middle_, 2 * std::numbers::pi)));
 }
 
 /// The model's direction of a ray, the ray's azimuth from its middle, rad, and the change of the ray's elevation by the

@@ -54,8 +54,10 @@ struct RoofLine {
   std::vector<int> objects;                     ///< Edge::object by local number
 
   void set(const RoofTops& tops);
-  /// The highest layer of all directions with the heights as in the model; none where there is no roof.
-  const Layer* highest(size_t& direction) const;
+  /// Whether a roof is above the camera.
+  bool rises() const {
+    return std::any_of(layers.begin(), layers.end(), [](const Layer& layer) { return layer.elevation > 0; });
+  }
 };
 
 /// A picture's skyline and its fit to roof lines: a negative log-likelihood.
@@ -66,7 +68,7 @@ class RoofLineFit {
         outlier_above_(std::exp(2 * parameters.above_loss)),
         outlier_below_(std::exp(2 * parameters.below_loss)),
         line_rad_(parameters.line_rad) {}
-  void set(const std::vector<SkyEdge>& edges, const Eigen::Quaterniond& q_n_c);
+  void set(std::vector<SkyEdge> edges, const Eigen::Quaterniond& q_n_c);
   size_t directions() const { return rays_.size(); }
   /// Cost with the best-fitting height of each building and the cost of that freedom. `stride`: use every n-th
   /// direction only, for a search.

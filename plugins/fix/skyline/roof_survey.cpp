@@ -14,7 +14,7 @@ PhotographParameters RoofSurvey::matching_on_path() {
   p.min_m = 6, p.max_m = 12, p.decision.min_agreement = 0.45;
   p.decision.power = p.decision.spread_power = 0.6;  // a path's pictures are matched without their facades
   p.decision.unmodelled = 0.002;                     // less, because their inclination and height are known; judgement
-  p.roofs.straight_loss = 1e9;  // its fits, without the pattern search, miss the ends of houses by centimetres
+  p.decision.straight_roofs = false;  // its fits, without the pattern search, miss the ends of houses by centimetres
   p.refinement.starts = 60, p.refinement.polished = 0, p.refinement.fits_wide = true;
   return p;
 }

@@ -20,7 +20,7 @@ constexpr FixerParameters kParameters;
 void align_with_gravity(Prior& prior, const Picture& picture, double min_sigma_rad) {
   const VanishingPointParameters p;
   const Eigen::Vector3d up_c = prior.q_n_c.conjugate() * -Eigen::Vector3d::UnitZ();
-  const auto zenith = vanishing_zenith(lines_of(picture.grey, picture.lens, p), up_c, p);
+  const auto zenith = vanishing_zenith(lines_of(picture.grey, picture.mask, picture.lens, p), up_c, p);
   if (!zenith) return;
   prior.q_n_c = (prior.q_n_c * Eigen::Quaterniond::FromTwoVectors(zenith->up_c, up_c)).normalized();
   prior.tilt_sigma_rad = std::max(zenith->sigma_rad, min_sigma_rad);
@@ -103,9 +103,9 @@ std::vector<Outcome> SkylineFixer::add_picture(Picture picture) {
 void SkylineFixer::begin(Picture picture) {
   if (!pose_->is_of_camera || pose_->t_ns != picture.t_ns)
     return refuse(kPrior, "no pose of the camera at the frame's time");
-  if (photograph_fixer_) return estimate_photograph(picture);
   if (placed_ && pose_->horizontal_sigma_m > kParameters.unplaced_sigma_m)
     return refuse(kPrior, "the pose is not placed yet");
+  if (photograph_fixer_) return estimate_photograph(picture);
   // Without metric scale the position does not change: the scale itself needs fixes.
   const double sigma =
       pose_->is_metric ? pose_->horizontal_sigma_m : std::max(pose_->horizontal_sigma_m, kParameters.unscaled_sigma_m);
@@ -170,10 +170,9 @@ void SkylineFixer::estimate_photograph(const Picture& picture) {
   if (outcome.match) {
     outcome.match->covariance = covariance_without_prior(outcome.match->covariance, pose_->photograph.sigma_m,
                                                          PhotographDecisionParameters().min_sigma_m);
-    return emit({picture.t_ns, *outcome.match, false, true});  // the highest roof's height is not that of the model
+    return emit({picture.t_ns, *outcome.match, false, true});
   }
-  const bool elsewhere = outcome.other > kParameters.max_elsewhere;
-  refuse(outcome.no_sky ? kSky : elsewhere ? kAmbiguity : kAgreement, outcome.why);
+  refuse(outcome.reason, outcome.why);
 }
 
 /// Thread: the worker's.
@@ -244,7 +243,7 @@ void SkylineFixer::finish() {
   update_road_height(*job_.match);
   if (pose_->t_ns - job_.picture.t_ns > kParameters.late_ns)  // too late for estimators: refer it to the newest pose
     return emit({pose_->t_ns, job_.propagated_to(pose_->p_n, pose_->q_n_c, kParameters.drift), false, false, surveyed});
-  // After a survey the highest roof's height is not that of the model.
+  // A survey has no slant distance: the highest roof's height is not that of the model.
   emit({job_.picture.t_ns, *job_.match, surveyed.empty(), false, surveyed});
 }
 

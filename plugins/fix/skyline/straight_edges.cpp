@@ -23,7 +23,7 @@ std::vector<int> straight_edges(const std::vector<SkyEdge>& directions, const st
   for (size_t end = 1; end <= n; ++end) {
     const Eigen::Vector3d& ray = directions[end - 1].ray_c;
     const double w = weights[end - 1];
-    squares[end] = squares[end - 1] + ray * ray.transpose(), weight[end] = weight[end - 1] + w;
+    squares[end] = squares[end - 1] + w * ray * ray.transpose(), weight[end] = weight[end - 1] + w;
     from[end] = end - 1, shortest[end] = shortest[end - 1] + w * c.ragged;
     if (!(w > 0)) line = end;
     for (size_t k = line; k + kShortest <= end; ++k) {

@@ -21,7 +21,8 @@ struct StraightEdgeCosts {
 constexpr int kRagged = -1;
 
 /// The straight edge, a great circle, to which each direction belongs, by number, or kRagged: the shortest description
-/// of the line (Rissanen 1978) by dynamic programming. `weights`: of the directions, 0 where there is no line.
+/// of the line (Rissanen 1978) by dynamic programming. `directions`: in order; `weights`: theirs, 0 where there is no
+/// line.
 std::vector<int> straight_edges(const std::vector<SkyEdge>& directions, const std::vector<double>& weights,
                                 const StraightEdgeCosts& costs);
 

@@ -16,7 +16,8 @@ using Eigen::Matrix2d;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-std::vector<SeenLine> lines_of(const cv::Mat& grey, const CameraModel& camera, const VanishingPointParameters& p) {
+std::vector<SeenLine> lines_of(const cv::Mat& grey, const cv::Mat& mask, const CameraModel& camera,
+                               const VanishingPointParameters& p) {
   std::vector<cv::Vec4f> segments;
   cv::createLineSegmentDetector(cv::LSD_REFINE_STD)->detect(grey, segments);
   std::vector<SeenLine> lines;
@@ -24,6 +25,10 @@ std::vector<SeenLine> lines_of(const cv::Mat& grey, const CameraModel& camera, c
     const Vector2d from(static_cast<double>(s[0]), static_cast<double>(s[1]));
     const Vector2d to(static_cast<double>(s[2]), static_cast<double>(s[3]));
     if ((to - from).norm() < p.min_length_px) continue;
+    const Vector2d middle = 0.5 * (from + to);
+    const cv::Point at(std::clamp(static_cast<int>(middle.x()), 0, grey.cols - 1),
+                       std::clamp(static_cast<int>(middle.y()), 0, grey.rows - 1));
+    if (!mask.empty() && mask.at<uint8_t>(at) == 0) continue;
     Vector3d a, b;
     if (!ray_of(camera, from, p.farthest_rad, a) || !ray_of(camera, to, p.farthest_rad, b)) continue;
     const Vector3d n = a.cross(b);

@@ -37,8 +37,9 @@ struct SeenZenith {
   int lines = 0;
 };
 
-/// Straight segments of an 8-bit picture (von Gioi et al. 2010) as great circles of rays.
-std::vector<SeenLine> lines_of(const cv::Mat& grey, const CameraModel& camera,
+/// Straight segments of an 8-bit picture (von Gioi et al. 2010) as great circles of rays, without those whose middle
+/// the mask excludes (0; it may be empty).
+std::vector<SeenLine> lines_of(const cv::Mat& grey, const cv::Mat& mask, const CameraModel& camera,
                                const VanishingPointParameters& parameters);
 
 /// Pitch and roll by the vanishing point of the vertical lines, the edges of houses: after Gallagher 2005, as in Gakne

@@ -149,15 +149,16 @@ void FrontEnd::correct_inclination(MotionUpdate& motion) const {
   motion.q_o_b1 = (Quaterniond::Identity().slerp(share, up) * motion.q_o_b1).normalized();
 }
 
-/// The first metric motion. The starting point follows from the velocity and the inertial samples since the first
-/// frame; the camera is assumed to have been at rest before them.
+/// The first metric motion. The displacement over the last seconds follows from the velocity and the inertial samples;
+/// what came before them since the first frame is unobserved.
 void FrontEnd::back_propagate_start(const MotionUpdate& motion) {
   const int64_t to_ns = motion.m.header.t_ns;
   const int64_t from_ns =
       std::max({tracker_.coverage.until_ns(), to_ns - nanoseconds(p_.rewind_s), tracker_.inertia.oldest_ns()});
-  tracker_.coverage.begin(to_ns);
   const Vector3d v_o = motion.q_o_b1 * q_b_c_ * Vector3d(motion.m.velocity_c1) - lever_velocity_o(motion);
   const auto d_o = tracker_.inertial_displacement(from_ns, to_ns, motion.q_o_b1, v_o, Vector3d(motion.m.accel_bias_b));
+  tracker_.add_gap(d_o ? from_ns : to_ns);
+  tracker_.coverage.begin(to_ns);
   if (!d_o) return;
   const Vector3d d_n = tracker_.localizer.q_n_o() * *d_o;
   const double sigma_m = p_.rewind_sigma_mps * seconds(to_ns - from_ns);

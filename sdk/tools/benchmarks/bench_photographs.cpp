@@ -11,6 +11,7 @@
 #include "sdk/tools/city/photograph_localizer.hpp"
 #include "sdk/tools/city/photograph_scene.hpp"
 #include "sdk/tools/city/model_errors.hpp"
+#include "sdk/tools/replay/recording_cache.hpp"
 #include "sdk/tools/simulation/random.hpp"
 
 namespace odograph {
@@ -162,7 +163,9 @@ struct Photographs : Benchmark {
     const fs::path model = one.files.front();
     const auto city = read_city_model(model);
     if (!city) return city.failure();
-    const auto place = one.labels["city"].get<std::string>();
+    const auto content = text_of(model);
+    if (!content) return content.failure();
+    const std::string place = one.labels["city"].get<std::string>() + '-' + simulator_mark(*content);
     const fs::path thinned = fs::path(options.keep) / text("%s_without_%g_%llu.city.json", place.c_str(), missing,
                                                            static_cast<unsigned long long>(one.seed));
     const auto written = write_model_with_errors(model, thinned, {.missing = missing, .seed = one.seed});

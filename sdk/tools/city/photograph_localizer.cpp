@@ -21,6 +21,7 @@ using Eigen::Vector3d;
 
 constexpr int64_t kBetween_ns = 1'000'000'000;
 constexpr double kWidest_px = 1280;      // a frame has at most 2^24 pixels, and roofs need no more
+constexpr double kCorners_m = 0.5;       // sigma of the model's corners, part of each fix of a photograph
 constexpr double kHeldLevel_rad = 0.35;  // sigma of the inclination, which is not measured
 
 /// Orientation of an upright, horizontal camera with a heading.
@@ -132,8 +133,10 @@ Result<PhotographPose> PhotographLocalizer::estimate_pose(const cv::Mat& photogr
     placed.placed = true;
     placed.p_n = Vector3d(fix.p_n), placed.q_n_c = raw_quaternion(fix.q_n_b);
     const Eigen::Matrix2d measured = Eigen::Map<const Eigen::Matrix3d>(fix.covariance_n).topLeftCorner<2, 2>();
+    // A fix is without the prior, which does not reduce the error of the model's corners.
     const Eigen::Matrix2d known = Eigen::Matrix2d::Identity() / (guess.sigma_m * guess.sigma_m);
-    placed.covariance = (measured.inverse() + known).inverse();  // a fix is without the prior
+    const Eigen::Matrix2d corners = Eigen::Matrix2d::Identity() * (kCorners_m * kCorners_m);
+    placed.covariance = ((measured - corners).inverse() + known).inverse() + corners;
     placed.height_sigma_m = std::sqrt(fix.covariance_n[8]);
     placed.heading_sigma_rad = std::sqrt(fix.orientation_cov_n[8]);
     placed.integrity = fix.integrity, placed.agreement = static_cast<double>(fix.header.quality);

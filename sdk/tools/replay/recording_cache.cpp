@@ -30,6 +30,11 @@ Result<std::string> text_of(const fs::path& file) {
   return text.str();
 }
 
+std::string simulator_mark(const std::string& content) {
+  return text("%08lx",
+              crc32(kSimulator, reinterpret_cast<const Bytef*>(content.data()), static_cast<uInt>(content.size())));
+}
+
 fs::path assets_of(const fs::path& recording) { return fs::path(recording).replace_extension(".assets"); }
 
 Result<fs::path> cached_recording(const fs::path& file, uint64_t seed, const fs::path& keep, double first_m) {
@@ -38,9 +43,8 @@ Result<fs::path> cached_recording(const fs::path& file, uint64_t seed, const fs:
   auto scenario = read_scenario(file.string());
   if (!scenario) return scenario.failure();
   if (first_m > 0) scenario->walk_m = first_m;
-  const auto sum = crc32(kSimulator, reinterpret_cast<const Bytef*>(yaml->data()), static_cast<uInt>(yaml->size()));
-  const std::string mark =
-      text("-s%llu-%08lx%s.odo", static_cast<unsigned long long>(seed), sum, first_m > 0 ? "-quick" : "");
+  const std::string mark = text("-s%llu-%s%s.odo", static_cast<unsigned long long>(seed), simulator_mark(*yaml).c_str(),
+                                first_m > 0 ? "-quick" : "");
   std::error_code error;
   fs::create_directories(keep, error);
   const fs::path kept = keep / (file.stem().string() + mark);
