@@ -21,6 +21,14 @@ std::string format_text(const char* format, Numbers... numbers) {
   return text;
 }
 
+/// The place's log_volume, but no sharper than the model's corners.
+double log_volume_of(const PhotographPlace& place, const PhotographDecisionParameters& p) {
+  const double corner_m2 = p.min_sigma_m * p.min_sigma_m;
+  Eigen::Matrix3d blurred = place.covariance;
+  blurred.diagonal() += Eigen::Vector3d(corner_m2, corner_m2, corner_m2 / (p.roof_distance_m * p.roof_distance_m));
+  return place.log_volume + 0.5 * std::log(blurred.determinant() / place.covariance.determinant());
+}
+
 /// Covariance, and the probability that the camera is beyond three of its sigmas or not in the model at all, over the
 /// places of all attempts, by a power of their likelihoods (Wedderburn 1974): the model's errors are not those assumed.
 void estimate_uncertainty(const std::vector<PhotographAttempt>& attempts, const PhotographAttempt& best,
@@ -56,7 +64,7 @@ void estimate_uncertainty(const std::vector<PhotographAttempt>& attempts, const 
   spread /= within;
   match.covariance = spread.topLeftCorner<2, 2>() + p.min_sigma_m * p.min_sigma_m * Eigen::Matrix2d::Identity();
   // Several places nearby are not a Gaussian: its three sigmas are those that hold.
-  for (double near = 1e9; near > p.near_part * p.max_other * all;) {
+  for (double near = 1e9; near > p.max_near * all;) {
     const Eigen::Matrix2d information = match.covariance.inverse();
     near = others = 0;
     for_each([&](double less, const Eigen::Vector3d& d, const PhotographPlace&) {
@@ -65,15 +73,17 @@ void estimate_uncertainty(const std::vector<PhotographAttempt>& attempts, const 
       others += w;
       if (d.head<2>().norm() <= p.mode_radius_m) near += w;
     });
-    if (near > p.near_part * p.max_other * all) match.covariance *= 1.2;
+    if (near > p.max_near * all) match.covariance *= 1.2;
   }
   // Likelihood that what was searched has nothing of the picture: one run of directions, over the evidence of the best
   // place by Laplace's approximation, or straight roofs. A right place has most of the line in the model.
   const double share = (p.modelled_power + 1) * std::pow(std::max(match.agreement, 1e-6), p.modelled_power);
   const double gain = at.gain - at.facade_gain + std::min(at.facade_gain, p.facade_evidence);
   const double odds = (p.unmodelled + best.outside) / std::max(1 - best.outside, 1e-6);
-  const double straight = p.straight_roofs ? std::exp(std::min(50.0, -best.straight_gain)) : 0;
-  const double none = odds * (std::exp(std::min(50.0, -at.log_volume - p.power * gain)) / share + straight);
+  const double volume = log_volume_of(at, p);
+  const double straight =
+      p.straight_roofs ? std::exp(std::min(50.0, -p.straight_volume * volume - best.straight_gain)) : 0;
+  const double none = odds * (std::exp(std::min(50.0, -volume - p.power * gain)) / share + straight);
   const double chance = none / (1 + none);  // the same place by several attempts is no more evidence
   decision.other = chance + (1 - chance) * others / all;
   decision.chance = chance > 0.5 * decision.other;
@@ -91,6 +101,7 @@ PhotographDecision decide(const std::vector<PhotographAttempt>& attempts, const 
   estimate_uncertainty(attempts, best, p, decision);
   const Match& match = *decision.tried;
   const double worst_m = std::sqrt(Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(match.covariance).eigenvalues()[1]);
+  // What falls short is rounded away from what is required.
   const auto refuse = [&](Reason reason, const char* format, auto... numbers) {
     decision.reason = reason, decision.why = format_text(format, numbers...);
   };
@@ -98,20 +109,20 @@ PhotographDecision decide(const std::vector<PhotographAttempt>& attempts, const 
     refuse(kAmbiguity, "%s", "the visible roofs do not determine the place");
   else if (match.agreement < p.min_agreement)
     refuse(kAgreement, "only %.0f %% of the sky's edge coincides with a roof of the model; %.0f %% are required",
-           100 * match.agreement, 100 * p.min_agreement);
+           std::floor(100 * match.agreement), 100 * p.min_agreement);
   else if (decision.other > p.max_other)
     refuse(kAmbiguity,
            decision.chance ? "%.0f %% of the sky's edge coincides with a roof of the model, but the probability that "
                              "this is chance is %.0f %%; at most %.0f %% are accepted"
                            : "%.0f %% of the sky's edge coincides with a roof of the model, but the probability of "
                              "other places is %.0f %%; at most %.0f %% are accepted",
-           100 * match.agreement, 100 * decision.other, 100 * p.max_other);
+           std::floor(100 * match.agreement), std::ceil(100 * decision.other), 100 * p.max_other);
   else if (worst_m > p.max_sigma_m)
-    refuse(kAmbiguity, "the visible roofs determine the place only to %.1f m; %.1f m are required", worst_m,
-           p.max_sigma_m);
+    refuse(kAmbiguity, "the visible roofs determine the place only to %.1f m; %.1f m are required",
+           0.1 * std::ceil(10 * worst_m), p.max_sigma_m);
   else if (match.yaw_sigma_rad > p.max_yaw_sigma_rad)
     refuse(kAmbiguity, "the visible roofs determine the heading only to %.0f degrees; %.0f are required",
-           match.yaw_sigma_rad * kDegrees, p.max_yaw_sigma_rad * kDegrees);
+           std::ceil(match.yaw_sigma_rad * kDegrees), p.max_yaw_sigma_rad * kDegrees);
   return decision;
 }
 

@@ -20,19 +20,22 @@ struct PhotographDecisionParameters {
   double max_yaw_sigma_rad = 10 * std::numbers::pi / 180;  ///< half of a compass's: less would not help; judgement
   double min_sigma_m = 0.5;  ///< of north and of east: no model's corners are more accurate (CityGML 2.0, LOD3: 0.5 m)
   double mode_radius_m = 6;  ///< of the places that form the covariance; those beyond three sigmas are others
-  double near_part = 0.2;    ///< of max_other that may lie among them beyond three sigmas
-  double max_other = 0.02;   ///< total probability of places beyond three sigmas and of no place
-  double facade_evidence = 4;   ///< max log-likelihood of the facades against chance: any street's lines have two
-                                ///< directions, so that only their heading is evidence, a degree of ninety
-  bool straight_roofs = true;   ///< straight roofs that the model lacks are compared with the match
-  double unmodelled = 0.2;      ///< odds, before the picture is seen, that the model has nothing of it; judgement
-  double power = 0.8;           ///< of the likelihoods, since the model's errors are not those assumed
-  double spread_power = 0.5;    ///< the same for the places that form the covariance: along a street the roofs' ends
-                                ///< alone determine the place, and their errors have longer tails
-  double sky_power = 0.22;      ///< the same between a photograph's hypotheses, in addition
-  double modelled_power = 3;    ///< the fraction of a line that a model has is distributed as its power: mean 80 %
-  double roof_distance_m = 10;  ///< typical distance of a roof: min_sigma_m of its corners, seen from there, is the
-                                ///< heading's min sigma
+  double max_near = 0.004;   ///< probability of those beyond three sigmas above which the covariance is enlarged
+  double max_other = 0.05;   ///< total probability of places beyond three sigmas and of no place; of accepted
+                             ///< photographs it is below 1 % on average
+  double facade_evidence = 4;    ///< max log-likelihood of the facades against chance: any street's lines have two
+                                 ///< directions, so that only their heading is evidence, a degree of ninety
+  bool straight_roofs = true;    ///< straight roofs that the model lacks are compared with the match
+  double straight_volume = 0.5;  ///< part of the place's log-volume that counts there: of as many places one fits by
+                                 ///< chance, but the roofs' own places count too
+  double unmodelled = 0.2;       ///< odds, before the picture is seen, that the model has nothing of it; judgement
+  double power = 0.8;            ///< of the likelihoods, since the model's errors are not those assumed
+  double spread_power = 0.5;     ///< the same for the places that form the covariance: along a street the roofs' ends
+                                 ///< alone determine the place, and their errors have longer tails
+  double sky_power = 0.22;       ///< the same between a photograph's hypotheses, in addition
+  double modelled_power = 3;     ///< the fraction of a line that a model has is distributed as its power: mean 80 %
+  double roof_distance_m = 10;   ///< typical distance of a roof: min_sigma_m of its corners, seen from there, is the
+                                 ///< heading's min sigma
 };
 
 /// A place where a photograph's line fits the model better than in the surroundings.

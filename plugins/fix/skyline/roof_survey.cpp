@@ -11,7 +11,7 @@ namespace odograph::skyline {
 /// photograph's.
 PhotographParameters RoofSurvey::matching_on_path() {
   PhotographParameters p;
-  p.min_m = 6, p.max_m = 12, p.decision.min_agreement = 0.45;
+  p.min_m = 6, p.max_m = 12, p.decision.min_agreement = 0.45, p.decision.max_other = 0.02;
   p.decision.power = p.decision.spread_power = 0.6;  // a path's pictures are matched without their facades
   p.decision.unmodelled = 0.002;                     // less, because their inclination and height are known; judgement
   p.decision.straight_roofs = false;  // its fits, without the pattern search, miss the ends of houses by centimetres
