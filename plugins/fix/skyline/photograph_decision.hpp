@@ -58,7 +58,7 @@ struct PhotographAttempt {
 
 struct PhotographDecision {
   std::optional<Match> tried;  ///< the best place, accepted or rejected
-  std::string why = "";        ///< reason for the rejection; empty where the place is accepted,
+  std::string why = {};        ///< reason for the rejection; empty where the place is accepted,
   Reason reason = kPrior;      ///< and its kind
   double gain = -1e9;          ///< of the best place
   double other = 1;            ///< probability that the camera is beyond three sigmas of it, or not in the model at all

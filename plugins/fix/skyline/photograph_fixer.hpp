@@ -22,7 +22,7 @@ class PhotographFixer {
   };
   struct Outcome {
     std::optional<Match> match = std::nullopt;
-    std::string why = "";    ///< reason for no match,
+    std::string why = {};    ///< reason for no match,
     Reason reason = kPrior;  ///< and its kind
   };
 
