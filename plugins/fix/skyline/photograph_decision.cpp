@@ -101,7 +101,7 @@ PhotographDecision decide(const std::vector<PhotographAttempt>& attempts, const 
   estimate_uncertainty(attempts, best, p, decision);
   const Match& match = *decision.tried;
   const double worst_m = std::sqrt(Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(match.covariance).eigenvalues()[1]);
-  // What falls short is rounded away from what is required.
+  // Numbers that fall short are rounded away from those required.
   const auto refuse = [&](Reason reason, const char* format, auto... numbers) {
     decision.reason = reason, decision.why = format_text(format, numbers...);
   };
