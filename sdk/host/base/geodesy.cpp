@@ -3,10 +3,10 @@
 
 #include <GeographicLib/Geocentric.hpp>
 
+#include "sdk/math/scalar.hpp"
+
 namespace odograph {
-namespace {
-constexpr double kDegree = 3.14159265358979323846 / 180.0;
-}
+namespace {}
 
 bool Geodesy::has_origin() const {
   const std::lock_guard lock(mutex_);
@@ -15,20 +15,20 @@ bool Geodesy::has_origin() const {
 
 void Geodesy::set_origin(const std::array<double, 3>& g) {
   const std::lock_guard lock(mutex_);
-  local_.emplace(g[0] / kDegree, g[1] / kDegree, g[2], GeographicLib::Geocentric::WGS84());
+  local_.emplace(g[0] / kRad_per_deg, g[1] / kRad_per_deg, g[2], GeographicLib::Geocentric::WGS84());
 }
 
 std::array<double, 3> Geodesy::to_geodetic(const std::array<double, 3>& p_n) const {
   const std::lock_guard lock(mutex_);
   double latitude = 0, longitude = 0, height = 0;
   local_->Reverse(p_n[1], p_n[0], -p_n[2], latitude, longitude, height);  // GeographicLib's frame is East-North-Up
-  return {latitude * kDegree, longitude * kDegree, height};
+  return {latitude * kRad_per_deg, longitude * kRad_per_deg, height};
 }
 
 std::array<double, 3> Geodesy::from_geodetic(const std::array<double, 3>& g) const {
   const std::lock_guard lock(mutex_);
   double east = 0, north = 0, up = 0;
-  local_->Forward(g[0] / kDegree, g[1] / kDegree, g[2], east, north, up);
+  local_->Forward(g[0] / kRad_per_deg, g[1] / kRad_per_deg, g[2], east, north, up);
   return {north, east, -up};
 }
 

@@ -4,7 +4,11 @@
 #include <string>
 #include <string_view>
 
+#include <odograph/base.h>
+
 namespace odograph {
+
+inline std::string text(const odo_string& s) { return s.size && s.data ? std::string(s.data, s.size) : std::string(); }
 
 /// Makes a text safe for a terminal: control characters except line feed, which may come from files, plugins and file
 /// names, become \xNN, including UTF-8 encoded C1 characters.

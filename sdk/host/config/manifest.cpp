@@ -10,6 +10,7 @@
 #include <sha2.h>
 
 #include "sdk/host/base/json_text.hpp"
+#include "sdk/host/base/printable.hpp"
 #include "sdk/host/platform/utf8_path.hpp"
 
 namespace odograph {
@@ -27,8 +28,6 @@ constexpr struct {
     {ODO_PARAMETER_REAL, SpecType::real, "real"},       {ODO_PARAMETER_STRING, SpecType::text, "string"},
     {ODO_PARAMETER_CHOICE, SpecType::choice, "choice"}, {ODO_PARAMETER_REALS, SpecType::reals, "reals"},
 };
-
-std::string text(const odo_string& s) { return s.size ? std::string(s.data, s.size) : std::string(); }
 
 Spec text_spec(const char* name, const char* help, bool required = true) {
   return {.name = name, .type = SpecType::text, .help = help, .required = required};

@@ -5,6 +5,7 @@
 
 #include "sdk/host/base/nearest.hpp"
 #include "sdk/host/config/spec.hpp"
+#include "sdk/math/scalar.hpp"
 
 namespace odograph {
 namespace {
@@ -15,7 +16,6 @@ struct Unit {
   double factor;
 };
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr Unit kUnits[] = {
     {"m", "m", 1.0},
     {"mm", "m", 1e-3},

@@ -10,6 +10,7 @@
 #include <cstring>
 #include <new>
 
+#include "sdk/host/base/printable.hpp"
 #include "sdk/host/base/version.hpp"
 #include "sdk/host/core/c_guard.hpp"
 #include "sdk/host/core/session.hpp"
@@ -25,8 +26,7 @@ namespace {
 
 using odograph::fail;
 using odograph::guarded;
-
-std::string text(const odo_string& s) { return s.size && s.data ? std::string(s.data, s.size) : std::string(); }
+using odograph::text;
 
 int32_t create(const odo_session_options& options, odo_session** out, odo_error* error) {
   const std::string path = text(options.config_path), config_text = text(options.config_text);

@@ -13,10 +13,6 @@ namespace {
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
-double seconds(int64_t later_ns, int64_t earlier_ns) {
-  return static_cast<double>(saturating_difference(later_ns, earlier_ns)) * 1e-9;
-}
-
 bool is_camera(const odo_pose& pose) { return (pose.header.flags & ODO_POSE_CAMERA) != 0; }
 
 }  // namespace

@@ -13,7 +13,7 @@ namespace {
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
-constexpr PosePublisher::Parameters kParameters;
+constexpr PosePublisher::Parameters kPublisher;
 
 /// The rotation's component about the vertical (swing-twist decomposition).
 Quaterniond about_down(const Quaterniond& q) {
@@ -49,7 +49,7 @@ void PosePublisher::publish_pose(odo_pose pose, bool is_new) {
   if (s_.roster.any_failed() && pose.state == ODO_TRACKING)
     pose.state = ODO_DEGRADED, pose.reason = ODO_REASON_PLUGIN_FAILED;
   if (sensor_silent()) pose.state = std::max(pose.state, ODO_DEGRADED), pose.reason = ODO_REASON_SENSOR_SILENT;
-  if (s_.north.is_true() && pose.covariance[14] < kParameters.north_sigma_rad * kParameters.north_sigma_rad)
+  if (s_.north.is_true() && pose.covariance[14] < kPublisher.north_sigma_rad * kPublisher.north_sigma_rad)
     pose.header.flags |= ODO_POSE_NORTH;
   if (before_restart_ && (pose.header.flags & ODO_POSE_POSITION)) publish_restart(pose);
   last_ = pose;

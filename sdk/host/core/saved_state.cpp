@@ -9,8 +9,8 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "the blob is written as the machine has its numbers");
 
-constexpr char kMagic[] = {'O', 'D', 'O', 'S', 'T', 'A', 'T', 'E'};
-constexpr uint32_t kVersion = 1;
+constexpr char kStateMagic[] = {'O', 'D', 'O', 'S', 'T', 'A', 'T', 'E'};
+constexpr uint32_t kStateVersion = 1;
 constexpr char kAnchors[] = "host anchors/1";  // the host's own part
 
 uint64_t fnv1a(std::span<const uint8_t> bytes) {
@@ -54,14 +54,15 @@ struct Part {
 };
 
 std::optional<std::vector<Part>> parts_of(std::span<const uint8_t> blob) {
-  if (blob.size() < sizeof kMagic + 16 || std::memcmp(blob.data(), kMagic, sizeof kMagic) != 0) return {};
+  if (blob.size() < sizeof kStateMagic + 16 || std::memcmp(blob.data(), kStateMagic, sizeof kStateMagic) != 0)
+    return {};
   const auto body = blob.first(blob.size() - 8);
   uint64_t hash = 0;
   std::memcpy(&hash, blob.data() + body.size(), sizeof hash);
   if (hash != fnv1a(body)) return {};
-  Reader reader(body.subspan(sizeof kMagic));
+  Reader reader(body.subspan(sizeof kStateMagic));
   uint32_t version = 0, count = 0;
-  if (!reader.get(version) || version != kVersion || !reader.get(count)) return {};
+  if (!reader.get(version) || version != kStateVersion || !reader.get(count)) return {};
   std::vector<Part> parts;
   for (uint32_t i = 0; i < count; ++i) {
     uint32_t name_size = 0;
@@ -79,7 +80,7 @@ std::optional<std::vector<Part>> parts_of(std::span<const uint8_t> blob) {
 }  // namespace
 
 std::vector<uint8_t> save_state(const PluginRoster& roster, const Anchors& anchors) {
-  std::vector<uint8_t> parts, blob(std::begin(kMagic), std::end(kMagic));
+  std::vector<uint8_t> parts, blob(std::begin(kStateMagic), std::end(kStateMagic));
   uint32_t count = 0;
   const auto names = roster.state_names();
   const auto& plugins = roster.plugins();
@@ -100,7 +101,7 @@ std::vector<uint8_t> save_state(const PluginRoster& roster, const Anchors& ancho
     parts.insert(parts.end(), saved.begin(), saved.end());
     ++count;
   }
-  put(blob, kVersion);
+  put(blob, kStateVersion);
   put(blob, count);
   blob.insert(blob.end(), parts.begin(), parts.end());
   put(blob, fnv1a(blob));

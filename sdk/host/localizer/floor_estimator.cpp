@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "sdk/math/scalar.hpp"
 #include "sdk/math/time.hpp"
 
 namespace odograph {
@@ -12,8 +13,6 @@ namespace odograph {
 namespace {
 
 constexpr int64_t kMinSpacing_ns = 250'000'000;  // minimum spacing of the stored heights: 64 span 16 s
-
-double squared(double x) { return x * x; }
 
 /// Cumulative normal distribution.
 double normal_cdf(double sigmas) { return 0.5 * std::erfc(-std::sqrt(0.5) * sigmas); }

@@ -14,10 +14,6 @@ using Eigen::Vector3d;
 
 constexpr size_t kMaxReintegrated = 64;  // points between two accelerometer samples
 
-double seconds(int64_t later_ns, int64_t earlier_ns) {
-  return static_cast<double>(saturating_difference(later_ns, earlier_ns)) * 1e-9;
-}
-
 }  // namespace
 
 /// Rotation rate and force are linear between two points.

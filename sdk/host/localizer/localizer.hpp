@@ -14,6 +14,7 @@
 #include "sdk/host/localizer/measurement.hpp"
 #include "sdk/host/localizer/retained_poses.hpp"
 #include "sdk/host/localizer/track.hpp"
+#include "sdk/math/scalar.hpp"
 
 namespace odograph {
 
@@ -123,8 +124,6 @@ inline StateSet only(std::initializer_list<StateIndex> states) { return ~all_but
 
 /// Gate on the normalised innovation squared, by degrees of freedom: 99.9 % of good measurements pass (chi-square).
 inline constexpr double kGate[] = {0, 10.83, 13.82, 16.27, 18.47};
-
-inline double squared(double x) { return x * x; }
 
 /// Sigma of an unknown heading, rad: uniform over the circle, pi / sqrt(3).
 inline constexpr double kUnknownHeading_rad = 1.8;

@@ -9,6 +9,7 @@
 #include <odograph/odograph.h>
 
 #include "sdk/host/base/forced_unwind.hpp"
+#include "sdk/host/base/printable.hpp"
 #include "sdk/host/config/linked_plugins.hpp"
 #include "sdk/host/platform/library.hpp"
 #include "sdk/host/plugin_host/backend.hpp"
@@ -17,8 +18,6 @@
 
 namespace odograph {
 namespace {
-
-std::string text(const odo_string& s) { return s.size && s.data ? std::string(s.data, s.size) : std::string(); }
 
 std::string version_fault(const odo_plugin& table, const odo_host& host) {
   const std::string its = "it is for ABI " + std::to_string(table.abi_major) + "." + std::to_string(table.abi_minor);

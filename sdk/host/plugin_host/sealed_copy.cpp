@@ -36,7 +36,7 @@ Result<bool> has_hash_of(const Manifest& manifest, const fs::path& copy) {
 #if defined(__linux__)
 namespace {
 
-constexpr size_t kChunk = 1 << 20;
+constexpr size_t kCopiedAtOnce = 1 << 20;
 constexpr size_t kLargestLibrary = size_t(1) << 30;  // bytes; limit for a file that grows while it is read
 
 /// A descriptor closed at the end of its scope.
@@ -60,7 +60,7 @@ bool write_all(int fd, const char* bytes, size_t size) {
 }
 
 bool copy_all(int from, int to) {
-  std::vector<char> chunk(kChunk);
+  std::vector<char> chunk(kCopiedAtOnce);
   for (size_t total = 0; total <= kLargestLibrary;) {
     const ssize_t got = read(from, chunk.data(), chunk.size());
     if (got < 0 && errno == EINTR) continue;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sdk/math/scalar.hpp"
 #include "sdk/math/rotation.hpp"
 #include "sdk/math/time.hpp"
 #include "sdk/tools/benchmarks/benchmarks.hpp"
@@ -77,7 +78,6 @@ struct Calibrate : Benchmark {
   std::string folder;
 };
 
-constexpr double kDegrees = 57.29577951308232;
 constexpr double kFocalWrong = 1.02, kRowWrong = 0.6, kOffsetWrong_s = 0.1;
 
 struct CalibrateImu : Benchmark {
@@ -109,8 +109,8 @@ struct CalibrateImu : Benchmark {
       return e.observable ? Json(unit * (e.value - truth)) : Json();
     };
     const auto sigma = [](const Estimate& e, double unit) { return e.observable ? Json(unit * e.sigma) : Json(); };
-    return row_of({{"mount", "deg", "mount_deg", 3, kDegrees * found->q_b_c.angularDistance(q)},
-                   {"", "sigma", "mount_sigma_deg", 3, (kDegrees * found->rotation_sigma_rad).norm()},
+    return row_of({{"mount", "deg", "mount_deg", 3, kDeg_per_rad * found->q_b_c.angularDistance(q)},
+                   {"", "sigma", "mount_sigma_deg", 3, (kDeg_per_rad * found->rotation_sigma_rad).norm()},
                    {"offset", "ms", "offset_ms", 3, error(found->time_offset_s, offset_s, 1e3), kSigned},
                    {"", "sigma", "offset_sigma_ms", 3, sigma(found->time_offset_s, 1e3)},
                    {"row time", "us", "row_time_us", 3, error(found->row_time_s, row_s, 1e6), kSigned},

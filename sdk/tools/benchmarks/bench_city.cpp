@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 
 constexpr int64_t kTold_ns = 3'000'000'000;  // max delay of a fix
 constexpr uint64_t kOtherSky = 1000;         // added to a drive's seed for each sky after the first
-constexpr double kStart_m = 50;              // over which start and heading of a track without a fix are fitted
+constexpr double kFittedStart_m = 50;        // over which start and heading of a track without a fix are fitted
 
 /// Plots of Gakne & O'Keefe 2018: the scale's errors by time (Figure 9), tracks (10), the errors' distribution (11).
 enum class Figure { scale, tracks, errors };
@@ -31,7 +31,7 @@ enum class Figure { scale, tracks, errors };
 Trajectory on_start(const Trajectory& truth, const RunResult& result) {
   const Trajectory track = rotated_onto_first(truth, result.track);
   const bool metric = result.first_metric < result.track.size();
-  return aligned_at_start(truth, metric ? track : scaled_by_start(truth, track, kStart_m), kStart_m);
+  return aligned_at_start(truth, metric ? track : scaled_by_start(truth, track, kFittedStart_m), kFittedStart_m);
 }
 
 Json pairs_of(const Trajectory& track) {  // east, north

@@ -6,6 +6,7 @@
 
 #include <opencv2/imgcodecs.hpp>
 
+#include "sdk/math/scalar.hpp"
 #include "sdk/math/rotation.hpp"
 #include "sdk/tools/benchmarks/benchmarks.hpp"
 #include "sdk/tools/city/photograph_localizer.hpp"
@@ -19,7 +20,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kDegrees = 57.29577951308232;
 constexpr double kThreeSigma2 = 11.829;  // chi-square of two degrees of freedom, 99.73 %
 constexpr size_t kOfAWorld = 10;         // photographs under one sun
 constexpr double kGood_m = 3, kGood_deg = 3;
@@ -111,8 +111,8 @@ struct Photographs : Benchmark {
     PhotographGuess guess{.north_m = taken.p_n.x() + sigma_m * random.normal(),
                           .east_m = taken.p_n.y() + sigma_m * random.normal(),
                           .sigma_m = sigma_m,
-                          .heading_sigma_rad = heading_sigma_deg / kDegrees};
-    const double off = heading_sigma_deg / kDegrees * random.normal();
+                          .heading_sigma_rad = heading_sigma_deg / kDeg_per_rad};
+    const double off = heading_sigma_deg / kDeg_per_rad * random.normal();
     if (heading_sigma_deg < 180) guess.heading_rad = heading + off;
     const double aside = 2 * EIGEN_PI * random.uniform();
     guess.north_m += prior_off_m * std::cos(aside), guess.east_m += prior_off_m * std::sin(aside);
@@ -125,7 +125,7 @@ struct Photographs : Benchmark {
         text("odograph city locate %s --model %s --at %.2f %.2f --sigma %g --lens %.2fpx", file.c_str(), model.c_str(),
              origin.x() + guess.east_m, origin.y() + guess.north_m, sigma_m, focal_px);
     if (guess.heading_rad)
-      command += text(" --heading %.1f --heading-sigma %g", *guess.heading_rad * kDegrees, heading_sigma_deg);
+      command += text(" --heading %.1f --heading-sigma %g", *guess.heading_rad * kDeg_per_rad, heading_sigma_deg);
     return command;
   }
   Result<bool> add(const Taken& taken, const fs::path& file, const fs::path& model, const Eigen::Vector3d& origin,
@@ -143,18 +143,18 @@ struct Photographs : Benchmark {
       return true;
     }
     const Eigen::Vector2d d = (answer->p_n - taken.p_n).head<2>();
-    const double turned_deg = std::abs(std::remainder(answer->heading_rad() - heading, 2 * EIGEN_PI)) * kDegrees;
+    const double turned_deg = std::abs(std::remainder(answer->heading_rad() - heading, 2 * EIGEN_PI)) * kDeg_per_rad;
     const double nees = d.dot(answer->covariance.inverse() * d);
     to.m.push_back(d.norm()), to.deg.push_back(turned_deg);
     ++to.placed;
     to.good += d.norm() <= kGood_m && turned_deg <= kGood_deg;
     to.wrong += d.norm() > 2 * kGood_m;
     to.beyond += nees > kThreeSigma2;
-    to.beyond_heading += turned_deg > 3 * answer->heading_sigma_rad * kDegrees;
+    to.beyond_heading += turned_deg > 3 * answer->heading_sigma_rad * kDeg_per_rad;
     to.lines.push_back(line +
                        text(", %.2f m (%.2f sigma of %.2f m), %.2f deg (sigma %.2f), agreement %.2f, risk %.3f",
                             d.norm(), std::sqrt(nees), answer->sigma_m(), turned_deg,
-                            answer->heading_sigma_rad * kDegrees, answer->agreement, answer->integrity) +
+                            answer->heading_sigma_rad * kDeg_per_rad, answer->agreement, answer->integrity) +
                        command);
     return true;
   }

@@ -40,9 +40,9 @@ double median_of_sizes(const std::vector<CameraImuCalibration::Residual>& residu
 Failure wrong(const std::string& text) { return {ODO_E_DATA, text}; }
 
 /// State of one calibration.
-class Work {
+class Calibrating {
  public:
-  Work(const CameraImuData& data, const CameraImuOptions& options, const CameraImuStart& start)
+  Calibrating(const CameraImuData& data, const CameraImuOptions& options, const CameraImuStart& start)
       : data_(data), options_(options), lens_(data.given), q_b_c_(start.q_b_c), bias_(start.bias_b) {
     x_[shared::time_offset] = start.time_offset_s, x_[shared::row_time] = data.given_row_time_s;
     double across = 0;
@@ -220,7 +220,7 @@ Result<CameraImuCalibration> calibrate_camera_imu(const CameraImuData& data, con
   out.k1.given = given.distortion[0];
   out.lens_refined = options.refine_lens;
 
-  Work work(data, options, *start);
+  Calibrating work(data, options, *start);
   if (work.windows() < options.min_windows)
     return wrong("stretches in which enough corners can be followed: " + std::to_string(work.windows()) +
                  "; at least " + std::to_string(options.min_windows) + " are needed");

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
 
+#include "sdk/math/scalar.hpp"
 #include "sdk/math/time.hpp"
 #include "sdk/tools/calibration/camera_imu.hpp"
 #include "sdk/tools/text/text.hpp"
@@ -8,7 +9,6 @@
 namespace odograph {
 namespace {
 
-constexpr double kDegrees = 57.29577951308232;
 constexpr double kCertain = 3;  // standard deviations
 
 }  // namespace
@@ -26,7 +26,7 @@ std::vector<std::string> warnings_about(const CameraImuCalibration& c) {
         text("%s is not observable in this recording (known to %.3g %s only); %s", what, sigma, unit, kept));
   };
   if (!c.rotation_observable)
-    weak("the camera's rotation against the IMU", c.rotation_sigma_rad.maxCoeff() * kDegrees, "degrees",
+    weak("the camera's rotation against the IMU", c.rotation_sigma_rad.maxCoeff() * kDeg_per_rad, "degrees",
          "rotate the phone about all of its axes");
   if (!c.time_offset_s.observable)
     weak("the time offset", 1e3 * c.time_offset_s.sigma, "ms", "rotate back and forth faster");
@@ -77,7 +77,7 @@ std::string camera_yaml(const CameraImuCalibration& c) {
   for (uint32_t i = 0; i < lens.distortion_count; ++i) yaml += text("%s%.9g", i ? ", " : "", lens.distortion[i]);
   yaml += "]" + (c.k1.observable ? text("  # k1 +- %.3g", c.k1.sigma) : std::string("  # as given")) + "\n";
   if (lens.header.flags & ODO_CALIBRATION_EXTRINSICS) {
-    const Eigen::Vector3d s = kDegrees * c.rotation_sigma_rad;
+    const Eigen::Vector3d s = kDeg_per_rad * c.rotation_sigma_rad;
     yaml += text("q_b_c: [%.9f, %.9f, %.9f, %.9f]", lens.q_b_c[0], lens.q_b_c[1], lens.q_b_c[2], lens.q_b_c[3]) +
             (c.rotation_observable
                  ? text("  # +- %.3f, %.3f, %.3f degrees about the camera's x, y, z\n", s.x(), s.y(), s.z())

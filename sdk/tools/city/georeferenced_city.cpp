@@ -6,6 +6,7 @@
 #include <limits>
 #include <numbers>
 
+#include "sdk/math/scalar.hpp"
 #include "sdk/tools/text/text.hpp"
 
 namespace odograph {
@@ -15,7 +16,6 @@ namespace fs = std::filesystem;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr double kDegree = std::numbers::pi / 180;
 constexpr double kFarthest_m = 5000;  // of the buildings from n's origin: its plane is 2 m above the ellipsoid there
 constexpr double kEverywhere_m = std::numeric_limits<double>::infinity();
 
@@ -30,7 +30,7 @@ Result<GeoreferencedCity> GeoreferencedCity::load(const fs::path& model, const P
   city.origin_ = origin;
   if (origin_deg) {
     city.geodesy_ = std::make_unique<Geodesy>();
-    city.geodesy_->set_origin({(*origin_deg)[0] * kDegree, (*origin_deg)[1] * kDegree, 0});
+    city.geodesy_->set_origin({(*origin_deg)[0] * kRad_per_deg, (*origin_deg)[1] * kRad_per_deg, 0});
   }
   city.low_n_ = Vector3d::Constant(1e300), city.high_n_ = -city.low_n_;
   for (const auto& ends : city.localizer_->edges_near({0, 0}, kEverywhere_m)) {
@@ -78,14 +78,14 @@ Result<GeoreferencedCity> GeoreferencedCity::own(const fs::path& model, std::opt
 
 Vector3d GeoreferencedCity::p_n(const Coordinates& place) const {
   if (!geodesy_) return {place[1] - origin_.model.y(), place[0] - origin_.model.x(), 0};
-  const auto n = geodesy_->from_geodetic({place[0] * kDegree, place[1] * kDegree, 0});
+  const auto n = geodesy_->from_geodetic({place[0] * kRad_per_deg, place[1] * kRad_per_deg, 0});
   return Vector3d(n.data());
 }
 
 Coordinates GeoreferencedCity::coordinates(const Vector3d& p_n) const {
   if (!geodesy_) return {origin_.model.x() + p_n.y(), origin_.model.y() + p_n.x()};
   const auto g = geodesy_->to_geodetic({p_n.x(), p_n.y(), p_n.z()});
-  return {g[0] / kDegree, g[1] / kDegree};
+  return {g[0] / kRad_per_deg, g[1] / kRad_per_deg};
 }
 
 std::string GeoreferencedCity::span() const {

@@ -19,7 +19,7 @@ namespace {
 namespace fs = std::filesystem;
 using Eigen::Vector3d;
 
-constexpr int64_t kBetween_ns = 1'000'000'000;
+constexpr int64_t kBetweenPhotographs_ns = 1'000'000'000;
 constexpr double kWidest_px = 1280;      // a frame has at most 2^24 pixels, and roofs need no more
 constexpr double kCorners_m = 0.5;       // sigma of the model's corners, part of each fix of a photograph
 constexpr double kHeldLevel_rad = 0.35;  // sigma of the inclination, which is not measured
@@ -103,7 +103,7 @@ Result<std::unique_ptr<PhotographLocalizer>> PhotographLocalizer::make(const fs:
 
 Result<PhotographPose> PhotographLocalizer::estimate_pose(const cv::Mat& photograph, double focal_px,
                                                           const PhotographGuess& guess) {
-  t_ns_ += kBetween_ns;
+  t_ns_ += kBetweenPhotographs_ns;
   cv::Mat bgr = photograph;
   if (const double part = kWidest_px / std::max(bgr.cols, bgr.rows); part < 1) {
     cv::resize(

@@ -4,14 +4,13 @@
 #include <array>
 #include <cmath>
 
+#include "sdk/math/scalar.hpp"
 #include "sdk/tools/text/text.hpp"
 
 namespace odograph {
 namespace {
 
-constexpr double kDegree = 0.017453292519943295;
-
-double degrees(double rad) { return std::fmod(rad / kDegree + 360, 360); }
+double degrees(double rad) { return std::fmod(rad / kRad_per_deg + 360, 360); }
 
 /// Names of the coordinates in the table.
 std::array<std::string, 2> axes_of(bool geodetic) {
@@ -40,7 +39,7 @@ Json row_of_photograph(const std::filesystem::path& file, const GeoreferencedCit
     for (const size_t i : {0u, 1u}) row["prior_" + axes[i]] = at[i];
     row["prior_sigma_m"] = guess.sigma_m;
     if (guess.heading_rad) row["prior_heading_deg"] = degrees(*guess.heading_rad);
-    if (guess.heading_rad) row["prior_heading_sigma_deg"] = guess.heading_sigma_rad / kDegree;
+    if (guess.heading_rad) row["prior_heading_sigma_deg"] = guess.heading_sigma_rad / kRad_per_deg;
     row["focal_px"] = prior->focal_px;
   }
   if (!placed.placed) {
@@ -53,9 +52,9 @@ Json row_of_photograph(const std::filesystem::path& file, const GeoreferencedCit
   row["height_m"] = -placed.p_n.z();
   row["above_ground_m"] = above_ground_m;
   row["heading_deg"] = degrees(placed.heading_rad());
-  row["heading_sigma_deg"] = placed.heading_sigma_rad / kDegree;
-  row["pitch_deg"] = placed.pitch_rad() / kDegree;
-  row["roll_deg"] = placed.roll_rad() / kDegree;
+  row["heading_sigma_deg"] = placed.heading_sigma_rad / kRad_per_deg;
+  row["pitch_deg"] = placed.pitch_rad() / kRad_per_deg;
+  row["roll_deg"] = placed.roll_rad() / kRad_per_deg;
   row["agreement"] = placed.agreement;
   row["risk"] = placed.integrity;
   return row;

@@ -12,7 +12,7 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr double kFoot_m = 20;  // of the lookup cells of the buildings' lowest corners
+constexpr double kFootCell_m = 20;  // of the lookup cells of the buildings' lowest corners
 
 /// Map of buildings and ground height: the terrain where the model has some, otherwise the lowest corner of the
 /// buildings within 20 to 40 m.
@@ -23,7 +23,7 @@ class Ground {
     built_ =
         cv::Mat(static_cast<int>(size.x() / cell_m) + 1, static_cast<int>(size.y() / cell_m) + 1, CV_8U, cv::Scalar(0));
     terrain_ = cv::Mat(built_.size(), CV_32F, cv::Scalar(kNone));
-    foot_ = cv::Mat(static_cast<int>(size.x() / kFoot_m) + 1, static_cast<int>(size.y() / kFoot_m) + 1, CV_32F,
+    foot_ = cv::Mat(static_cast<int>(size.x() / kFootCell_m) + 1, static_cast<int>(size.y() / kFootCell_m) + 1, CV_32F,
                     cv::Scalar(-kNone));
     for (const auto& face : city.faces) city.objects[face.object].is_building ? add_building(face) : add_terrain(face);
     cv::erode(foot_, foot_, cv::Mat());  // the lowest of a cell and its neighbours
@@ -34,8 +34,8 @@ class Ground {
     const int y = index(at.x() - low_.x(), cell_m_, terrain_.rows),
               x = index(at.y() - low_.y(), cell_m_, terrain_.cols);
     if (const float up = terrain_.at<float>(y, x); up > kNone) return static_cast<double>(up);
-    const float foot =
-        foot_.at<float>(index(at.x() - low_.x(), kFoot_m, foot_.rows), index(at.y() - low_.y(), kFoot_m, foot_.cols));
+    const float foot = foot_.at<float>(index(at.x() - low_.x(), kFootCell_m, foot_.rows),
+                                       index(at.y() - low_.y(), kFootCell_m, foot_.cols));
     return foot < -kNone ? static_cast<double>(foot) : 0.0;
   }
 
@@ -52,7 +52,7 @@ class Ground {
     for (const Vector3d& corner : face.corners) {
       const Vector2d at = corner.head<2>() - low_;
       corners.emplace_back(static_cast<int>(at.y() / cell_m_), static_cast<int>(at.x() / cell_m_));
-      float& foot = foot_.at<float>(index(at.x(), kFoot_m, foot_.rows), index(at.y(), kFoot_m, foot_.cols));
+      float& foot = foot_.at<float>(index(at.x(), kFootCell_m, foot_.rows), index(at.y(), kFootCell_m, foot_.cols));
       foot = std::min(foot, static_cast<float>(-corner.z()));
     }
     cv::fillConvexPoly(built_, corners, cv::Scalar(255));

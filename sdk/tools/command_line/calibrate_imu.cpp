@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "sdk/host/config/camera_yaml.hpp"
+#include "sdk/math/scalar.hpp"
 #include "sdk/math/time.hpp"
 #include "sdk/tools/command_line/commands.hpp"
 #include "sdk/tools/plot/plot.hpp"
@@ -22,13 +23,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kDegrees = 57.29577951308232;
 constexpr size_t kMaxPoints = 6000;  // of a plot
 
 std::vector<Plot> plots_of(const CameraImuCalibration& c) {
   Plot offset{.title = "Time offset", .x_label = "time offset (ms)", .y_label = "rotation left over, median (deg/s)"};
   PlotSeries cost{.name = "the minimum is the initial value", .style = "lines", .points = {}};
-  for (const auto& [s, left] : c.offset_cost) cost.points.emplace_back(1e3 * s, kDegrees * left);
+  for (const auto& [s, left] : c.offset_cost) cost.points.emplace_back(1e3 * s, kDeg_per_rad * left);
   offset.series = {cost};
   std::vector<Plot> plots = {offset};
   const char* axes[] = {"camera's x (down and up)", "camera's y (left and right)", "optical axis (roll)"};
@@ -37,8 +37,8 @@ std::vector<Plot> plots_of(const CameraImuCalibration& c) {
     PlotSeries gyro{.name = "gyroscope", .style = "lines", .points = {}};
     PlotSeries camera{.name = "pictures alone", .style = "points pt 7 ps 0.3", .points = {}};
     for (const auto& r : c.rotations) {
-      gyro.points.emplace_back(r.t_s, kDegrees * r.gyro_rps[i]);
-      camera.points.emplace_back(r.t_s, kDegrees * r.camera_rps[i]);
+      gyro.points.emplace_back(r.t_s, kDeg_per_rad * r.gyro_rps[i]);
+      camera.points.emplace_back(r.t_s, kDeg_per_rad * r.camera_rps[i]);
     }
     rate.series = {gyro, camera};
     plots.push_back(rate);
@@ -77,22 +77,22 @@ std::string figures_of(const CameraImuCalibration& c) {
     add("%-12s [%.5f, %.5f, %.5f, %.5f]", "q_b_c", q[0], q[1], q[2], q[3]);
   else
     add("%-12s unknown", "q_b_c");
-  const Eigen::Vector3d s = kDegrees * c.rotation_sigma_rad;
+  const Eigen::Vector3d s = kDeg_per_rad * c.rotation_sigma_rad;
   if (c.rotation_observable)
     add(" +- %.3f, %.3f, %.3f degrees about the camera's x, y, z; %.2f degrees from the given one\n", s.x(), s.y(),
-        s.z(), kDegrees * c.q_b_c.angularDistance(c.given_q_b_c));
+        s.z(), kDeg_per_rad * c.q_b_c.angularDistance(c.given_q_b_c));
   else
     out += " as given\n";
   one("time offset", c.time_offset_s, 1e3, "ms");
   one("row time", c.row_time_s, 1e6, "us");
   one("focal length", c.focal_px, 1, "px"), one("cx", c.cx, 1, "px"), one("cy", c.cy, 1, "px"), one("k1", c.k1, 1, "");
-  const Eigen::Vector3d b = kDegrees * c.gyro_bias_b;
+  const Eigen::Vector3d b = kDeg_per_rad * c.gyro_bias_b;
   add("%-12s %.3f, %.3f, %.3f deg/s\n", "gyro bias", b.x(), b.y(), b.z());
   add("residual %.3f px (rms) of %zu corners in %zu windows of %zu frames; rotation %.0f, %.0f and %.0f deg/s rms "
       "about "
       "its axes, correlation with the pictures %.3f\n",
-      c.rms_px, c.corners, c.windows, c.frames, kDegrees * c.rate_rms_rps[0], kDegrees * c.rate_rms_rps[1],
-      kDegrees * c.rate_rms_rps[2], c.correlation);
+      c.rms_px, c.corners, c.windows, c.frames, kDeg_per_rad * c.rate_rms_rps[0], kDeg_per_rad * c.rate_rms_rps[1],
+      kDeg_per_rad * c.rate_rms_rps[2], c.correlation);
   return out;
 }
 

@@ -9,6 +9,7 @@
 
 #include <opencv2/imgcodecs.hpp>
 
+#include "sdk/math/scalar.hpp"
 #include "sdk/tools/city/georeferenced_city.hpp"
 #include "sdk/tools/city/photograph.hpp"
 #include "sdk/tools/city/photograph_drawing.hpp"
@@ -22,7 +23,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kDegree = 0.017453292519943295;
 constexpr double kSigma_m = 10, kHeadingSigma_deg = 20;  // of a phone's GNSS and compass between houses
 constexpr double kDeclination_deg = 10;  // sigma of the declination, unknown here; beyond 30 only near the poles
 constexpr double kReach_m = 60;          // of fix/skyline's search, which otherwise covers three sigmas
@@ -184,9 +184,9 @@ class Locator {
     guess.north_m = at.x(), guess.east_m = at.y();
     guess.sigma_m = a_.sigma_m > 0 ? a_.sigma_m : place_ ? kSigma_m : p.place_sigma_m.value_or(kSigma_m);
     const double heading = std::isfinite(a_.heading_deg) ? a_.heading_deg : p.heading_deg.value_or(NAN);
-    if (std::isfinite(heading) && !a_.any_heading) guess.heading_rad = std::remainder(heading, 360) * kDegree;
+    if (std::isfinite(heading) && !a_.any_heading) guess.heading_rad = std::remainder(heading, 360) * kRad_per_deg;
     const bool magnetic = !std::isfinite(a_.heading_deg) && p.heading_is_magnetic;
-    guess.heading_sigma_rad = std::hypot(a_.heading_sigma_deg, magnetic ? kDeclination_deg : 0) * kDegree;
+    guess.heading_sigma_rad = std::hypot(a_.heading_sigma_deg, magnetic ? kDeclination_deg : 0) * kRad_per_deg;
     return guess;
   }
 

@@ -11,6 +11,7 @@
 
 #include "sdk/host/base/output_file.hpp"
 #include "sdk/host/platform/temporary_folder.hpp"
+#include "sdk/math/scalar.hpp"
 #include "sdk/math/time.hpp"
 #include "sdk/tools/command_line/commands.hpp"
 #include "sdk/tools/plot/plot.hpp"
@@ -125,8 +126,7 @@ int steps(const StepsArguments& a) {
       std::printf("\n%9s %9s %9s %9s %9s %9s\n", "from (s)", "to (s)", "m", "sigma (m)", "Hz", "heading");
       for (const odo_step& s : result->steps)
         std::printf("%9.2f %9.2f %9.3f %9.3f %9.2f %8.0f\n", seconds_since(start, s.t_start_ns),
-                    seconds_since(start, s.t_end_ns), s.length_m, s.sigma_m, s.frequency_hz,
-                    s.heading_rad * 180 / static_cast<double>(EIGEN_PI));
+                    seconds_since(start, s.t_end_ns), s.length_m, s.sigma_m, s.frequency_hz, s.heading_rad * 180 / kPi);
     }
     // The walker's factor is common to all steps, so their standard deviations add linearly.
     std::printf("\n%zu steps (a step: from one foot's contact to the other's), %.1f m +- %.1f m", result->steps.size(),

@@ -10,7 +10,7 @@
 namespace odograph {
 namespace {
 
-constexpr double kThreeSigma2 = 11.83;  // 99.73 % (3 sigma of one axis) for two degrees of freedom
+constexpr double kThreeSigmaOfTwo = 11.83;  // 99.73 % (3 sigma of one axis) for two degrees of freedom
 
 /// Seconds of the recording in which, by the truth, roofs fill at least a third of the directions above ten degrees.
 std::vector<int64_t> seconds_with_skyline(const Recording& recording) {
@@ -35,7 +35,7 @@ FixFigures fix_figures(const Recording& recording, const std::vector<odo_fix>& f
   for (const odo_fix& fix : fixes) {
     const Eigen::Vector3d d = Eigen::Vector3d(fix.p_n) - position_at(recording.truth, fix.header.t_ns);
     f.error_m.push_back(d.head<2>().norm());
-    if (horizontal_nees(d, fix.covariance_n) > kThreeSigma2) ++f.beyond;
+    if (horizontal_nees(d, fix.covariance_n) > kThreeSigmaOfTwo) ++f.beyond;
   }
   if (!fixes.empty()) {
     f.first_after_m = path_until(recording.truth, fixes.front().header.t_ns);

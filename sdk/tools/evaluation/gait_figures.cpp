@@ -5,16 +5,13 @@
 #include <cmath>
 #include <complex>
 
+#include "sdk/math/scalar.hpp"
 #include "sdk/tools/evaluation/evaluation.hpp"
 #include "sdk/tools/simulation/random.hpp"
 #include "sdk/tools/simulation/walker.hpp"
 
 namespace odograph {
-namespace {
-
-constexpr auto kPi = static_cast<double>(EIGEN_PI);
-
-}  // namespace
+namespace {}  // namespace
 
 GaitSeries gait_series(const Recording& recording) {
   GaitSeries series;

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sdk/math/scalar.hpp"
+
 namespace odograph {
 
 using Eigen::AngleAxisd;
@@ -69,7 +71,7 @@ Trajectory rotated_onto_first(const Trajectory& truth, const Trajectory& track) 
 
 double yaw_error(const Quaterniond& estimate, const Quaterniond& truth) {
   const AngleAxisd off(truth * estimate.conjugate());
-  return std::remainder(off.angle(), static_cast<double>(2 * EIGEN_PI)) * off.axis().z();
+  return std::remainder(off.angle(), 2 * kPi) * off.axis().z();
 }
 
 Vector3d YawAlignment::on_truth(const Vector3d& p) const { return AngleAxisd(yaw_rad, Vector3d::UnitZ()) * p + shift; }

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "sdk/host/base/geodesy.hpp"
+#include "sdk/math/scalar.hpp"
 #include "sdk/math/rotation.hpp"
 #include "sdk/tools/export/exported_run.hpp"
 #include "sdk/tools/page/page_pictures.hpp"
@@ -17,7 +18,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double kDegrees = 57.295779513082320877;
 constexpr const char *kWorld = "world", *kCamera = "camera", *kImu = "imu";
 
 // JSON schemas, built from the field names.
@@ -150,8 +150,8 @@ class FoxgloveWriter {
     put(topic, "foxglove.LocationFix", t_ns,
         {{"timestamp", time_of(t_ns)},
          {"frame_id", moved()},
-         {"latitude", place[0] * kDegrees},
-         {"longitude", place[1] * kDegrees},
+         {"latitude", place[0] * kDeg_per_rad},
+         {"longitude", place[1] * kDeg_per_rad},
          {"altitude", place[2]},
          {"position_covariance", covariance},
          {"position_covariance_type", covariance_n ? 3 : 0}},

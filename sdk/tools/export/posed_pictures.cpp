@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr double kLargestGap_s = 0.2;  // of the track around a picture
+constexpr double kLargestTrackGap_s = 0.2;  // of the track around a picture
 
 struct PosedPicture {
   std::string name;  // within images/
@@ -48,7 +48,7 @@ class PosedPictures {
       if (progress) progress(i + 1, frames.size());
       const int64_t t_ns = frames[i]->message.header().t_ns + lens_.time_offset_ns;
       if (t_ns < next_ns) continue;
-      const auto pose = pose_at(run_.track, t_ns, kLargestGap_s);
+      const auto pose = pose_at(run_.track, t_ns, kLargestTrackGap_s);
       if (!pose) {
         ++exported.without_pose;
         continue;

@@ -8,14 +8,13 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "sdk/math/scalar.hpp"
 #include "sdk/math/rotation.hpp"
 #include "sdk/tools/recording/log_fields.hpp"
 #include "sdk/tools/recording/picture_header.hpp"
 
 namespace odograph {
 namespace {
-
-constexpr double kRadians = 3.14159265358979323846 / 180;
 
 void take_message(const odo_header& message, LoggedMessage& out) {
   if (message_is_good(message)) out.message.assign(message);
@@ -59,7 +58,7 @@ void read_pressure(LogFields& in, LoggedMessage& out) {
 void take_place(const double (&place)[3], const double (&covariance)[9], uint32_t kind, LoggedMessage& out) {
   auto m = make_message<odo_gnss>(ODO_TYPE_GNSS, 0);
   m.header.flags = ODO_GNSS_POSITION;
-  m.latitude_rad = place[0] * kRadians, m.longitude_rad = place[1] * kRadians;
+  m.latitude_rad = place[0] * kRad_per_deg, m.longitude_rad = place[1] * kRad_per_deg;
   if (std::isfinite(place[2])) m.height_m = place[2], m.header.flags |= ODO_GNSS_HEIGHT;
   if (kind != 0) {
     constexpr int kAxis[3] = {1, 0, 2}, kSign[3] = {1, 1, -1};

@@ -22,25 +22,25 @@ enum Op : uint8_t {
   kDataEnd = 15
 };
 
-/// Fields of a record, little-endian; strings and maps are preceded by their length.
-class Fields {
+/// RecordFields of a record, little-endian; strings and maps are preceded by their length.
+class RecordFields {
  public:
   template <class Number>
-  Fields& number(std::type_identity_t<Number> value) {
+  RecordFields& number(std::type_identity_t<Number> value) {
     bytes_.append(reinterpret_cast<const char*>(&value), sizeof value);
     return *this;
   }
-  Fields& text(std::string_view text) {
+  RecordFields& text(std::string_view text) {
     number<uint32_t>(static_cast<uint32_t>(text.size()));
     bytes_.append(text);
     return *this;
   }
-  Fields& map(const std::map<uint16_t, uint64_t>& map) {
+  RecordFields& map(const std::map<uint16_t, uint64_t>& map) {
     number<uint32_t>(static_cast<uint32_t>(10 * map.size()));
     for (const auto& [key, value] : map) number<uint16_t>(key).number<uint64_t>(value);
     return *this;
   }
-  Fields& raw(std::string_view bytes) {
+  RecordFields& raw(std::string_view bytes) {
     bytes_.append(bytes);
     return *this;
   }
@@ -62,7 +62,7 @@ Result<std::unique_ptr<McapWriter>> McapWriter::create(const std::filesystem::pa
   if (!out) return out.failure();
   std::unique_ptr<McapWriter> writer(new McapWriter(std::move(*out)));
   writer->put(std::string_view(kMagic, 8));
-  writer->put(Fields().text(profile).text("odograph").record(kHeader));
+  writer->put(RecordFields().text(profile).text("odograph").record(kHeader));
   return writer;
 }
 
@@ -74,13 +74,13 @@ void McapWriter::put(std::string_view bytes) {
 uint16_t McapWriter::add(const Topic& topic) {
   const auto id = static_cast<uint16_t>(counts_.size());
   const auto schema = static_cast<uint16_t>(id + 1);  // 0 means no schema
-  const std::string records = Fields()
+  const std::string records = RecordFields()
                                   .number<uint16_t>(schema)
                                   .text(topic.type)
                                   .text(topic.schema_encoding)
                                   .text(topic.schema)
                                   .record(kSchema) +
-                              Fields()
+                              RecordFields()
                                   .number<uint16_t>(id)
                                   .number<uint16_t>(schema)
                                   .text(topic.name)
@@ -96,7 +96,7 @@ void McapWriter::write(uint16_t topic, int64_t t_ns, std::string_view data) {
   const auto time = static_cast<uint64_t>(std::max<int64_t>(t_ns, 0));
   entries_[topic].emplace_back(time, chunk_.size());
   first_ns_ = std::min(first_ns_, time), last_ns_ = std::max(last_ns_, time);
-  chunk_ += Fields()
+  chunk_ += RecordFields()
                 .number<uint16_t>(topic)
                 .number<uint32_t>(static_cast<uint32_t>(counts_[topic]++))
                 .number<uint64_t>(time)
@@ -109,7 +109,7 @@ void McapWriter::write(uint16_t topic, int64_t t_ns, std::string_view data) {
 void McapWriter::end_chunk() {
   if (chunk_.empty()) return;
   Index index{entries_.empty() ? 0 : first_ns_, last_ns_, at_, 0, 0, chunk_.size(), {}};
-  put(Fields()
+  put(RecordFields()
           .number<uint64_t>(index.first_ns)
           .number<uint64_t>(index.last_ns)
           .number<uint64_t>(chunk_.size())
@@ -121,7 +121,7 @@ void McapWriter::end_chunk() {
   index.size = at_ - index.at;
   for (const auto& [topic, entries] : entries_) {
     index.indexes_at[topic] = at_;
-    Fields record;
+    RecordFields record;
     record.number<uint16_t>(topic).number<uint32_t>(static_cast<uint32_t>(16 * entries.size()));
     for (const auto& [time, place] : entries) record.number<uint64_t>(time).number<uint64_t>(place);
     put(record.record(kMessageIndex));
@@ -134,10 +134,10 @@ void McapWriter::end_chunk() {
 
 Result<bool> McapWriter::finish() {
   end_chunk();
-  put(Fields().number<uint32_t>(0).record(kDataEnd));
+  put(RecordFields().number<uint32_t>(0).record(kDataEnd));
   const uint64_t summary = at_;
   put(head_);
-  Fields statistics;
+  RecordFields statistics;
   uint64_t messages = 0, first_ns = UINT64_MAX, last_ns = 0;
   std::map<uint16_t, uint64_t> counts;
   for (size_t i = 0; i < counts_.size(); ++i) messages += counts[static_cast<uint16_t>(i)] = counts_[i];
@@ -154,7 +154,7 @@ Result<bool> McapWriter::finish() {
           .map(counts)
           .record(kStatistics));
   for (const Index& chunk : chunks_)
-    put(Fields()
+    put(RecordFields()
             .number<uint64_t>(chunk.first_ns)
             .number<uint64_t>(chunk.last_ns)
             .number<uint64_t>(chunk.at)
@@ -165,7 +165,7 @@ Result<bool> McapWriter::finish() {
             .number<uint64_t>(chunk.bytes)
             .number<uint64_t>(chunk.bytes)
             .record(kChunkIndex));
-  put(Fields().number<uint64_t>(summary).number<uint64_t>(0).number<uint32_t>(0).record(kFooter));
+  put(RecordFields().number<uint64_t>(summary).number<uint64_t>(0).number<uint32_t>(0).record(kFooter));
   put(std::string_view(kMagic, 8));
   return file_.commit();
 }

@@ -6,6 +6,7 @@
 
 #include "sdk/host/config/camera_yaml.hpp"
 #include "sdk/host/config/spec.hpp"
+#include "sdk/math/scalar.hpp"
 #include "sdk/math/gravity.hpp"
 #include "sdk/math/rotation.hpp"
 #include "sdk/math/time.hpp"
@@ -16,8 +17,6 @@ namespace odograph {
 namespace fs = std::filesystem;
 
 namespace {
-
-constexpr double kRadians = 3.14159265358979323846 / 180.0;
 
 /// Adds one message per row, built by `make(values, t_ns)` from the numbers of the row.
 template <class Make>
@@ -208,7 +207,7 @@ odo_barometer advio_pressure(const std::vector<double>& v, int64_t t) {
 odo_gnss advio_place(const std::vector<double>& v, int64_t t) {
   auto m = make_message<odo_gnss>(ODO_TYPE_GNSS, t);
   m.header.flags = ODO_GNSS_POSITION | ODO_GNSS_HEIGHT | ODO_GNSS_COVARIANCE;
-  m.latitude_rad = v[1] * kRadians, m.longitude_rad = v[2] * kRadians;
+  m.latitude_rad = v[1] * kRad_per_deg, m.longitude_rad = v[2] * kRad_per_deg;
   m.height_m = v[4];
   m.covariance_n[0] = m.covariance_n[4] = 0.5 * v[3] * v[3];
   m.covariance_n[8] = v[5] * v[5];

@@ -16,7 +16,7 @@ namespace {
 
 using Json = nlohmann::json;
 using Pointer = Json::json_pointer;
-constexpr size_t kLongestLine = 1 << 20;
+constexpr size_t kLongestObject = 1 << 20;
 
 /// A table's columns as JSON pointers, parsed once.
 struct Pointers {
@@ -81,7 +81,7 @@ Result<bool> read_json_lines(const fs::path& path, std::span<Rows> tables) {
   if (!file) return Failure{ODO_E_NOT_FOUND, path.string() + ": cannot be opened"};
   std::string text;
   for (size_t number = 1; std::getline(file, text); ++number) {
-    if (text.size() > kLongestLine) return wrong_in(path, number, "the line is too long");
+    if (text.size() > kLongestObject) return wrong_in(path, number, "the line is too long");
     if (text.find_first_not_of(" \t\r") == std::string::npos) continue;
     const Json line = Json::parse(text, nullptr, false);
     if (line.is_discarded() || !line.is_object()) {

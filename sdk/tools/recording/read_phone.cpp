@@ -7,6 +7,7 @@
 #include <fstream>
 #include <map>
 
+#include "sdk/math/scalar.hpp"
 #include "sdk/math/gravity.hpp"
 #include "sdk/math/rotation.hpp"
 #include "sdk/math/time.hpp"
@@ -29,7 +30,6 @@ struct Parameters {
   double max_gravity_age_s = 0.1;  ///< between an acceleration and the gravity sample added to it
 };
 constexpr Parameters kParameters;
-constexpr double kRadians = 3.14159265358979323846 / 180;
 
 std::string hertz(double value) {
   char text[32];
@@ -291,7 +291,7 @@ class Reading {
       const auto& v = row.v;
       auto m = make_message<odo_gnss>(ODO_TYPE_GNSS, row.t_ns);
       m.header.flags = ODO_GNSS_POSITION;
-      m.latitude_rad = v[0] * kRadians, m.longitude_rad = v[1] * kRadians;
+      m.latitude_rad = v[0] * kRad_per_deg, m.longitude_rad = v[1] * kRad_per_deg;
       const bool has_height = std::isfinite(v[2]) && !(v[4] < 0);
       if (has_height) m.height_m = v[2], m.header.flags |= ODO_GNSS_HEIGHT;
       if (v[3] < 0 || !message_is_good(m.header)) {  // the platforms mark an invalid fix in this way

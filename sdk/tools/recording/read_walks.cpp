@@ -8,6 +8,7 @@
 #include <map>
 #include <string_view>
 
+#include "sdk/math/scalar.hpp"
 #include "sdk/math/number_text.hpp"
 #include "sdk/math/time.hpp"
 #include "sdk/tools/recording/recording.hpp"
@@ -17,8 +18,6 @@ namespace odograph {
 namespace fs = std::filesystem;
 
 namespace {
-
-constexpr double kRadians = 3.14159265358979323846 / 180.0;
 
 using Vector = std::array<double, 3>;
 
@@ -49,7 +48,7 @@ std::vector<std::string_view> split_at(std::string_view line, char separator) {
 }
 
 /// NaN if it is not a number.
-double number_of(std::string_view text) {
+double number_or_nan(std::string_view text) {
   const auto value = parse_number(text);
   return value && std::isfinite(*value) ? *value : std::nan("");
 }
@@ -79,7 +78,7 @@ Result<bool> read_columns(const fs::path& path, char separator, const std::vecto
       return true;
     }
     for (size_t i = 0; i < columns.size(); ++i)
-      values[i] = columns[i] < row.fields.size() ? number_of(row.fields[columns[i]]) : std::nan("");
+      values[i] = columns[i] < row.fields.size() ? number_or_nan(row.fields[columns[i]]) : std::nan("");
     return take(values, row);
   });
 }
@@ -148,8 +147,8 @@ Result<Recording> read_get_sensor_data(const fs::path& file) {
       if (std::isnan(first_latitude)) first_latitude = v[2], first_longitude = v[3];
       constexpr double kEarth_m = 6371008.8;
       auto m = make_message<odo_waypoint>(ODO_TYPE_WAYPOINT, *t_ns);
-      m.p_n[0] = (v[2] - first_latitude) * kRadians * kEarth_m;
-      m.p_n[1] = (v[3] - first_longitude) * kRadians * kEarth_m * std::cos(first_latitude * kRadians);
+      m.p_n[0] = (v[2] - first_latitude) * kRad_per_deg * kEarth_m;
+      m.p_n[1] = (v[3] - first_longitude) * kRad_per_deg * kEarth_m * std::cos(first_latitude * kRad_per_deg);
       m.sigma_m = 0.5;
       recording.add(m.header);
       recording.true_floors.push_back({*t_ns, static_cast<int>(std::lround(v[4]))});
@@ -213,8 +212,8 @@ Result<Recording> read_trundle_wheel(const fs::path& file) {
         const auto t_ns = time_of(1e-3 * v[0], row);
         if (!t_ns) return t_ns.failure();
         if (finite(three(v, 1)) && finite(three(v, 4)))
-          add_imu(recording, *t_ns, ODO_IMU_GYRO | ODO_IMU_ACCEL, {kRadians * v[4], kRadians * v[5], kRadians * v[6]},
-                  three(v, 1));
+          add_imu(recording, *t_ns, ODO_IMU_GYRO | ODO_IMU_ACCEL,
+                  {kRad_per_deg * v[4], kRad_per_deg * v[5], kRad_per_deg * v[6]}, three(v, 1));
         if (std::isfinite(v[7])) recording.true_distances.push_back({*t_ns, v[7]});
         return true;
       });

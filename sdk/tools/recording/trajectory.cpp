@@ -10,6 +10,7 @@
 
 #include "sdk/host/base/output_file.hpp"
 #include "sdk/host/messages/messages.hpp"
+#include "sdk/math/scalar.hpp"
 #include "sdk/math/number_text.hpp"
 #include "sdk/math/time.hpp"
 #include "sdk/tools/recording/text_rows.hpp"
@@ -126,11 +127,7 @@ double path_length(const Trajectory& trajectory) {
   return length;
 }
 
-namespace {
-
-constexpr double kDegrees = 180.0 / 3.14159265358979323846;
-
-}  // namespace
+namespace {}  // namespace
 
 void write_tum(std::ostream& out, const Trajectory& trajectory) {
   out << std::setprecision(12);
@@ -172,7 +169,8 @@ void write_gpx(std::ostream& out, const Trajectory& trajectory, const ToGeodetic
          "xmlns=\"http://www.topografix.com/GPX/1/1\">\n<trk><name>Odograph</name><trkseg>\n";
   for (const auto& x : trajectory) {
     const auto g = to_geodetic(x.p);
-    out << "<trkpt lat=\"" << g[0] * kDegrees << "\" lon=\"" << g[1] * kDegrees << "\"><ele>" << g[2] << "</ele>";
+    out << "<trkpt lat=\"" << g[0] * kDeg_per_rad << "\" lon=\"" << g[1] * kDeg_per_rad << "\"><ele>" << g[2]
+        << "</ele>";
     if (is_unix_time(x.t_ns)) out << "<time>" << iso_time(x.t_ns) << "</time>";
     out << "</trkpt>\n";
   }
@@ -191,9 +189,9 @@ void write_kml(std::ostream& out, const Trajectory& trajectory, const ToGeodetic
   for (const auto& x : trajectory) {
     const auto g = to_geodetic(x.p);
     if (timed)
-      out << "<gx:coord>" << g[1] * kDegrees << ' ' << g[0] * kDegrees << ' ' << g[2] << "</gx:coord>\n";
+      out << "<gx:coord>" << g[1] * kDeg_per_rad << ' ' << g[0] * kDeg_per_rad << ' ' << g[2] << "</gx:coord>\n";
     else
-      out << g[1] * kDegrees << ',' << g[0] * kDegrees << ',' << g[2] << '\n';
+      out << g[1] * kDeg_per_rad << ',' << g[0] * kDeg_per_rad << ',' << g[2] << '\n';
   }
   out << (timed ? "</gx:Track>" : "</coordinates></LineString>") << "</Placemark></Document></kml>\n";
 }
@@ -209,7 +207,7 @@ void write_geojson(std::ostream& out, const Trajectory& trajectory, const ToGeod
   out << "},\"geometry\":{\"type\":\"LineString\",\"coordinates\":[";
   for (size_t i = 0; i < trajectory.size(); ++i) {
     const auto g = to_geodetic(trajectory[i].p);
-    out << (i ? ",\n" : "\n") << '[' << g[1] * kDegrees << ',' << g[0] * kDegrees << ',' << g[2] << ']';
+    out << (i ? ",\n" : "\n") << '[' << g[1] * kDeg_per_rad << ',' << g[0] * kDeg_per_rad << ',' << g[2] << ']';
   }
   out << "]}}\n";
 }

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sdk/math/scalar.hpp"
 #include "sdk/math/rotation.hpp"
 #include "sdk/math/time.hpp"
 #include "sdk/tools/replay/camera_imu_source.hpp"
@@ -11,8 +12,6 @@
 
 namespace odograph {
 namespace {
-
-constexpr double kDegrees = 57.29577951308232;
 
 /// The beginning of a recording with a limited number of frames.
 Recording begin_of(const Recording& recording, const GuessedCameraOptions& o) {
@@ -43,7 +42,7 @@ std::string take(const CameraImuCalibration& found, const Recording::Guesses& gu
     words += text("focal length %.1f +- %.1f px, ", found.focal_px.value, found.focal_px.sigma);
   }
   if (guessed.mount && found.rotation_observable) {
-    words += text("mount %.1f degrees from the guess, ", kDegrees * found.q_b_c.angularDistance(found.given_q_b_c));
+    words += text("mount %.1f degrees from the guess, ", kDeg_per_rad * found.q_b_c.angularDistance(found.given_q_b_c));
     put_quaternion(found.q_b_c, c.q_b_c);
     c.header.flags |= ODO_CALIBRATION_EXTRINSICS;
   }

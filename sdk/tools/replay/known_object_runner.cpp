@@ -10,6 +10,7 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "sdk/host/config/pipeline_config.hpp"
+#include "sdk/math/scalar.hpp"
 #include "sdk/math/rotation.hpp"
 #include "sdk/math/time.hpp"
 #include "sdk/tools/evaluation/pose_consistency.hpp"
@@ -86,8 +87,8 @@ std::vector<TimedFix> run_scene(Fixer& fixer, const std::vector<WallPicture>& hu
   shot.exposure_s = random.uniform(2e-3, 12e-3);
   const double down = random.normal(), east = random.normal(), north = random.normal();
   const Vector3d position_error = position_sigma_m * Vector3d(north, east, 0.3 * down);
-  const double yaw_error = 3 * kDegree * random.normal(), pitch = random.normal(), roll = random.normal();
-  const Vector3d tilt_error(0.6 * kDegree * roll, 0.6 * kDegree * pitch, yaw_error);
+  const double yaw_error = 3 * kRad_per_deg * random.normal(), pitch = random.normal(), roll = random.normal();
+  const Vector3d tilt_error(0.6 * kRad_per_deg * roll, 0.6 * kRad_per_deg * pitch, yaw_error);
   const Eigen::AngleAxisd wrong(tilt_error.norm(), tilt_error.normalized());
   fixer.begin(lens);
   std::vector<TimedFix> fixes;
@@ -108,7 +109,7 @@ std::vector<TimedFix> run_scene(Fixer& fixer, const std::vector<WallPicture>& hu
     Vector3d::Map(prior.p_n) = v.p_n + position_error;
     Vector3d::Map(prior.velocity_n) = v.velocity_n;
     for (int i = 0; i < 3; ++i) {
-      const double turned = (i < 2 ? 1.0 : 3.0) * kDegree, off = position_sigma_m * (i < 2 ? 1.0 : 0.3);
+      const double turned = (i < 2 ? 1.0 : 3.0) * kRad_per_deg, off = position_sigma_m * (i < 2 ? 1.0 : 0.3);
       prior.covariance[7 * i] = turned * turned, prior.covariance[7 * (i + 3)] = off * off;
     }
     prior.state = ODO_TRACKING;
@@ -131,7 +132,7 @@ std::optional<Viewpoint> viewpoint_of(const Cell& cell, const FlatPicture& targe
   const double late_s = 0.05 * frames;
   for (int attempt = 0; attempt < 200; ++attempt) {
     const double d = random.uniform(cell.from_m, cell.to_m);
-    const Viewpoint v = viewpoint(random, d, random.uniform(cell.from_deg, cell.to_deg) * kDegree, !cell.standing);
+    const Viewpoint v = viewpoint(random, d, random.uniform(cell.from_deg, cell.to_deg) * kRad_per_deg, !cell.standing);
     const auto all_in = [&](double s) {
       FlatPicture there = target;
       there.T_c_o = v.after(s).to(kMiddle);
@@ -151,7 +152,7 @@ void show_lookalike(Fixer& fixer, const std::vector<cv::Mat>& originals, size_t 
   const bool standing = scene % 49 < 7;  // the plugin states smaller covariances when standing
   const int count = standing ? kStandingFrames : kWalkingFrames;
   const double nearest = std::max(2.0, 1.2 * target.width_m);
-  const double oblique_rad = random.uniform(0, 55) * kDegree, distance_m = random.uniform(nearest, 12);
+  const double oblique_rad = random.uniform(0, 55) * kRad_per_deg, distance_m = random.uniform(nearest, 12);
   Viewpoint v = viewpoint(random, distance_m, oblique_rad, !standing);
   const auto hung = make_look_alike(kind, target, originals[which], seed, random, v, scene);
   row.frames += static_cast<uint64_t>(count);
@@ -187,7 +188,7 @@ Result<CellFigures> scenes_of(const Target& target, size_t number, uint64_t scen
     figures.nis.push_back(horizontal_nees(error_of(last), last.fix.covariance_n));
     const Eigen::Quaterniond q_n_c = raw_quaternion(last.fix.q_n_b) * rear_camera_mount();
     figures.rotation_deg.push_back(Eigen::AngleAxisd(q_n_c.toRotationMatrix().transpose() * last.truth.R_n_c).angle() /
-                                   kDegree);
+                                   kRad_per_deg);
   }
   if ((*fixer)->faults() > 0) return Failure{ODO_E_ERROR, "the plugin failed"};
   return figures;

@@ -19,7 +19,7 @@ using Eigen::Vector3d;
 
 using Poses = std::vector<odo_pose>;
 
-void on_event(void* user, const odo_header* event) {
+void on_pose(void* user, const odo_header* event) {
   auto& poses = *static_cast<Poses*>(user);
   const odo_pose& pose = as<odo_pose>(*event);
   if ((pose.header.flags & ODO_POSE_METRIC) == 0) return;
@@ -79,7 +79,7 @@ Result<MarkedRun> marked_run(const Recording& recording, const RunOptions& run, 
   odo_session* raw = session->get();
   Poses poses;
   const uint32_t wanted[] = {ODO_TYPE_POSE};
-  odo_session_set_callback(raw, wanted, 1, on_event, &poses);
+  odo_session_set_callback(raw, wanted, 1, on_pose, &poses);
   Marks marks(options, recording.truth);
   const double before_s = cpu_s();
   double recorded_s = 0;

@@ -13,6 +13,7 @@
 #include <nlohmann/json.hpp>
 
 #include "sdk/host/base/output_file.hpp"
+#include "sdk/math/scalar.hpp"
 #include "sdk/tools/replay/runner.hpp"
 
 namespace odograph {
@@ -104,9 +105,9 @@ Json json_of_scale(const odo_statistics& s) {
 Json json_of_origin(const RunResult& result) {
   if (!result.origin) return nullptr;
   const auto& [latitude_rad, longitude_rad, height_m] = *result.origin;
-  constexpr double kDegrees = 57.295779513082320877;
-  return {
-      {"latitude_deg", latitude_rad * kDegrees}, {"longitude_deg", longitude_rad * kDegrees}, {"height_m", height_m}};
+  return {{"latitude_deg", latitude_rad * kDeg_per_rad},
+          {"longitude_deg", longitude_rad * kDeg_per_rad},
+          {"height_m", height_m}};
 }
 
 Json summary_of(const Recording& recording, const RunResult& result, const RunOptions& options) {

@@ -3,12 +3,14 @@
 
 #include <cmath>
 
+#include "sdk/math/scalar.hpp"
+
 namespace odograph {
 namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kPi = 3.14159265358979323846, kGravity_mps2 = 9.80665;
+constexpr double kGravity_mps2 = 9.80665;
 
 }  // namespace
 

@@ -21,7 +21,7 @@ using Kind = CityModel::Kind;
 using Ring = std::vector<Vector3d>;  // in the file's axes: east, north, up
 
 constexpr size_t kMaxFaces = 20'000'000;
-constexpr double kFarthest_m = 1e8;
+constexpr double kFarthestVertex_m = 1e8;
 
 Kind ground_kind(const std::string& type) {
   if (type == "Road" || type == "Railway" || type == "TransportSquare" || type == "Bridge") return Kind::road;
@@ -35,9 +35,9 @@ bool is_built(const std::string& type) {
 }
 
 /// Collects polygons of city objects and converts them to a model.
-class Collector {
+class ModelCollector {
  public:
-  Collector(const std::string& name, std::optional<Vector3d> origin) : name_(name), origin_(origin) {}
+  ModelCollector(const std::string& name, std::optional<Vector3d> origin) : name_(name), origin_(origin) {}
 
   void begin(const std::string& id, bool is_building) { model_.objects.push_back({id, is_building, -1e9}); }
   /// Adds a polygon of the current object. `ground` is ignored for buildings: their slope determines the kind.
@@ -94,7 +94,7 @@ class Collector {
 /// CityJSON's vertices, and conversion of its index arrays to polygons.
 class CityJson {
  public:
-  CityJson(const Json& root, const std::string& name, Collector& to) : root_(root), name_(name), to_(to) {}
+  CityJson(const Json& root, const std::string& name, ModelCollector& to) : root_(root), name_(name), to_(to) {}
 
   Result<bool> read() {
     if (!root_.is_object() || root_.value("type", Json()) != "CityJSON")
@@ -143,7 +143,7 @@ class CityJson {
       if (!is_point(v)) return wrong("vertex " + std::to_string(points_.size()) + " is not three numbers");
       points_.push_back(scale.cwiseProduct(Vector3d(v[0].get<double>(), v[1].get<double>(), v[2].get<double>())) +
                         shift);
-      if (!(points_.back().cwiseAbs().maxCoeff() < kFarthest_m))
+      if (!(points_.back().cwiseAbs().maxCoeff() < kFarthestVertex_m))
         return wrong("vertex " + std::to_string(points_.size() - 1) + " is farther than any reference system's zero");
     }
     return true;
@@ -192,7 +192,7 @@ class CityJson {
 
   const Json& root_;
   const std::string& name_;
-  Collector& to_;
+  ModelCollector& to_;
   std::vector<Vector3d> points_;
   std::string type_, id_;
 };
@@ -207,7 +207,7 @@ Result<CityModel> read_obj(const fs::path& file, std::optional<Vector3d> origin)
     while (!why.empty() && why.back() == '\n') why.pop_back();
     return Failure{ODO_E_DATA, name + ": " + (why.empty() ? "not an OBJ file" : why)};
   }
-  Collector to(name, origin);
+  ModelCollector to(name, origin);
   const auto& xyz = reader.GetAttrib().vertices;
   for (const auto& shape : reader.GetShapes()) {
     std::string lower = shape.name;
@@ -220,7 +220,7 @@ Result<CityModel> read_obj(const fs::path& file, std::optional<Vector3d> origin)
         const auto i = static_cast<size_t>(3 * static_cast<int64_t>(shape.mesh.indices[next].vertex_index));
         if (i + 2 >= xyz.size()) return Failure{ODO_E_DATA, name + ": " + shape.name + ": no such vertex"};
         ring.emplace_back(xyz[i], xyz[i + 1], xyz[i + 2]);
-        if (!(ring.back().cwiseAbs().maxCoeff() < kFarthest_m) || ring.back().hasNaN())
+        if (!(ring.back().cwiseAbs().maxCoeff() < kFarthestVertex_m) || ring.back().hasNaN())
           return Failure{ODO_E_DATA, name + ": vertex " + std::to_string(i / 3 + 1) +
                                          " is no three numbers, or farther than any reference system's zero"};
       }
@@ -245,7 +245,7 @@ Result<CityModel> parse_city_json(std::string_view text, const std::string& name
                                    "`citygml-tools to-cityjson`"};
   const Json root = Json::parse(text, nullptr, false);
   if (root.is_discarded()) return Failure{ODO_E_DATA, name + ": not JSON; `odograph city check` reports where"};
-  Collector to(name, origin);
+  ModelCollector to(name, origin);
   const auto done = CityJson(root, name, to).read();
   if (!done) return done.failure();
   return to.finish();

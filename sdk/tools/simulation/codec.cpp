@@ -8,6 +8,8 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include "sdk/math/scalar.hpp"
+
 namespace odograph {
 namespace {
 
@@ -21,8 +23,8 @@ class Transform {
   Transform() {
     for (int k = 0; k < kBlock; ++k)
       for (int i = 0; i < kBlock; ++i)
-        basis_[k * kBlock + i] = static_cast<float>((k == 0 ? std::sqrt(0.125) : 0.5) *
-                                                    std::cos((2 * i + 1) * k * 3.14159265358979323846 / 16));
+        basis_[k * kBlock + i] =
+            static_cast<float>((k == 0 ? std::sqrt(0.125) : 0.5) * std::cos((2 * i + 1) * k * kPi / 16));
     for (int k = 0; k < kBlock; ++k)
       for (int i = 0; i < kBlock; ++i) transposed_[i * kBlock + k] = basis_[k * kBlock + i];
   }

@@ -6,6 +6,7 @@
 
 #include <odograph/types.h>
 
+#include "sdk/math/scalar.hpp"
 #include "sdk/tools/simulation/signal.hpp"
 
 namespace odograph {
@@ -13,7 +14,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kRate_hz = 400.0, kPi = 3.14159265358979323846;
+constexpr double kDrive_hz = 400.0;
 constexpr double kCell_m = 0.25;                              // of the speed profile
 constexpr double kBrake = 2.0, kPull = 1.5, kSideways = 2.0;  // m/s^2
 constexpr double kBumpSpeed = 4.5, kBumpLength_m = 0.9, kBumpHeight_m = 0.06, kWheelbase_m = 2.7;
@@ -25,7 +26,7 @@ struct Stop {
 
 Signal derivative(const Signal& s) {
   Signal d(s.size(), 0.0);
-  for (size_t i = 1; i + 1 < s.size(); ++i) d[i] = 0.5 * kRate_hz * (s[i + 1] - s[i - 1]);
+  for (size_t i = 1; i + 1 < s.size(); ++i) d[i] = 0.5 * kDrive_hz * (s[i + 1] - s[i - 1]);
   return d;
 }
 
@@ -98,17 +99,17 @@ class Car {
         ++next;
       }
     }
-    n_ = static_cast<size_t>(std::ceil(t * kRate_hz)) + 1;
+    n_ = static_cast<size_t>(std::ceil(t * kDrive_hz)) + 1;
     distance_ = Signal(n_);
     size_t k = 0;
     for (size_t i = 0; i < n_; ++i) {
-      const double now = static_cast<double>(i) / kRate_hz;
+      const double now = static_cast<double>(i) / kDrive_hz;
       while (k + 2 < course.size() && course[k + 1].first < now) ++k;
       const auto& [t0, s0] = course[k];
       const auto& [t1, s1] = course[k + 1];
       distance_[i] = s0 + (s1 - s0) * std::clamp((now - t0) / std::max(t1 - t0, 1e-9), 0.0, 1.0);
     }
-    smooth(distance_, 0.35, kRate_hz);
+    smooth(distance_, 0.35, kDrive_hz);
   }
 
   /// Height of the road under a wheel about its mean: white slope as in ISO 8608, plus bumps.
@@ -175,24 +176,24 @@ class Car {
       b.pitch[i] = (front - rear) / kWheelbase_m + dive * pull[i];
       b.roll[i] = -lean * speed[i] * speed[i] * route_.curvature_at(distance_[i]);
     }
-    smooth(b.north, 0.3, kRate_hz), smooth(b.east, 0.3, kRate_hz), smooth(b.up, 0.3, kRate_hz);
-    smooth(b.heading, 0.4, kRate_hz), smooth(b.roll, 0.3, kRate_hz);
+    smooth(b.north, 0.3, kDrive_hz), smooth(b.east, 0.3, kDrive_hz), smooth(b.up, 0.3, kDrive_hz);
+    smooth(b.heading, 0.4, kDrive_hz), smooth(b.roll, 0.3, kDrive_hz);
     const double bounce = random.uniform(1.2, 1.6);
-    follow_by_spring(b.heave, bounce, 0.3, kRate_hz);
-    follow_by_spring(b.pitch, 1.1 * bounce, 0.35, kRate_hz);
-    follow_by_spring(b.roll, 1.2 * bounce, 0.4, kRate_hz);
-    smooth(b.heave, 0.012, kRate_hz), smooth(b.pitch, 0.012, kRate_hz);
+    follow_by_spring(b.heave, bounce, 0.3, kDrive_hz);
+    follow_by_spring(b.pitch, 1.1 * bounce, 0.35, kDrive_hz);
+    follow_by_spring(b.roll, 1.2 * bounce, 0.4, kDrive_hz);
+    smooth(b.heave, 0.012, kDrive_hz), smooth(b.pitch, 0.012, kDrive_hz);
   }
 
   /// Wheel hop, steering and engine vibration.
   void shake(const Signal& speed, Random& random, Body& b) const {
     for (uint64_t k = 0; k < 3; ++k) {
-      add_narrow_band(b.hop[k], Random(seed_, 122 + k), 11.0, 0.2, k == 0 ? 9e-5 : 6e-5, kRate_hz);
-      smooth(b.hop[k], 0.006, kRate_hz);
+      add_narrow_band(b.hop[k], Random(seed_, 122 + k), 11.0, 0.2, k == 0 ? 9e-5 : 6e-5, kDrive_hz);
+      smooth(b.hop[k], 0.006, kDrive_hz);
     }
-    add_gauss_markov(b.lane_offset, Random(seed_, 126), 6.0, 0.15, kRate_hz);  // within the lane
+    add_gauss_markov(b.lane_offset, Random(seed_, 126), 6.0, 0.15, kDrive_hz);  // within the lane
     for (size_t i = 0; i < n_; ++i) b.lane_offset[i] *= std::min(1.0, distance_[i] / 30);
-    smooth(b.lane_offset, 1.2, kRate_hz);
+    smooth(b.lane_offset, 1.2, kDrive_hz);
     const double strength = random.uniform(0.06, 0.2);  // m/s^2
     double phase = 0;
     for (size_t i = 0; i < n_; ++i) {
@@ -200,7 +201,7 @@ class Car {
       // Idle, or one gear per 6 m/s or so.
       const double rpm = v < 1.5 ? 800 + 400 * v / 1.5 : 1200 + 1300 * std::fmod(v - 1.5, 6.0) / 6.0;
       const double w = 2 * kPi * 2 * rpm / 60;
-      phase += w / kRate_hz;
+      phase += w / kDrive_hz;
       b.engine[i] = strength / (w * w) * std::sin(phase);
     }
   }
@@ -231,7 +232,7 @@ class Car {
       q[i] = body * mounted;
       if (i > 0 && q[i].dot(q[i - 1]) < 0) q[i].coeffs() *= -1;
     }
-    return {kRate_hz, std::move(p), std::move(q)};
+    return {kDrive_hz, std::move(p), std::move(q)};
   }
 
   const Scenario& c_;

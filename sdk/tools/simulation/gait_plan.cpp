@@ -6,12 +6,12 @@
 
 #include <odograph/types.h>
 
+#include "sdk/math/scalar.hpp"
 #include "sdk/tools/simulation/carrying.hpp"
 
 namespace odograph {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr double kRunning_mps = 2.2;
 
 double limited(Random& random, double sigma, double most) { return std::clamp(sigma * random.normal(), -most, most); }

@@ -17,8 +17,6 @@ namespace odograph::known_object_scene {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-constexpr double kPi = 3.14159265358979323846, kDegree = kPi / 180;
-
 struct Target {
   std::string id;
   double width_m, height_m;

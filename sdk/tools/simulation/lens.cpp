@@ -12,7 +12,7 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr double kRate_hz = 1000.0;  // of the stabiliser's controller: 1 kHz and more in phones
+constexpr double kStabiliser_hz = 1000.0;  // of the stabiliser's controller: 1 kHz and more in phones
 constexpr double kTwoPi = 6.283185307179586;
 
 }  // namespace
@@ -28,13 +28,13 @@ SimLens::SimLens(const Scenario::Camera& c, const Eigen::Quaterniond& in_body, c
 void SimLens::stabilise(const Scenario::Camera& c, const Eigen::Quaterniond& in_body, const Motion& phone,
                         uint64_t seed) {
   const auto& s = c.stabiliser;
-  const double dt = 1 / kRate_hz, lag_s = s.settling_s / 4;  // settled: within 2 %, four time constants
+  const double dt = 1 / kStabiliser_hz, lag_s = s.settling_s / 4;  // settled: within 2 %, four time constants
   const Eigen::Matrix3d R_c_b = in_body.conjugate().toRotationMatrix();
-  const auto n = static_cast<size_t>(std::ceil(phone.duration_s() * kRate_hz)) + 1;
+  const auto n = static_cast<size_t>(std::ceil(phone.duration_s() * kStabiliser_hz)) + 1;
   Signal residual[2] = {Signal(n), Signal(n)};
   for (size_t axis = 0; axis < 2; ++axis) {
-    add_gauss_markov(residual[axis], Random(seed, 95 + axis), 0.02, 1, kRate_hz);
-    smooth(residual[axis], 0.004, kRate_hz);
+    add_gauss_markov(residual[axis], Random(seed, 95 + axis), 0.02, 1, kStabiliser_hz);
+    smooth(residual[axis], 0.004, kStabiliser_hz);
     double power = 0;
     for (const double x : residual[axis]) power += x * x;
     const double scale = s.residual_px / std::sqrt(std::max(power / static_cast<double>(n), 1e-12));
@@ -72,11 +72,11 @@ void SimLens::focus(const Scenario::Camera& c, double duration_s, uint64_t seed)
 SimLens::State SimLens::at(double t_s) const {
   State state;
   if (shift_.size() > 1) {
-    const double u = std::clamp(t_s * kRate_hz, 0.0, static_cast<double>(shift_.size() - 1));
+    const double u = std::clamp(t_s * kStabiliser_hz, 0.0, static_cast<double>(shift_.size() - 1));
     const size_t i = std::min(static_cast<size_t>(u), shift_.size() - 2);
     const Vector2d step = shift_[i + 1] - shift_[i];
     state.shift_px = shift_[i] + (u - static_cast<double>(i)) * step;
-    state.rate_px_s = kRate_hz * step;
+    state.rate_px_s = kStabiliser_hz * step;
   }
   if (!focus_.empty()) {
     auto move = std::upper_bound(focus_.begin(), focus_.end(), t_s,

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
 
+#include "sdk/math/scalar.hpp"
 #include "sdk/tools/simulation/random.hpp"
 #include "sdk/tools/simulation/world.hpp"
 
@@ -42,7 +43,6 @@ void Mesh::add_box(const Vector3d& foot, const Vector3d& size, double heading, u
 
 void Mesh::add_ball(const Vector3d& middle, double radius, uint32_t texture, uint64_t seed) {
   constexpr int kAround = 10, kUp = 6;
-  constexpr double kPi = 3.14159265358979323846;
   Random random(seed, 3);
   Vector3d grid[kUp + 1][kAround + 1];
   for (int j = 0; j <= kUp; ++j)

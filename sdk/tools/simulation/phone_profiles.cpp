@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Camera and inertial sensor models of phones. Sources: docs/simulator.md, "Phones".
+#include "sdk/math/scalar.hpp"
 #include "sdk/tools/simulation/scenario.hpp"
 
 #include "sdk/math/gravity.hpp"
@@ -8,7 +9,7 @@
 namespace odograph {
 namespace {
 
-constexpr double kDeg = 3.14159265358979323846 / 180, kMilliG = 1e-3 * kStandardGravity_mps2;
+constexpr double kMilliG = 1e-3 * kStandardGravity_mps2;
 
 struct CameraFigures {
   double readout_s, exposure_s, exposure_longest_s, time_offset_s, jitter_s, travel_deg, breathing, focus_interval_s,
@@ -56,7 +57,7 @@ void take_camera_of(const std::string& profile, Scenario::Camera& c) {
   c.row_time_s = p.readout_s / c.height;
   c.exposure_s = p.exposure_s, c.exposure_longest_s = p.exposure_longest_s;
   c.unknown_time_offset_s = p.time_offset_s, c.jitter_s = p.jitter_s;
-  c.stabiliser.travel_rad = p.travel_deg * kDeg, c.stabiliser.reported = phone->reported;
+  c.stabiliser.travel_rad = p.travel_deg * kRad_per_deg, c.stabiliser.reported = phone->reported;
   c.focus.breathing = p.breathing, c.focus.interval_s = p.focus_interval_s;
   c.bit_rate = p.bit_rate;
   c.jpeg_quality = 95;  // the codec's output is stored almost losslessly
@@ -66,11 +67,11 @@ void take_imu_of(const std::string& profile, Scenario::Imu& i) {
   const Phone* phone = phone_of(profile);
   if (!phone) return;
   const ImuFigures& p = phone->imu;
-  i.gyro_noise = p.gyro_noise_deg * kDeg, i.accel_noise = p.accel_noise_ug * 1e-3 * kMilliG;
-  i.gyro_bias = p.gyro_bias_deg * kDeg, i.gyro_warming = p.gyro_warming_deg * kDeg;
+  i.gyro_noise = p.gyro_noise_deg * kRad_per_deg, i.accel_noise = p.accel_noise_ug * 1e-3 * kMilliG;
+  i.gyro_bias = p.gyro_bias_deg * kRad_per_deg, i.gyro_warming = p.gyro_warming_deg * kRad_per_deg;
   i.accel_bias = p.accel_bias_mg * kMilliG;
   i.scale_error = p.gyro_scale, i.accel_scale_error = p.accel_scale, i.misalignment_rad = p.cross_axis;
-  i.gyro_by_g = p.gyro_by_g_deg * kDeg;
+  i.gyro_by_g = p.gyro_by_g_deg * kRad_per_deg;
   i.jitter_s = p.jitter_s, i.gap_s = p.gap_s;
 }
 

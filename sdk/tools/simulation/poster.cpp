@@ -15,7 +15,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr int kSide = 4;  // samples per pixel in each direction, for pictures in the foreground
+constexpr int kPosterSide = 4;  // samples per pixel in each direction, for pictures in the foreground
 constexpr double kLensBlur_px = 0.45;
 
 int whole(double x) { return static_cast<int>(std::lround(x)); }
@@ -234,7 +234,7 @@ void PosterCamera::paint(const FlatPicture& o, const Shot& shot, int samples, cv
 cv::Mat PosterCamera::take(const std::vector<FlatPicture>& pictures, const Shot& shot) const {
   const int width = static_cast<int>(lens_.width), height = static_cast<int>(lens_.height);
   cv::Mat light(height, width, CV_32F, cv::Scalar(110));
-  for (size_t k = 0; k < pictures.size(); ++k) paint(pictures[k], shot, k == 0 ? 1 : kSide, light);
+  for (size_t k = 0; k < pictures.size(); ++k) paint(pictures[k], shot, k == 0 ? 1 : kPosterSide, light);
   cv::GaussianBlur(light, light, {0, 0}, kLensBlur_px);
   // Motion blur at the centre: rotation and velocity at the first picture's distance.
   if (pictures.size() > 1) {

@@ -14,7 +14,7 @@ namespace {
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
-constexpr double kRate_hz = 200.0, kHold_m = 1.25;
+constexpr double kReconstructed_hz = 200.0, kHold_m = 1.25;
 constexpr double kMark_m = 0.7;         // of a waypoint: position and time of the walker's tap; 0.8 rms on the 80 walks
 constexpr double kHeight_m = 0.1;       // of the hand above the floor
 constexpr double kAnywhere_m = 5.0;     // between waypoints
@@ -165,15 +165,15 @@ Motion motion(const std::vector<InertialSample>& samples, const std::vector<Walk
   std::vector<Quaterniond> q;
   std::vector<Vector3d> p;
   size_t next = 0;
-  for (size_t i = 0; i <= static_cast<size_t>(std::ceil(end_s * kRate_hz)); ++i) {
-    const double t_s = static_cast<double>(i) / kRate_hz;
+  for (size_t i = 0; i <= static_cast<size_t>(std::ceil(end_s * kReconstructed_hz)); ++i) {
+    const double t_s = static_cast<double>(i) / kReconstructed_hz;
     while (next + 2 < samples.size() && samples[next + 1].t_s < t_s) ++next;
     const auto T = pose_between(samples[next], walk[next], samples[next + 1], walk[next + 1], t_s);
     p.push_back(T.translation());
     q.emplace_back(T.linear());
     if (i > 0 && q[i].dot(q[i - 1]) < 0) q[i].coeffs() *= -1;
   }
-  return Motion(kRate_hz, std::move(p), std::move(q));
+  return Motion(kReconstructed_hz, std::move(p), std::move(q));
 }
 
 }  // namespace

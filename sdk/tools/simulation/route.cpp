@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sdk/math/scalar.hpp"
+
 namespace odograph {
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 Eigen::Vector2d along(const Eigen::Vector2d& from, double heading, double curvature, double d) {
   if (std::abs(curvature) < 1e-12) return from + d * Eigen::Vector2d(std::cos(heading), std::sin(heading));

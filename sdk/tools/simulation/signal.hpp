@@ -5,6 +5,7 @@
 #include <cmath>
 #include <vector>
 
+#include "sdk/math/scalar.hpp"
 #include "sdk/tools/simulation/random.hpp"
 
 namespace odograph {
@@ -44,7 +45,7 @@ inline void add_gauss_markov(Signal& signal, Random random, double constant_s, d
 /// standard deviation.
 inline void add_narrow_band(Signal& signal, Random random, double frequency_hz, double damping, double sigma,
                             double rate_hz) {
-  const double w = 2 * 3.14159265358979323846 * frequency_hz, dt = 1 / rate_hz;
+  const double w = 2 * kPi * frequency_hz, dt = 1 / rate_hz;
   const double drive = sigma * std::sqrt(4 * damping * w * w * w / dt);  // variance of x is q / (4 zeta w^3)
   double x = 0, v = 0;
   for (double& s : signal) {
@@ -57,7 +58,7 @@ inline void add_narrow_band(Signal& signal, Random random, double frequency_hz, 
 /// Replaces a motion by that of a mass on a damped spring whose base follows it: a number, or a vector each.
 template <class Value>
 void follow_by_spring(std::vector<Value>& base, double frequency_hz, double damping, double rate_hz) {
-  const double w = 2 * 3.14159265358979323846 * frequency_hz, dt = 1 / rate_hz;
+  const double w = 2 * kPi * frequency_hz, dt = 1 / rate_hz;
   Value at = base[0], before = base[0], velocity = 0 * base[0];
   for (Value& target : base) {
     const Value speed = (target - before) / dt;

@@ -7,13 +7,13 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "sdk/host/base/geodesy.hpp"
+#include "sdk/math/scalar.hpp"
 #include "sdk/tools/simulation/simulate.hpp"
 #include "sdk/tools/simulation/world.hpp"
 
 namespace odograph {
 namespace {
 
-constexpr double kDegree = 3.14159265358979323846 / 180;
 constexpr double kSurvey_m = 0.01;  // stated standard deviation of each corner; the corners are exact
 
 }  // namespace
@@ -49,7 +49,8 @@ Result<bool> write_known_objects(const Scenario& scenario, uint64_t seed, const 
     text += std::string(line) + "    corners:\n";
     for (const Eigen::Vector3d& p : object.corners) {
       const auto at = geodesy.to_geodetic({p.x(), p.y(), p.z()});
-      std::snprintf(line, sizeof line, "      - [%.10f, %.10f, %.4f]\n", at[0] / kDegree, at[1] / kDegree, at[2]);
+      std::snprintf(line, sizeof line, "      - [%.10f, %.10f, %.4f]\n", at[0] / kRad_per_deg, at[1] / kRad_per_deg,
+                    at[2]);
       text += line;
     }
   }

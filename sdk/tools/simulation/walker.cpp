@@ -6,6 +6,7 @@
 
 #include <odograph/types.h>
 
+#include "sdk/math/scalar.hpp"
 #include "sdk/tools/simulation/carrying.hpp"
 #include "sdk/tools/simulation/gait_plan.hpp"
 #include "sdk/tools/simulation/signal.hpp"
@@ -16,7 +17,7 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double kRate_hz = 400.0;  // of the control points: heel shocks ring at 15 to 25 Hz
-constexpr double kPi = 3.14159265358979323846, kKerb_m = 0.12;
+constexpr double kKerb_m = 0.12;
 
 /// Motion components of body and hand, sampled at kRate_hz.
 class Body {

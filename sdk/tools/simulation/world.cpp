@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sdk/math/scalar.hpp"
 #include "sdk/tools/simulation/leg.hpp"
 #include "sdk/tools/simulation/poster.hpp"
 #include "sdk/tools/simulation/random.hpp"
@@ -13,7 +14,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kPi = 3.14159265358979323846, kElbow_m = 0.9;
+constexpr double kElbow_m = 0.9;
 using Set = TextureSet;
 
 Mesh person(Random& random) {

@@ -19,8 +19,6 @@ namespace odograph {
 namespace {
 namespace fs = std::filesystem;
 
-std::string text(const odo_string& s) { return s.size && s.data ? std::string(s.data, s.size) : std::string(); }
-
 size_t entries_of(const char* folder) {
   size_t count = 0;
   if (DIR* open = opendir(folder)) {

@@ -26,7 +26,7 @@ Verdict count(CaseFixture& fixture) { return no_violation(fixture, "count"); }
 
 /// Checks each event; returns the first non-empty result.
 template <class Ask>
-Verdict of_each(CaseFixture& fixture, Ask&& ask) {
+Verdict of_each_event(CaseFixture& fixture, Ask&& ask) {
   const auto driver = fixture.walked_instance();
   for (const SeenEvent& event : driver->events) {
     const odo_header& header = event.message.header();
@@ -54,7 +54,7 @@ Verdict known_status(CaseFixture& fixture) {
 }
 
 Verdict reserved(CaseFixture& fixture) {
-  return of_each(fixture, [](const SeenEvent&, const odo_header& h) -> std::string {
+  return of_each_event(fixture, [](const SeenEvent&, const odo_header& h) -> std::string {
     return h.reserved == 0 ? "" : "has header.reserved = " + std::to_string(h.reserved) + "; expected 0";
   });
 }
@@ -71,7 +71,7 @@ Verdict flags(CaseFixture& fixture) {
       {ODO_TYPE_REFINED, 2 * ODO_REFINED_LINE_TIME - 1},
       {ODO_TYPE_RELATIVE_POSE, 2 * ODO_RELATIVE_POSE_ROTATION - 1},
   };
-  return of_each(fixture, [](const SeenEvent&, const odo_header& h) -> std::string {
+  return of_each_event(fixture, [](const SeenEvent&, const odo_header& h) -> std::string {
     if (const uint32_t of_host = h.flags & ODO_FLAG_HOST_MASK)
       return "has a flag set that only the host may set: " + std::to_string(of_host);
     const auto found = known.find(h.type);
@@ -83,7 +83,7 @@ Verdict flags(CaseFixture& fixture) {
 
 Verdict time_order(CaseFixture& fixture) {
   std::map<uint32_t, int64_t> latest;
-  return of_each(fixture, [&](const SeenEvent&, const odo_header& h) -> std::string {
+  return of_each_event(fixture, [&](const SeenEvent&, const odo_header& h) -> std::string {
     const auto [entry, is_new] = latest.try_emplace(h.type, h.t_ns);
     if (!is_new && h.t_ns < entry->second) return "is before the one before it";
     entry->second = h.t_ns;
@@ -99,7 +99,7 @@ Verdict time_known(CaseFixture& fixture) {
     if (message.header().type != ODO_TYPE_CALIBRATION && message.header().type != ODO_TYPE_IMU_NOISE)
       first = std::min(first, message.header().t_ns);
   if (first != INT64_MAX) first -= 2'000'000'000;
-  return of_each(fixture, [&](const SeenEvent& e, const odo_header& h) -> std::string {
+  return of_each_event(fixture, [&](const SeenEvent& e, const odo_header& h) -> std::string {
     if (h.t_ns > e.input_ns) return "is " + std::to_string(h.t_ns - e.input_ns) + " ns ahead of all its input";
     if (h.t_ns < first && h.type != ODO_TYPE_CALIBRATION)
       return "is before the first sample: is it on the sensor clock?";
@@ -109,7 +109,7 @@ Verdict time_known(CaseFixture& fixture) {
 
 /// A variance of zero in a component stated as known claims an exactness that no estimate has.
 Verdict uncertainties(CaseFixture& fixture) {
-  return of_each(fixture, [](const SeenEvent&, const odo_header& h) -> std::string {
+  return of_each_event(fixture, [](const SeenEvent&, const odo_header& h) -> std::string {
     if (h.type == ODO_TYPE_STEP && as<odo_step>(h).sigma_m <= 0)
       return "has sigma_m = 0; expected the standard deviation of the length";
     if (h.type == ODO_TYPE_VO_MOTION && (h.flags & ODO_VO_COVARIANCE) && (h.flags & ODO_VO_ROTATION) &&
@@ -121,7 +121,7 @@ Verdict uncertainties(CaseFixture& fixture) {
 }
 
 Verdict lists(CaseFixture& fixture) {
-  return of_each(fixture, [](const SeenEvent&, const odo_header& h) -> std::string {
+  return of_each_event(fixture, [](const SeenEvent&, const odo_header& h) -> std::string {
     const auto out_of = [](const char* field, uint32_t value) {
       return std::string("has ") + field + " = " + std::to_string(value) + ", which is not in the list";
     };

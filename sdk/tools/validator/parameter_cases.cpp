@@ -15,7 +15,7 @@ namespace {
 
 /// Checks each row; returns the first non-empty result, preceded by the parameter's name.
 template <class Ask>
-Verdict of_each(CaseFixture& fixture, Ask&& ask) {
+Verdict of_each_parameter(CaseFixture& fixture, Ask&& ask) {
   if (fixture.choice.manifest.parameters.empty()) return not_applicable("it has no parameters");
   for (const Spec& spec : fixture.choice.manifest.parameters)
     if (const std::string found = ask(spec); !found.empty()) return "'" + spec.name + "' " + found;
@@ -41,7 +41,7 @@ std::string refusal_of(const Spec& spec, const std::string& text) {
 
 Verdict names(CaseFixture& fixture) {
   const auto& all = fixture.choice.manifest.parameters;
-  return of_each(fixture, [&](const Spec& spec) -> std::string {
+  return of_each_parameter(fixture, [&](const Spec& spec) -> std::string {
     const bool good = !spec.name.empty() && std::all_of(spec.name.begin(), spec.name.end(), [](char c) {
       return std::islower(static_cast<unsigned char>(c)) || std::isdigit(static_cast<unsigned char>(c)) || c == '_';
     });
@@ -80,7 +80,7 @@ bool is_si_unit(std::string_view text) {
 }
 
 Verdict units(CaseFixture& fixture) {
-  return of_each(fixture, [](const Spec& spec) -> std::string {
+  return of_each_parameter(fixture, [](const Spec& spec) -> std::string {
     if (spec.unit.empty() || !is_number(spec)) return "";
     return !is_si_unit(spec.unit)
                ? "has the unit '" + spec.unit + "'; expected one of the SI, such as m, rad, m/s^2, m^(3/4)*s^(1/2)"
@@ -89,11 +89,12 @@ Verdict units(CaseFixture& fixture) {
 }
 
 Verdict helps(CaseFixture& fixture) {
-  return of_each(fixture, [](const Spec& spec) -> std::string { return spec.help.empty() ? "has no help" : ""; });
+  return of_each_parameter(fixture,
+                           [](const Spec& spec) -> std::string { return spec.help.empty() ? "has no help" : ""; });
 }
 
 Verdict ranges(CaseFixture& fixture) {
-  return of_each(fixture, [](const Spec& spec) -> std::string {
+  return of_each_parameter(fixture, [](const Spec& spec) -> std::string {
     if (!std::isfinite(spec.min) || !std::isfinite(spec.max)) return "has a bound that is not finite";
     return spec.min <= spec.max ? ""
                                 : "has min = " + std::to_string(spec.min) + " above max = " + std::to_string(spec.max);
@@ -101,14 +102,14 @@ Verdict ranges(CaseFixture& fixture) {
 }
 
 Verdict defaults(CaseFixture& fixture) {
-  return of_each(fixture, [](const Spec& spec) -> std::string {
+  return of_each_parameter(fixture, [](const Spec& spec) -> std::string {
     if (spec.fallback.empty() && !is_number(spec)) return "";
     return refusal_of(spec, spec.fallback);
   });
 }
 
 Verdict choices(CaseFixture& fixture) {
-  return of_each(fixture, [](const Spec& spec) -> std::string {
+  return of_each_parameter(fixture, [](const Spec& spec) -> std::string {
     if (spec.type != SpecType::choice) return "";
     const auto all = split(spec.choices, '|');
     if (all.empty()) return "is a choice without choices";
@@ -119,7 +120,7 @@ Verdict choices(CaseFixture& fixture) {
 }
 
 Verdict counts(CaseFixture& fixture) {
-  return of_each(fixture, [](const Spec& spec) -> std::string {
+  return of_each_parameter(fixture, [](const Spec& spec) -> std::string {
     const bool good = spec.type != SpecType::reals || (spec.count >= 1 && spec.count <= 64);
     return good ? "" : "has count = " + std::to_string(spec.count) + "; expected 1 to 64";
   });

@@ -9,8 +9,8 @@
 namespace odograph {
 namespace {
 
-constexpr double kLimit_s = 3600;  // for a recording of any length, including pictures
-constexpr char kBetween = '\x1e';  // separates the child's results, one for each row of rows()
+constexpr double kCheckLimit_s = 3600;  // for a recording of any length, including pictures
+constexpr char kBetween = '\x1e';       // separates the child's results, one for each row of rows()
 
 std::vector<Case> rows() {
   std::vector<Case> rows = {{"given", "receives messages that it accepts", 0, 0, true, nullptr, true},
@@ -46,7 +46,7 @@ std::string verdicts(CaseFixture& fixture) try {
 }  // namespace
 
 std::vector<PluginCheck> check_on_recording(const std::filesystem::path& library, const CheckOptions& options) {
-  const ChildResult result = run_in_child(options.limit_s > 0 ? options.limit_s : kLimit_s, [&]() -> std::string {
+  const ChildResult result = run_in_child(options.limit_s > 0 ? options.limit_s : kCheckLimit_s, [&]() -> std::string {
     CaseFixture fixture(library, options.settings, 0);
     if (const std::string fault = fixture.load(); !fault.empty()) return encoded(fault);
     fixture.replay(options.recording);

@@ -4,13 +4,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sdk/math/scalar.hpp"
 #include "sdk/math/atmosphere.hpp"
 #include "sdk/math/gravity.hpp"
 
 namespace odograph {
-namespace {
-constexpr double kPi = 3.14159265358979323846;
-}
+namespace {}
 
 TestInput::TestInput(double seconds) {
   auto calibration = make_message<odo_calibration>(ODO_TYPE_CALIBRATION, 0);
