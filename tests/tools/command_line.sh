@@ -179,7 +179,6 @@ expect 0 "one foot's contact" "$odograph" steps tiny.odo -c "$configs/phone_walk
 expect 0 "<svg" cat steps.html
 expect 0 '"distance_m"' "$odograph" steps tiny.odo -c "$configs/phone_walk_odograph.yaml" --json
 python3 -m json.tool out >/dev/null || { echo "FAILED: steps --json is not one JSON object"; failed=1; }
-expect 0 "specified" "$odograph" bench allan --scenario "$tiny" --hours 0.1
 expect 0 "track length" "$odograph" bench tracks tiny.odo
 expect 0 "Poses predicted 30 ms ahead" "$odograph" bench stream tiny.odo -c "$configs/antigny2019.yaml" --settle 1
 expect 0 "Shape and cost" "$odograph" bench vo tiny.odo -c "$configs/monocular_odograph.yaml" --sensors --cut 1 --dark 2:1

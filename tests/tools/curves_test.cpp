@@ -5,19 +5,10 @@
 
 #include "sdk/tools/evaluation/corner_flow.hpp"
 #include "sdk/tools/evaluation/evaluation.hpp"
-#include "sdk/tools/evaluation/gait_figures.hpp"
 
 using namespace odograph;
 
 TEST_SUITE_BEGIN("figures");
-
-TEST_CASE("percentiles of several spectra are taken per frequency") {
-  const std::vector<double> low(250, 1.0), high(250, 100.0);
-  const auto upper = spectra_percentile({low, high}, 1);
-  CHECK(upper.front().first == doctest::Approx(0.3));
-  CHECK(upper.front().second == doctest::Approx(2));
-  CHECK(spectra_percentile({low, high}, 0).back().second == doctest::Approx(0));
-}
 
 TEST_CASE("a distribution has its percentiles, and errors are compared at the same percentiles") {
   const auto points = distribution_of({3, 1, 2});

@@ -10,7 +10,6 @@
 
 #include "sdk/tools/evaluation/corner_flow.hpp"
 #include "sdk/tools/evaluation/fix_figures.hpp"
-#include "sdk/tools/evaluation/gait_figures.hpp"
 #include "sdk/tools/evaluation/pose_consistency.hpp"
 #include "sdk/tools/evaluation/start_alignment.hpp"
 #include "sdk/tools/evaluation/stream_figures.hpp"
@@ -268,25 +267,6 @@ TEST_CASE("a walk between buildings is scored after it has settled, and while th
   CHECK(f.in_reflection_m == doctest::Approx(9));
   REQUIRE(f.each_second_m.size() == 151);
   CHECK(f.each_second_m[75] == doctest::Approx(9));
-}
-
-TEST_CASE("the gait figures of a sine match the sine") {
-  GaitSeries s;
-  for (int i = 0; i < 50 * 60; ++i) {
-    const double t = i / kGaitRate_hz;
-    s.acceleration.push_back(9.8 + 2 * std::sin(2 * EIGEN_PI * 1.8 * t) + 0.5 * std::sin(2 * EIGEN_PI * 0.9 * t));
-    s.rotation.push_back(0.6), s.level.push_back(1.5);
-  }
-  const GaitFigures f = gait_figures(s);
-  CHECK(f.frequency_hz == doctest::Approx(1.8));
-  CHECK(f.acceleration_std == doctest::Approx(std::sqrt(0.5 * (4 + 0.25))).epsilon(0.01));
-  CHECK(std::abs(f.stride_part - 0.25 / 4) < 0.05 * 0.25 / 4);
-  CHECK(f.shock_part < 1e-3);
-  CHECK(f.rotation_rms == doctest::Approx(0.6));
-  CHECK(f.horizontal_rms == doctest::Approx(1.5));
-  double power = 0;  // Parseval: the spectrum's integral is the variance
-  for (const double p : power_spectrum(s.acceleration, kGaitRate_hz)) power += 0.1 * p;
-  CHECK(power == doctest::Approx(0.5 * (4 + 0.25)).epsilon(0.05));
 }
 
 TEST_CASE("corners of a picture that moves by three pixels are tracked with that flow until it ends") {

@@ -4,11 +4,12 @@
 // skyline's fixes.
 #include <algorithm>
 #include <map>
+#include <optional>
 
 #include "sdk/math/time.hpp"
+#include "sdk/tools/benchmarks/bench_photographs.hpp"
 #include "sdk/tools/benchmarks/benchmarks.hpp"
 #include "sdk/tools/city/city_scenario.hpp"
-#include "sdk/tools/city/model_errors.hpp"
 #include "sdk/tools/city/street_route.hpp"
 #include "sdk/tools/evaluation/fix_figures.hpp"
 #include "sdk/tools/evaluation/start_alignment.hpp"
@@ -42,7 +43,7 @@ Json pairs_of(const Trajectory& track) {  // east, north
 
 struct City : Benchmark {
   City()
-      : Benchmark("bench", "Simulated drives through the streets of city models: errors, fixes, integrity",
+      : Benchmark("bench", "Simulated drives through city models, or single photographs: errors, fixes, integrity",
                   kConfigs | kPlot, {"city_drive"}) {}
   void add_options(CLI::App& command) override {
     command.add_option("model", models, "city models; each replaces that of the config's fix/skyline")
@@ -61,9 +62,10 @@ struct City : Benchmark {
     command.add_option("--first-seed", options.first_seed, "first seed of route, sun, clouds and noise")->group(kCases);
     command.add_option("--skies", skies, "number of suns and clouds for each route")->check(CLI::Range(1, 100));
     command.add_option("--length", length_m, "length of each drive, m");
-    command.add_option("--missing", errors.missing, "fraction of the buildings that are missing in the model")
+    command.add_option("--missing", missing, "fraction of the buildings that are missing in the model")
         ->check(CLI::Range(0.0, 0.9));
-    command.add_option("--roofs", errors.roof_sigma_m, "standard deviation of each building's height in the model, m");
+    command.add_option("--roofs", roof_sigma_m, "standard deviation of each building's height in the model, m");
+    photographs.add_options(command);
     command
         .add_option("--figure", figure,
                     "figure of --plot: scale errors, tracks or the distribution of errors (Gakne & O'Keefe 2018, "
@@ -75,6 +77,7 @@ struct City : Benchmark {
 
   /// The model as the config's fix/skyline reads it, if the config has one.
   Result<bool> complete(BenchCase& one) const override {
+    if (photographs.count > 0) return true;
     RunOptions plain;
     plain.config = one.run.config;
     const auto config = config_of(plain);
@@ -87,6 +90,12 @@ struct City : Benchmark {
   }
 
   Result<std::vector<BenchCase>> recordings() override {
+    if (photographs.count > 0) {
+      offers &= ~unsigned{kConfigs};
+      photographs.errors = {.missing = missing.value_or(photographs.errors.missing),
+                            .roof_sigma_m = roof_sigma_m.value_or(photographs.errors.roof_sigma_m)};
+      return photographs.cases(models, options);
+    }
     std::vector<BenchCase> all;
     for (const std::string& lens : lenses)
       for (const std::string& model : models)
@@ -96,6 +105,10 @@ struct City : Benchmark {
           all.push_back(std::move(*one));
         }
     return all;
+  }
+
+  Result<Json> measure(const BenchCase& one) const override {
+    return photographs.count > 0 ? photographs.measure(one, options) : Benchmark::measure(one);
   }
 
   Result<Json> measure_replay(const BenchCase&, const Recording& recording, const RunResult& result) const override {
@@ -142,6 +155,7 @@ struct City : Benchmark {
 
   /// One row per drive, and one for all drives of a lens and config.
   BenchReport report(const Rows& rows) const override {
+    if (photographs.count > 0) return photographs.report(rows);
     Table table{"", {{"model, lens, seed", "name"}}, columns_of(rows)};
     Rows lines;
     const auto add = [&](const Json& what, const Json& config, const Rows& of) {
@@ -187,9 +201,8 @@ struct City : Benchmark {
     const auto recording = simulated_recording(scenario, seed + kOtherSky * sky);
     if (!recording) return recording.failure();
     fs::path surveyed = file;
-    if (errors.any()) {
-      ModelErrors own = errors;
-      own.seed = seed;
+    const ModelErrors own{.missing = missing.value_or(0), .roof_sigma_m = roof_sigma_m.value_or(0), .seed = seed};
+    if (own.any()) {
       surveyed = fs::absolute(fs::path(options.keep) / text("%s_%g_%g_%llu.city.json", city.c_str(), own.missing,
                                                             own.roof_sigma_m, static_cast<unsigned long long>(seed)));
       if (const auto left = write_model_with_errors(file, surveyed, own); !left) return left.failure();
@@ -206,7 +219,8 @@ struct City : Benchmark {
   std::vector<std::string> models, lenses = {"wide"};
   std::string skylines;
   uint64_t skies = 1;
-  ModelErrors errors;
+  std::optional<double> missing, roof_sigma_m;
+  PhotographBench photographs;
   Figure figure = Figure::errors;
   double length_m = 300;
 };

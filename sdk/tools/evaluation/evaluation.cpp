@@ -59,19 +59,6 @@ double part_below(const std::vector<double>& errors, const std::vector<double>& 
   return static_cast<double>(below) / static_cast<double>(others.size());
 }
 
-double allan_deviation(const std::vector<double>& rate, double hz, double tau_s) {
-  const auto m = static_cast<size_t>(std::lround(tau_s * hz));
-  std::vector<double> angle(rate.size() + 1, 0.0);
-  for (size_t i = 0; i < rate.size(); ++i) angle[i + 1] = angle[i] + rate[i] / hz;
-  double sum = 0;
-  size_t n = 0;
-  for (size_t i = 0; i + 2 * m < angle.size(); ++i, ++n) {
-    const double d = angle[i + 2 * m] - 2 * angle[i + m] + angle[i];
-    sum += d * d;
-  }
-  return std::sqrt(sum / (2 * tau_s * tau_s * static_cast<double>(n)));
-}
-
 Result<Alignment> parse_alignment(const std::string& name) {
   if (name == "none") return Alignment::none;
   if (name == "first") return Alignment::first;

@@ -23,9 +23,6 @@ std::vector<std::pair<double, double>> distribution_of(const std::vector<double>
 /// Fraction of errors that are smaller than the corresponding ones in the other list.
 double part_below(const std::vector<double>& errors, const std::vector<double>& others);
 
-/// Overlapping Allan deviation of a rate signal over `tau_s` (IEEE Std 952-1997).
-double allan_deviation(const std::vector<double>& rate, double hz, double tau_s);
-
 enum class Alignment { none, first, yaw, se3, sim3 };
 Result<Alignment> parse_alignment(const std::string& name);
 
