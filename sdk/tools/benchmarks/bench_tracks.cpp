@@ -14,9 +14,7 @@ constexpr double kWindows_s[] = {4, 8};
 struct Tracks : Benchmark {
   Tracks()
       : Benchmark("tracks", "Tracking of corners through recordings: track lengths, inliers, flow",
-                  kConfigs | kPlot | kRecordings, {"monocular_odograph"}) {
-    plot = {.title = "Corners still tracked", .x_label = "frames", .y_label = "fraction"};
-  }
+                  kConfigs | kRecordings, {"monocular_odograph"}) {}
   void add_options(CLI::App& command) override {
     command.add_option("--frames", frames, "number of frames of each recording");
     command.add_flag("--excitation-only", excitation_only,
@@ -68,7 +66,6 @@ struct Tracks : Benchmark {
                        {"one motion", "", "_inliers", 3, tracks->inliers, {.parts = {0.5, 0.1}}},
                        {"flow px", "", "_flow_px", 2, tracks->flow_px, {.parts = {0.5, 0.9}}}},
                       "tracks"));
-    row["_lines"][one.labels["recording"].get<std::string>()] = tracks->survival();
     return row;
   }
 

@@ -47,12 +47,6 @@ double percentile(std::vector<double> v, double p) {
   return v[below] + (rank - static_cast<double>(below)) * (v[above] - v[below]);
 }
 
-std::vector<std::pair<double, double>> distribution_of(const std::vector<double>& values) {
-  std::vector<std::pair<double, double>> points;
-  for (int p = 0; p <= 100; ++p) points.emplace_back(percentile(values, 0.01 * p), 0.01 * p);
-  return points;
-}
-
 double part_below(const std::vector<double>& errors, const std::vector<double>& others) {
   size_t below = 0;
   for (size_t i = 0; i < others.size(); ++i) below += errors[i] < others[i];
