@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Labels the training photographs of fix/skyline's network, and writes them and the generated scenes for train.py.
+"""Labels the training photographs of fix/skyline's network, and writes them and the generated scenes for train_sky.py.
 
-    panoramas.py photographs SOURCES DATA [NAMES]    SOURCES: the files that docs/sky_network.md lists, NAME.hdr, NAME.exr or NAME/posx.jpg ...
-    panoramas.py scenes DATA FIRST LAST      scenes of scenes.py with these seeds; every sixth is a room
+    panoramas.py photographs SOURCES DATA    SOURCES: the files that docs/sky_network.md lists, NAME.hdr, NAME.exr or NAME/posx.jpg ...
+    panoramas.py scenes DATA FIRST LAST       scenes of scenes.py with these seeds; every sixth is a room
 
 Each photograph is a whole sphere. A rule of its brightness and colour, chosen by inspection, labels the sky; where no rule
 does, GrabCut is initialised from the horizon. Polygons of azimuth and elevation, degrees, mark areas without sky and
@@ -159,8 +159,8 @@ def write(file, image, sky, known=None):
     np.savez(file, image=np.clip(image, 0, 6e4).astype(np.float16), sky=sky, known=known)
 
 
-def photographs(sources, data, only):
-    for name in [n for n in list(OUTDOORS) + list(INDOORS) if not only or n in only]:
+def photographs(sources, data):
+    for name in list(OUTDOORS) + list(INDOORS):
         light, measured = read(sources, name)
         linear = light
         if measured:
@@ -186,6 +186,6 @@ def generated(data, first, last):
 
 if __name__ == "__main__":
     if sys.argv[1] == "photographs":
-        photographs(sys.argv[2], sys.argv[3], sys.argv[4:])
+        photographs(sys.argv[2], sys.argv[3])
     else:
         generated(sys.argv[2], int(sys.argv[3]), int(sys.argv[4]))

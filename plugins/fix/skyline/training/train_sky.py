@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Trains the network of fix/skyline. Data, settings and results: docs/sky_network.md.
 
-    train.py DATA OUT --steps 4000      DATA: panoramas by panoramas.py, renderings in DATA/rendered
+    train_sky.py DATA OUT --steps 4000      DATA: panoramas by panoramas.py, renderings in DATA/rendered
 """
 import argparse
 import glob
@@ -72,13 +72,13 @@ class Source:
         self.photographs, self.generated, self.skies, self.held = read_panoramas(data + "/panoramas")
         self.rendered = read_rendered(data + "/rendered")
         straight_up = lambda r: r[3] and r[5] > 1.5
-        self.taught = {up: [r for r in self.rendered if r[0] == "delft" and straight_up(r) == up] for up in (False, True)}
+        self.delft = {up: [r for r in self.rendered if r[0] == "delft" and straight_up(r) == up] for up in (False, True)}
 
     def sample(self, size):
         rng, kind = self.rng, self.rng.random()
-        if kind > 0.8 and self.taught[True]:
-            taught = self.taught[bool(kind > 0.9)]
-            return views.rendered(rng, *taught[rng.integers(len(taught))][1:], size)
+        if kind > 0.8 and self.delft[True]:
+            rows = self.delft[bool(kind > 0.9)]
+            return views.rendered(rng, *rows[rng.integers(len(rows))][1:], size)
         if kind < 0.16:
             group = (self.photographs if rng.random() < 0.7 else self.generated)[True]
         else:

@@ -75,7 +75,7 @@ def main():
     net.load_state_dict(torch.load(a.network))
     net.eval()
     rows = quantised(net, a.scale)
-    licence = "// SPDX-License-" "Identifier: Apache-2.0\n// By tests/skyline/teach_sky/export.py: docs/sky_network.md.\n"
+    licence = "// SPDX-License-" "Identifier: Apache-2.0\n// By plugins/fix/skyline/training/export.py: docs/sky_network.md.\n"
     numbers = [n for w, _, _ in rows for n in w]
     with open(a.folder + "/sky_network_weights.inc", "w") as f:
         f.write(licence)

@@ -102,7 +102,7 @@ def weather(rng, image, sky, behind):
     return image * (1 - sky)[..., None] + behind * sky[..., None]
 
 
-def develop(rng, image, lit=None):
+def develop(rng, image):
     """8-bit blue, green, red from linear light, with a phone's image processing."""
     mean = np.exp(np.log(image.mean(-1) + 1e-4).mean()) if rng.random() < 0.5 else image.mean()
     image = image * (np.exp(rng.normal(np.log(0.22), 0.55)) / max(mean, 1e-5))

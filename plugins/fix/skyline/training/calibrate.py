@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Estimates the scale that calibrates a network's log-odds on held-out views, and prints a reliability table.
+"""Estimates the scale that calibrates a network's log-odds on held-out views.
 
     calibrate.py DATA NETWORK
 """
@@ -9,7 +9,7 @@ import numpy as np
 import torch
 
 import export
-import train
+import train_sky
 import views
 from network import SkyNet, log_odds
 
@@ -37,19 +37,13 @@ def loss(odds, truth):
 
 
 def main():
-    source = train.Source(sys.argv[1], np.random.default_rng(0))
+    source = train_sky.Source(sys.argv[1], np.random.default_rng(0))
     net = SkyNet()
     net.load_state_dict(torch.load(sys.argv[2]))
     odds, truth = predictions(export.as_kept(net.eval(), 1.0), source)
     scales = np.linspace(0.3, 1.5, 61)
     scale = scales[np.argmin([loss(s * odds, truth) for s in scales])]
     print("scale %.2f, loss %.4f (%.4f before), right %.2f %%" % (scale, loss(scale * odds, truth), loss(odds, truth), 100 * ((odds > 0) == truth).mean()))
-    sure = 1 / (1 + np.exp(-np.abs(scale * odds)))
-    right = (odds > 0) == truth
-    for low, high in ((0.5, 0.7), (0.7, 0.9), (0.9, 0.95), (0.95, 0.98), (0.98, 0.99), (0.99, 1.01)):
-        here = (sure >= low) & (sure < high)
-        if here.any():
-            print("| %.2f to %.2f | %.1f %% | %.1f %% | %.1f %% |" % (low, min(high, 1), 100 * here.mean(), 100 * sure[here].mean(), 100 * right[here].mean()))
 
 
 if __name__ == "__main__":
