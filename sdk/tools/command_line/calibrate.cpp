@@ -6,8 +6,6 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
-#include <numeric>
 
 #include <nlohmann/json.hpp>
 

@@ -5,7 +5,6 @@
 #include "sdk/tools/command_line/calibrate_imu.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <cstdio>
 
 #include <nlohmann/json.hpp>

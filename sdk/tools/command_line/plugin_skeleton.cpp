@@ -75,7 +75,12 @@ Language language_of(const std::string& language, const std::string& file, bool 
 
 /// Installed as share/odograph/templates beside the program's folder; a build has the same place.
 Result<std::string> template_text(const std::string& name) {
-  return text_of(own_file().parent_path().parent_path() / "share/odograph/templates" / name);
+  const fs::path file = own_file().parent_path().parent_path() / "share/odograph/templates" / name;
+  auto text = text_of(file);
+  if (!text)
+    return Failure{ODO_E_NOT_FOUND,
+                   file.string() + ": no such file; the templates of plugins are installed with the configs"};
+  return text;
 }
 
 Result<std::string> replaced(const std::vector<std::string>& templates, const Words& words) {

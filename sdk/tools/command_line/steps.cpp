@@ -1,11 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // `odograph steps`: output of a step estimator on a recording, as text.
-#include <algorithm>
-#include <cmath>
 #include <cstdio>
-#include <filesystem>
-#include <fstream>
 
 #include <nlohmann/json.hpp>
 
