@@ -6,15 +6,17 @@
   include/odograph/messages.h          list of all messages, and the sizes of version 1.0
   golden/contract_v1.txt               all promised facts, one per line
   golden/minimum_v1.txt                minimum accepted size of each struct
-  bindings/python/odograph/abi.py, abi.pyi  declarations for Python, and their types
-  bindings/csharp/Abi.cs, rust/src/abi.rs, java/org/odograph/Abi.java, java/abi_jni.c  the same for C#, Rust, Java
-  bindings/swift/Sources/Odograph/Messages.swift  type numbers of the messages for Swift
-  bindings/javascript/abi.js, abi.d.ts   memory layout for JavaScript, and types for TypeScript
-  bindings/javascript/prototypes.js      prototypes of the library's functions for koffi
 
 --check          writes nothing. Fails if a file is out of date, and lists the facts that differ. Fails if the tree breaks
                  the facts of the last release (golden/released_v1.txt): only new facts, and growth of a struct at its
                  end, are allowed.
+--bindings FOLDER  writes the bindings for other languages, complete, as the build and the packages have them: a copy of
+                 bindings/, and generated declarations:
+    python/odograph/abi.py, abi.pyi  declarations for Python, and their types
+    csharp/Abi.cs, rust/src/abi.rs, java/org/odograph/Abi.java, java/abi_jni.c  the same for C#, Rust, Java
+    swift/Sources/Odograph/Messages.swift  type numbers of the messages for Swift
+    javascript/abi.js, abi.d.ts      memory layout for JavaScript, and types for TypeScript
+    javascript/prototypes.js         prototypes of the library's functions for koffi
 --grow FOLDER    writes headers of a hypothetical later version, for tests: each struct that may grow has another field
                  `grown` at its end, an array of two doubles.
 --probe          prints a C program that defines every function and uses every type. It compiles if the compiler agrees
@@ -26,6 +28,7 @@ golden/minimum_v1.txt only gains lines.
 """
 import pathlib
 import re
+import shutil
 import sys
 
 from bindings_python import check_python, python, stub
@@ -41,8 +44,6 @@ HERE = pathlib.Path(__file__).resolve().parent
 INCLUDE = HERE / "include/odograph"
 MAP = HERE.parent / "sdk/host/odograph.map"
 CONTRACT, MINIMUM, RELEASED = (HERE / f"golden/{name}_v1.txt" for name in ("contract", "minimum", "released"))
-BINDINGS = HERE / "bindings"
-PYTHON = BINDINGS / "python/odograph/abi.py"
 HEAD = "/* SPDX-License-" "Identifier: Apache-2.0\n *\n * Written by abi/generate.py; do not edit. "
 
 
@@ -159,17 +160,25 @@ def generate(abi):
         INCLUDE / "messages.h": messages_h(abi, minimum),
         CONTRACT: text_of(facts(abi, minimum, MAP)),
         MINIMUM: "".join(f"{name} {size}\n" for name, size in minimum.items()),
-        PYTHON: python(abi),
-        BINDINGS / "java/org/odograph/Abi.java": java(abi),
-        BINDINGS / "java/abi_jni.c": jni(abi),
-        BINDINGS / "javascript/abi.js": javascript(abi),
-        BINDINGS / "javascript/abi.d.ts": typescript(abi),
-        BINDINGS / "javascript/prototypes.js": prototypes(abi),
-        BINDINGS / "swift/Sources/Odograph/Messages.swift": swift(abi),
-        BINDINGS / "rust/src/abi.rs": rust(abi, minimum),
-        BINDINGS / "csharp/Abi.cs": csharp(abi),
-        PYTHON.with_suffix(".pyi"): stub(abi),
     }
+
+
+def write_bindings(abi, folder):
+    shutil.rmtree(folder, ignore_errors=True)
+    shutil.copytree(HERE / "bindings", folder, ignore=shutil.ignore_patterns("vit", "__pycache__"))
+    for name, text in {
+        "python/odograph/abi.py": python(abi),
+        "python/odograph/abi.pyi": stub(abi),
+        "java/org/odograph/Abi.java": java(abi),
+        "java/abi_jni.c": jni(abi),
+        "javascript/abi.js": javascript(abi),
+        "javascript/abi.d.ts": typescript(abi),
+        "javascript/prototypes.js": prototypes(abi),
+        "swift/Sources/Odograph/Messages.swift": swift(abi),
+        "rust/src/abi.rs": rust(abi, minimum_sizes(abi)),
+        "csharp/Abi.cs": csharp(abi),
+    }.items():
+        (folder / name).write_text(text)
 
 
 def check(abi, files):
@@ -184,7 +193,7 @@ def check(abi, files):
         yield from breaks(abi, RELEASED.read_text(), files[CONTRACT])
     else:
         yield f"{RELEASED.relative_to(HERE.parent)} is missing: packaging/release writes it"
-    yield from check_python(files[PYTHON], abi)
+    yield from check_python(python(abi), abi)
     functions, exported = {f.name for f in abi.exported()}, set(nodes(MAP))
     for name in sorted(functions ^ exported):
         yield f"{name}: " + ("declared, but not in odograph.map" if name in functions else "in odograph.map, but not declared")
@@ -192,6 +201,8 @@ def check(abi, files):
 
 def main():
     abi = Description(INCLUDE)
+    if "--bindings" in sys.argv:
+        return write_bindings(abi, pathlib.Path(sys.argv[sys.argv.index("--bindings") + 1]))
     if "--grow" in sys.argv:
         return grow(abi, sys.argv[sys.argv.index("--grow") + 1])
     if "--exchange" in sys.argv:

@@ -9,7 +9,7 @@ import os
 import subprocess
 
 ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
-LEFT_OUT = {"abi/bindings/java/abi_jni.c", "abi/bindings/java/odograph_jni.c", "abi/bindings/python/plugin_host.c", "tests/contract/embed_blocks.c"}
+LEFT_OUT = {"abi/bindings/java/odograph_jni.c", "abi/bindings/python/plugin_host.c", "tests/contract/embed_blocks.c"}
 MINGW = next(iter(glob.glob("/usr/lib/gcc/x86_64-w64-mingw32/*-posix/include/c++")), None)
 FLAGS = ["-Wall", "-Wextra", "-Wpedantic", "-Wshadow", "-Wno-missing-field-initializers", "-DTWIN=1", "-DODOGRAPH_CAMERA_PLUGINS=1",
          *(f'-DODOGRAPH_{name}="/"' for name in ("BUILD", "DATA", "LIBRARY", "SOURCE")), "-I" + ROOT, f"-I{ROOT}/abi/include",

@@ -5,7 +5,7 @@
 # Debian.
 set -eu
 source=$1 build=$2
-for program in dh lintian git dpkg-buildpackage go-md2man openssl; do
+for program in dh lintian git dpkg-buildpackage openssl; do
   command -v $program > /dev/null || { echo "SKIPPED: no $program"; exit 77; }
 done
 git -C "$source" rev-parse HEAD > /dev/null 2>&1 || { echo "SKIPPED: no git repository"; exit 77; }
@@ -14,7 +14,7 @@ trap 'rm -rf "$work"' EXIT
 
 # The same version everywhere.
 version=$(sed -n 's/^project(Odograph VERSION \([0-9.]*\).*/\1/p' "$source/CMakeLists.txt")
-for place in packaging/debian/changelog:"odograph ($version)" packaging/vcpkg/ports/odograph/vcpkg.json:"\"$version\"" packaging/conan/conanfile.py:"version = \"$version\"" \
+for place in packaging/debian/changelog:"odograph ($version)" \
   abi/bindings/csharp/package.json:"\"$version\"" abi/bindings/javascript/package.json:"\"$version\"" abi/bindings/python/pyproject.toml:"version = \"$version\"" abi/bindings/rust/Cargo.toml:"version = \"$version\""; do
   grep -qF "${place#*:}" "$source/${place%%:*}" || { echo "${place%%:*}: its version is not $version"; exit 1; }
 done

@@ -3,7 +3,7 @@
 # languages.sh SOURCE BUILD: samples/walk in each language, against the command line's poses. A language without its
 # tools is reported and skipped; if all are, the status is 77.
 set -u
-source=$1 build=$2
+source=$1 build=$2 bindings=$2/bindings
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 walk=$source/samples/walk here=$source/tests/languages
@@ -71,7 +71,7 @@ python() {
   for python in python3 /usr/bin/python3; do "$python" -c 'import numpy' 2>/dev/null && break; done
   "$python" -c 'import numpy' 2>/dev/null || { echo "SKIPPED: Python: no numpy"; return; }
   # The wheel as installed.
-  cp -r "$source/abi/bindings/python" "$work/python"
+  cp -r "$bindings/python" "$work/python"
   if "$python" -c 'import build, setuptools, wheel' 2>/dev/null; then
     (cd "$work/python" && say Python "$python" -m build --wheel --no-isolation && "$python" -m zipfile -e dist/odograph-*.whl "$work/site") || return
     [ -e "$work/site/odograph/py.typed" ] || { echo "FAILED: Python: no py.typed in the wheel"; failed=1; }
@@ -90,17 +90,17 @@ python() {
 
 csharp() {
   missing 'C#' mcs mono && return
-  say 'C#' mcs -unsafe -warnaserror -out:"$work/Walk.exe" "$source"/abi/bindings/csharp/*.cs "$walk/Walk.cs" && compare 'C#' mono "$work/Walk.exe" && refuses 'C#' mono "$work/Walk.exe"
-  say 'C#' mcs -unsafe -warnaserror -out:"$work/NoCopy.exe" "$source"/abi/bindings/csharp/*.cs "$here/NoCopy.cs" || return
+  say 'C#' mcs -unsafe -warnaserror -out:"$work/Walk.exe" "$bindings"/csharp/*.cs "$walk/Walk.cs" && compare 'C#' mono "$work/Walk.exe" && refuses 'C#' mono "$work/Walk.exe"
+  say 'C#' mcs -unsafe -warnaserror -out:"$work/NoCopy.exe" "$bindings"/csharp/*.cs "$here/NoCopy.cs" || return
   LD_PRELOAD=$work/count.so mono "$work/NoCopy.exe" || { echo "FAILED: C# copies, keeps or allocates for a frame"; failed=1; }
-  say Unity mcs -unsafe -out:"$work/Unity.exe" "$source"/abi/bindings/csharp/*.cs "$source/samples/unity/OdographProvider.cs" "$here/unity.cs" && say Unity mono "$work/Unity.exe"
+  say Unity mcs -unsafe -out:"$work/Unity.exe" "$bindings"/csharp/*.cs "$source/samples/unity/OdographProvider.cs" "$here/unity.cs" && say Unity mono "$work/Unity.exe"
 }
 
 rust() {
   local PATH=/usr/bin:$PATH # Debian's, if there is another one
   missing Rust cargo && return
   export ODOGRAPH_LIB_DIR=$build/lib CARGO_TARGET_DIR=$work/cargo CARGO_HOME=$work/cargo_home
-  cp -r "$source/abi/bindings/rust" "$work/rust"
+  cp -r "$bindings/rust" "$work/rust"
   mkdir -p "$work/walk_rust/src" && cp "$walk/walk.rs" "$work/walk_rust/src/main.rs"
   printf '[package]\nname = "walk"\nversion = "0.1.0"\nedition = "2021"\n\n[dependencies]\nodograph = {path = "%s"}\n' "$work/rust" >"$work/walk_rust/Cargo.toml"
   (cd "$work/walk_rust" && say Rust cargo build --offline) && compare Rust "$work/cargo/debug/walk" && refuses Rust "$work/cargo/debug/walk"
@@ -118,9 +118,9 @@ java() {
   missing Java javac && return
   local home
   home=$(dirname "$(dirname "$(readlink -f "$(command -v javac)")")")
-  say Java cc -std=c99 -shared -fPIC -Wall -Wextra -Werror -I"$home/include" -I"$home/include/linux" -I"$source/abi/include" "$source"/abi/bindings/java/*.c \
+  say Java cc -std=c99 -shared -fPIC -Wall -Wextra -Werror -I"$home/include" -I"$home/include/linux" -I"$source/abi/include" "$bindings"/java/*.c \
     -L"$build/lib" -lodograph -o "$work/libodograph_jni.so" || return
-  say Java javac -Xlint:all -Werror --release 11 -d "$work/java" "$source"/abi/bindings/java/org/odograph/*.java "$walk/Walk.java" || return
+  say Java javac -Xlint:all -Werror --release 11 -d "$work/java" "$bindings"/java/org/odograph/*.java "$walk/Walk.java" || return
   compare Java "$home/bin/java" -Xcheck:jni -Djava.library.path="$work" -cp "$work/java" Walk
   refuses Java "$home/bin/java" -Djava.library.path="$work" -cp "$work/java" Walk
   missing Kotlin kotlinc && return
@@ -134,7 +134,7 @@ javascript() {
   koffi=$(NODE_PATH="${NODE_PATH:+$NODE_PATH:}$npm" node -p "require('path').dirname(require.resolve('koffi'))" 2>/dev/null) ||
     { echo "SKIPPED: JavaScript: no npm package koffi (packaging/dependencies test)"; return; }
   mkdir -p "$work/node/node_modules/@odograph"
-  cp -r "$source/abi/bindings/javascript" "$work/node/node_modules/@odograph/node"
+  cp -r "$bindings/javascript" "$work/node/node_modules/@odograph/node"
   ln -s "$koffi" "$work/node/node_modules/koffi"
   ln -s "$(dirname "$koffi")/@koromix" "$work/node/node_modules/@koromix" # koffi's compiled part
   cp "$walk/walk.mjs" "$work/node/"
@@ -147,7 +147,7 @@ swift() { # the headers as Swift imports them
   local target
   for target in x86_64-linux-gnu arm64-apple-ios16 arm64-apple-macos13; do
     say Swift clang --target=$target -ffreestanding -fmodules -fmodules-cache-path="$work/modules" -fsyntax-only -Wall -Wextra -Wno-missing-field-initializers -Werror \
-      -fmodule-map-file="$source/abi/bindings/swift/Sources/COdograph/module.modulemap" -I"$source/abi/include" -x objective-c "$here/module.m" || return
+      -fmodule-map-file="$bindings/swift/Sources/COdograph/module.modulemap" -I"$source/abi/include" -x objective-c "$here/module.m" || return
   done
   echo "Swift: the module's headers compile; its own sources were not compiled"
 }

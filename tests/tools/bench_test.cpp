@@ -221,34 +221,6 @@ TEST_CASE("a document that is written again parses to the same values") {
   CHECK(node_at(*again, "c.9") == nullptr);
 }
 
-TEST_CASE("a plot has the lines and points of each row, skips missing numbers, and is empty without rows") {
-  const TemporaryFolder folder;
-  const Rows rows = {{{"_lines", {{"a", {{0, 1}, {1, nullptr}, {2, 3}}}}}},
-                     {{"_points", {{"b", {{5, 6}, {7, 8}}}, {"c", Json()}}}}};
-  Plot plot;
-  One(folder, nullptr).draw(rows, plot);
-  REQUIRE(plot.series.size() == 2);
-  CHECK(plot.series[0].name == "a");
-  CHECK(plot.series[0].style == "lines");
-  CHECK(plot.series[0].points == std::vector<std::pair<double, double>>{{0, 1}, {2, 3}});
-  CHECK(plot.series[1].style == "points");
-}
-
-TEST_CASE(
-    "a plot of distributions has a curve for each config, named by its file and overrides, of numbers without signs") {
-  Plot plot;
-  add_distributions(plot,
-                    {{{"config", "a/walk.yaml"}, {"_x", {-3, 1}}},
-                     {{"config", "a/walk.yaml?fix/gnss.sigma=1m"}, {"_x", 2}},
-                     {{"config", "a/walk.yaml"}, {"_x", 2}}},
-                    "_x");
-  REQUIRE(plot.series.size() == 2);
-  CHECK(plot.series[0].name == "walk.yaml");
-  CHECK(plot.series[0].points.front().first == 1);
-  CHECK(plot.series[0].points.back() == std::pair<double, double>{3, 1});
-  CHECK(plot.series[1].name == "walk.yaml?fix/gnss.sigma=1m");
-}
-
 TEST_CASE(
     "at most the given number of children run in parallel, each is reported when it ends, and none starts after the "
     "stop") {

@@ -6,7 +6,6 @@
 #include <cmath>
 
 #include "sdk/tools/evaluation/fix_figures.hpp"
-#include "sdk/tools/evaluation/gait_figures.hpp"
 #include "sdk/tools/evaluation/pose_consistency.hpp"
 #include "sdk/tools/evaluation/vo_consistency.hpp"
 
@@ -164,26 +163,5 @@ TEST_SUITE("evaluation") {
     REQUIRE(f.rotation.size() == 1);
     CHECK(is_near(f.rotation[0], (1 + 0.16 + 2.25) / 3));
     CHECK(std::abs(f.direction.at(0) - (4 + 0.25) / 2) < 1e-3);
-  }
-
-  TEST_CASE("a phone's gait is resampled from its own samples, the horizontal part by its own attitude") {
-    Recording r;
-    for (int64_t i = 0; i < 1000; ++i) {
-      auto imu = make_message<odo_imu>(ODO_TYPE_IMU, kSecond + i * 2'500'000);
-      imu.header.flags = i % 2 ? ODO_IMU_GYRO : ODO_IMU_ACCEL;
-      (i % 2 ? imu.gyro_b : imu.accel_b)[0] = i % 2 ? 0.25 : 3;
-      (i % 2 ? imu.gyro_b : imu.accel_b)[2] = i % 2 ? 0 : 4;
-      r.add(imu.header);
-    }
-    r.phone_attitudes = {{0, Quaterniond::Identity(), Vector3d::Zero()},
-                         {2 * kSecond, Quaterniond(AngleAxisd(EIGEN_PI / 2, Vector3d::UnitY())), Vector3d::Zero()}};
-    const GaitSeries s = gait_series(r);
-    CHECK(s.acceleration.size() == static_cast<size_t>(std::lround(2.5 * kGaitRate_hz)));
-    CHECK((s.acceleration[9] == 5 && s.rotation[9] == 0.25));
-    CHECK(is_near(s.level.front(), 3));
-    CHECK(is_near(s.level.back(), 4));
-    CHECK(
-        std::abs(static_cast<double>(std::count_if(s.level.begin(), s.level.end(), [](double x) { return x < 3.5; })) -
-                 kGaitRate_hz) <= 1);
   }
 }

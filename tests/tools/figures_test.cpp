@@ -10,7 +10,6 @@
 
 #include "sdk/tools/evaluation/corner_flow.hpp"
 #include "sdk/tools/evaluation/fix_figures.hpp"
-#include "sdk/tools/evaluation/gait_figures.hpp"
 #include "sdk/tools/evaluation/pose_consistency.hpp"
 #include "sdk/tools/evaluation/start_alignment.hpp"
 #include "sdk/tools/evaluation/stream_figures.hpp"
@@ -266,27 +265,6 @@ TEST_CASE("a walk between buildings is scored after it has settled, and while th
   CHECK(f.median_m == doctest::Approx(2));
   CHECK(f.largest_m == doctest::Approx(12));
   CHECK(f.in_reflection_m == doctest::Approx(9));
-  REQUIRE(f.each_second_m.size() == 151);
-  CHECK(f.each_second_m[75] == doctest::Approx(9));
-}
-
-TEST_CASE("the gait figures of a sine match the sine") {
-  GaitSeries s;
-  for (int i = 0; i < 50 * 60; ++i) {
-    const double t = i / kGaitRate_hz;
-    s.acceleration.push_back(9.8 + 2 * std::sin(2 * EIGEN_PI * 1.8 * t) + 0.5 * std::sin(2 * EIGEN_PI * 0.9 * t));
-    s.rotation.push_back(0.6), s.level.push_back(1.5);
-  }
-  const GaitFigures f = gait_figures(s);
-  CHECK(f.frequency_hz == doctest::Approx(1.8));
-  CHECK(f.acceleration_std == doctest::Approx(std::sqrt(0.5 * (4 + 0.25))).epsilon(0.01));
-  CHECK(std::abs(f.stride_part - 0.25 / 4) < 0.05 * 0.25 / 4);
-  CHECK(f.shock_part < 1e-3);
-  CHECK(f.rotation_rms == doctest::Approx(0.6));
-  CHECK(f.horizontal_rms == doctest::Approx(1.5));
-  double power = 0;  // Parseval: the spectrum's integral is the variance
-  for (const double p : power_spectrum(s.acceleration, kGaitRate_hz)) power += 0.1 * p;
-  CHECK(power == doctest::Approx(0.5 * (4 + 0.25)).epsilon(0.05));
 }
 
 TEST_CASE("corners of a picture that moves by three pixels are tracked with that flow until it ends") {
@@ -350,17 +328,8 @@ TEST_CASE("the shape error is independent of the scale, and separates a changing
   CHECK(none.lost_share == doctest::Approx(0.25));
 }
 
-TEST_CASE("the scale along a path is that of metric windows, otherwise the median of the displacements") {
-  const Trajectory truth = corner(40);
-  VoFigures figures;
-  figures.windows = {{0, kSecond, 3, std::log(1.1), 0.1}};
-  const Pairs pairs{truth, moved(truth, 0.2, {0, 0, 0}, 2)};
-  REQUIRE(scale_along(figures, pairs).size() == 1);
-  CHECK(scale_along(figures, pairs)[0].first == 3);
-  CHECK(scale_along(figures, pairs)[0].second == doctest::Approx(1.1));
-  const auto along = scale_along({}, pairs);
-  REQUIRE(along.size() > 3);
-  for (const auto& [at_m, scale] : along) CHECK(scale == doctest::Approx(1));
+TEST_CASE("errors are compared with those of another track at the same times") {
+  CHECK(part_below({1, 5, 3, 0}, {2, 4, 3, 1}) == doctest::Approx(0.5));
 }
 
 TEST_CASE("position errors are given by axis, and displacements by their length") {
@@ -374,10 +343,6 @@ TEST_CASE("position errors are given by axis, and displacements by their length"
   const PositionErrors scaled = position_errors(truth, moved(truth, 1, {0, 0, 0}, 1.1));
   CHECK(scaled.displacement_m.size() == truth.size() - 1);
   CHECK(scaled.displacement_m[7] == doctest::Approx(0.01));
-  const auto along = errors_along_path(truth, moved(truth, 0, {1, -2, 5}), 3);
-  REQUIRE(along.size() == static_cast<size_t>(path_length(truth) / 3) + 1);
-  CHECK(along[2].first == doctest::Approx(6).epsilon(0.02));
-  CHECK(along[2].second == doctest::Approx(std::sqrt(5.0)));
 }
 
 TEST_CASE("a position is found by the distance walked") {

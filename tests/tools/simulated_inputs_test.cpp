@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Inputs of benchmarks: simulated sensors, boards and walkers, degraded receivers, options, and frame times of a
+// Inputs of benchmarks: simulated sensors and boards, degraded receivers, options, and frame times of a
 // recording.
 #include <doctest/doctest.h>
 
@@ -9,12 +9,9 @@
 #include "sdk/tools/city/city_scenario.hpp"
 #include "sdk/tools/evaluation/degrade.hpp"
 #include "sdk/tools/evaluation/evaluation.hpp"
-#include "sdk/tools/evaluation/imu_at_rest.hpp"
 #include "sdk/tools/recording/recording.hpp"
 #include "sdk/tools/simulation/board_pictures.hpp"
-#include "sdk/tools/simulation/sensors.hpp"
 #include "sdk/tools/simulation/simulate.hpp"
-#include "sdk/tools/simulation/walk_scenarios.hpp"
 #include "tests/support/support.hpp"
 
 using namespace odograph;
@@ -61,15 +58,6 @@ TEST_CASE("a simulated board is found in its pictures, which are stored if a fol
   CHECK(simulated_views({}, lens, 3, 1, folder / "file", {}).failure().status == ODO_E_IO);
 }
 
-TEST_CASE("a random walker follows the scenario's route without stops, and no two are alike") {
-  Scenario s = surveyor_walk(1);
-  const Scenario one = any_walker(s, 4), other = any_walker(s, 5);
-  CHECK(one.events.empty());
-  CHECK(one.walk_m == 80);
-  CHECK(one.route.size() == s.route.size());
-  CHECK(one.walker.height_m != other.walker.height_m);
-}
-
 TEST_CASE("GNSS positions are shifted east for a time, and added velocities are the walker's") {
   Recording r;
   for (int i = 0; i <= 200 * 20; ++i) {
@@ -88,18 +76,6 @@ TEST_CASE("GNSS positions are shifted east for a time, and added velocities are 
   CHECK(at(11).longitude_rad == 0);
   CHECK((at(7).header.flags & ODO_GNSS_VELOCITY) != 0);
   CHECK(at(7).velocity_n[1] == doctest::Approx(1));
-}
-
-TEST_CASE("both sensors of a scenario's IMU at rest are reported") {
-  Scenario::Imu imu;
-  for (const bool gyroscope : {true, false}) {
-    const auto points = imu_at_rest(imu, gyroscope, 0.2, 1);
-    REQUIRE(points.size() > 5);
-    CHECK(points[0].averaging_s == doctest::Approx(0.02));
-    CHECK(std::abs(points[0].simulated - points[0].expected) < 0.05 * points[0].expected);
-    CHECK(points[2].averaging_s == doctest::Approx(0.2));
-  }
-  CHECK(imu_at_rest(imu, true, 0.2, 1)[0].expected < imu_at_rest(imu, false, 0.2, 1)[0].expected);
 }
 
 TEST_CASE("a scenario is simulated without a camera, identically for the same seed") {

@@ -225,6 +225,20 @@ std::vector<double> resting(const SimTriad::Errors& errors, double hz, double du
   return x;
 }
 
+/// Overlapping Allan deviation of a rate signal over `tau_s` (IEEE Std 952-1997).
+double allan_deviation(const std::vector<double>& rate, double hz, double tau_s) {
+  const auto m = static_cast<size_t>(std::lround(tau_s * hz));
+  std::vector<double> angle(rate.size() + 1, 0.0);
+  for (size_t i = 0; i < rate.size(); ++i) angle[i + 1] = angle[i] + rate[i] / hz;
+  double sum = 0;
+  size_t n = 0;
+  for (size_t i = 0; i + 2 * m < angle.size(); ++i, ++n) {
+    const double d = angle[i + 2 * m] - 2 * angle[i + m] + angle[i];
+    sum += d * d;
+  }
+  return std::sqrt(sum / (2 * tau_s * tau_s * static_cast<double>(n)));
+}
+
 }  // namespace
 
 TEST_CASE("the IMU's Allan deviation is as requested") {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What a user of @odograph/web writes: compiled, where npm's typescript is, never run.
-import {load, ODO_ANCHOR_VIEW, ODO_POSE_METRIC, OdographError, type Event, type Pose} from '../../abi/bindings/javascript/web.js';
+import {load, ODO_ANCHOR_VIEW, ODO_POSE_METRIC, OdographError, type Event, type Pose} from '@odograph/web';
 
 export async function use(): Promise<number> {
   const odograph = await load({wasm: new URL('https://example.org/odograph.wasm')});

@@ -24,7 +24,10 @@ run node "$source/tests/web/page.js" "$built/web" "$work/walk.odo" "$work/run/tr
   "$odograph" run -c "$source/samples/configs/walk.yaml" -i "$work/png.odo" -o "$work/png" >/dev/null || exit 1
 run node "$source/tests/web/node.mjs" "$built/npm" "$work/png.odo" "$work/png/trajectory.tum" "$source/samples/configs/walk.yaml"
 # The types, by what a user writes.
+mkdir -p "$work/types/node_modules/@odograph"
+cp "$source/tests/web/types.ts" "$work/types"
+cp -r "$built/npm" "$work/types/node_modules/@odograph/web"
 tsc=$(node -p "require.resolve('typescript/bin/tsc')" 2>/dev/null) &&
-  { node "$tsc" --noEmit --strict --target es2022 --module nodenext --moduleResolution nodenext --lib es2022,dom "$source/tests/web/types.ts" || failed=1; } || skipped=$((skipped + 1))
+  { node "$tsc" --noEmit --strict --target es2022 --module nodenext --moduleResolution nodenext --lib es2022,dom "$work/types/types.ts" || failed=1; } || skipped=$((skipped + 1))
 [ $failed = 0 ] || exit 1
 [ $skipped = 0 ] || exit $missing

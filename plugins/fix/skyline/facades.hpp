@@ -17,7 +17,7 @@
 namespace odograph::skyline {
 
 /// Unless a source is named, chosen empirically on rendered pictures of Linz, The Hague and Delft
-/// (`odograph city bench-photographs`, seeds 161 to 181).
+/// (`odograph city bench --photographs`, seeds 161 to 181).
 struct FacadeParameters {
   static constexpr double kDegree = std::numbers::pi / 180;
   double reach_m = 60;                     ///< max distance of a wall from the camera

@@ -18,7 +18,7 @@
 namespace odograph::skyline {
 
 /// Errors of a model's roofs and of a picture's sky. Unless a source is named, chosen empirically on rendered pictures
-/// of Delft and Linz (`odograph city bench-photographs`).
+/// of Delft and Linz (`odograph city bench --photographs`).
 struct RoofErrorParameters {
   static constexpr double kDegree = std::numbers::pi / 180;
   double line_rad = 0.05 * kDegree;       ///< sigma of a direction of the observed line

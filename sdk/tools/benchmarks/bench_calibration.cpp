@@ -1,15 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Calibrations compared with the truth.
+// Calibrations of a lens compared with the truth.
 #include <algorithm>
 #include <cmath>
 
-#include "sdk/math/scalar.hpp"
-#include "sdk/math/rotation.hpp"
-#include "sdk/math/time.hpp"
 #include "sdk/tools/benchmarks/benchmarks.hpp"
 #include "sdk/tools/console/board_option.hpp"
-#include "sdk/tools/replay/camera_imu_source.hpp"
 #include "sdk/tools/simulation/board_pictures.hpp"
 
 namespace odograph {
@@ -78,61 +74,8 @@ struct Calibrate : Benchmark {
   std::string folder;
 };
 
-constexpr double kFocalWrong = 1.02, kRowWrong = 0.6, kOffsetWrong_s = 0.1;
-
-struct CalibrateImu : Benchmark {
-  CalibrateImu()
-      : Benchmark("calibrate-imu",
-                  "Camera-IMU rotation, time offset and row time calibrated from recordings, compared with their "
-                  "stated values",
-                  kRecordings) {}
-  void add_options(CLI::App& command) override {
-    command.add_flag("--keep-lens", keep_lens, "start from the true lens and keep it");
-  }
-
-  Result<Json> measure_recording(const BenchCase& one, const Recording& recording) const override {
-    auto data = camera_imu_data(recording, one.run.progress);
-    if (!data) return data.failure();
-    const odo_calibration said = data->given;
-    const double row_s = data->given_row_time_s;
-    if (!(said.header.flags & ODO_CALIBRATION_EXTRINSICS))
-      return Failure{ODO_E_DATA, one.files.front().string() + ": states no mount of its camera"};
-    const double offset_s = said.header.flags & ODO_CALIBRATION_TIME_OFFSET ? seconds(said.time_offset_ns) : 0;
-    data->given.header.flags = ODO_CALIBRATION_TIME_OFFSET;
-    data->given.time_offset_ns = nanoseconds(offset_s + kOffsetWrong_s);
-    data->given_row_time_s = row_s * kRowWrong;
-    if (!keep_lens) data->given.fx *= kFocalWrong, data->given.fy *= kFocalWrong;
-    const auto found = calibrate_camera_imu(*data, {.refine_lens = !keep_lens});
-    if (!found) return found.failure();
-    const Eigen::Quaterniond q = raw_quaternion(said.q_b_c);
-    const auto error = [](const Estimate& e, double truth, double unit) {
-      return e.observable ? Json(unit * (e.value - truth)) : Json();
-    };
-    const auto sigma = [](const Estimate& e, double unit) { return e.observable ? Json(unit * e.sigma) : Json(); };
-    return row_of({{"mount", "deg", "mount_deg", 3, kDeg_per_rad * found->q_b_c.angularDistance(q)},
-                   {"", "sigma", "mount_sigma_deg", 3, (kDeg_per_rad * found->rotation_sigma_rad).norm()},
-                   {"offset", "ms", "offset_ms", 3, error(found->time_offset_s, offset_s, 1e3), kSigned},
-                   {"", "sigma", "offset_sigma_ms", 3, sigma(found->time_offset_s, 1e3)},
-                   {"row time", "us", "row_time_us", 3, error(found->row_time_s, row_s, 1e6), kSigned},
-                   {"", "sigma", "row_time_sigma_us", 3, sigma(found->row_time_s, 1e6)},
-                   {"fx", "px", "fx_px", 3, error(found->focal_px, said.fx, 1), kSigned},
-                   {"", "sigma", "fx_sigma_px", 3, sigma(found->focal_px, 1)},
-                   {"rms", "px", "rms_px", 3, found->rms_px},
-                   {"", "corr.", "correlation", 3, found->correlation}});
-  }
-
-  std::string heading(const Rows&) const override {
-    return text(
-        "Found minus stated by the recording; started from an unknown mount, an offset %.0f ms and a focal length %.0f "
-        "%% off, %.0f %% of the row time. -: kept\n\n",
-        1e3 * kOffsetWrong_s, 100 * (kFocalWrong - 1), 100 * kRowWrong);
-  }
-
-  bool keep_lens = false;
-};
-
 }  // namespace
 
-Benchmarks calibration_benchmarks() { return {std::make_shared<Calibrate>(), std::make_shared<CalibrateImu>()}; }
+Benchmarks calibration_benchmarks() { return {std::make_shared<Calibrate>()}; }
 
 }  // namespace odograph

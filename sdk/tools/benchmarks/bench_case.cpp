@@ -37,7 +37,6 @@ void add_common(CLI::App& command, Benchmark& b) {
     command.add_option("--first-seed", o.first_seed, "the first seed");
   }
   if (offers(kQuick)) command.add_flag("--quick", o.quick, "only the beginning of each simulation");
-  if (offers(kPlot)) command.add_option("--plot", o.plot, "plot to write (SVG)");
   if (!command.get_option_no_throw("--keep"))
     command.add_option("--keep", o.keep, "folder in which simulated recordings and rows are kept");
   command.add_option("--jobs", o.jobs, "number of parallel runs")->check(CLI::Range(1, 256));
@@ -55,14 +54,7 @@ int run(Benchmark& b) {
   const std::string json =
       b.options.json ? (report.json.is_null() ? visible_rows(*rows) : report.json).dump(2) + '\n' : "";
   std::fputs((b.options.json ? json : report.text).c_str(), stdout);
-  if (b.options.plot.empty()) return kDone;
-  b.draw(*rows, b.plot);
-  if (b.plot.series.empty()) {
-    std::fprintf(stderr, "%s: nothing to plot\n", b.options.plot.c_str());
-    return kDone;
-  }
-  const auto written = write_svg(b.plot, b.options.plot);
-  return written ? kDone : print_failure(written.failure());
+  return kDone;
 }
 
 }  // namespace
@@ -156,14 +148,6 @@ BenchReport Benchmark::report(const Rows& rows) const {
           visible_rows(summaries)};
 }
 
-void Benchmark::draw(const Rows& rows, Plot& into) const {
-  for (const Json& row : rows)
-    for (const std::string style : {"lines", "points"}) {
-      const Json all = row.value('_' + style, Json());
-      for (const auto& line : all.items()) add_line(into, line.key(), line.value(), style);
-    }
-}
-
 std::string cases_text(const Rows& rows, const std::string& table, const std::string& title, const std::string& below) {
   Table shown{title, {}, columns_of(rows, table)};
   for (const Json& row : rows)
@@ -187,23 +171,6 @@ std::vector<std::string> files_in(const fs::path& folder, const std::string& beg
       files.push_back(entry.path());
   std::sort(files.begin(), files.end());
   return files;
-}
-
-void add_line(Plot& plot, const std::string& name, const Json& pairs, const std::string& style) {
-  PlotSeries series{.name = name, .style = style, .points = {}};
-  for (const Json& pair : pairs)
-    if (pair[1].is_number()) series.points.emplace_back(pair[0].get<double>(), pair[1].get<double>());
-  if (!series.points.empty()) plot.series.push_back(std::move(series));
-}
-
-void add_distributions(Plot& plot, const Rows& rows, const std::string& key) {
-  for (const auto& [config, own] : groups_of(rows, "config"))
-    add_line(plot, config_name(config), distribution_of(numbers_at(own, key, true)));
-}
-
-std::string config_name(const Json& config) {
-  const auto name = config.get<std::string>();
-  return name.substr(name.rfind('/', name.find('?')) + 1);
 }
 
 void add_benchmark(CLI::App& parent, std::shared_ptr<Benchmark> benchmark, int& status) {

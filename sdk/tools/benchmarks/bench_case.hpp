@@ -11,7 +11,6 @@
 #include <CLI/CLI.hpp>
 
 #include "sdk/tools/evaluation/degrade.hpp"
-#include "sdk/tools/plot/plot.hpp"
 #include "sdk/tools/replay/runner.hpp"
 #include "sdk/tools/simulation/scenario.hpp"
 #include "sdk/tools/table/table.hpp"
@@ -32,7 +31,7 @@ struct BenchCase {
 /// Options common to all benchmarks; `Offers` selects those that a benchmark has.
 struct BenchOptions {
   std::vector<std::string> configs, set, recordings, scenarios{"samples/scenarios/street_short.yaml"};
-  std::string folder, keep = "out/bench", plot;
+  std::string folder, keep = "out/bench";
   uint64_t seeds = 1, first_seed = 1;
   size_t jobs = 1;
   bool json = false, quick = false, fresh = false, sensors = false;
@@ -41,12 +40,11 @@ enum Offers : unsigned {
   kConfigs = 1,
   kSeeds = 2,
   kQuick = 4,
-  kPlot = 8,
-  kRecordings = 16,
-  kFolder = 32,     ///< of walks, instead of recordings
-  kSensors = 64,    ///< each recording also with degraded sensors
-  kByConfig = 128,  ///< no option: one table line per config, over all rows
-  kSimulated = 256 | kSeeds
+  kRecordings = 8,
+  kFolder = 16,    ///< of walks, instead of recordings
+  kSensors = 32,   ///< each recording also with degraded sensors
+  kByConfig = 64,  ///< no option: one table line per config, over all rows
+  kSimulated = 128 | kSeeds
 };
 
 /// Printed report of the rows. With `json` unset, all rows are printed as JSON.
@@ -83,8 +81,6 @@ struct Benchmark {
   virtual BenchReport report(const Rows& rows) const;
   virtual std::string heading(const Rows&) const { return ""; }
   virtual std::string notes(const Rows&) const { return ""; }
-  /// With kPlot: draws the lines of the plot. By default each row's `_lines` and `_points`, pairs of numbers by name.
-  virtual void draw(const Rows& rows, Plot& into) const;
 
   std::string name, about;
   unsigned offers;
@@ -97,7 +93,6 @@ struct Benchmark {
   double quick_m = 0;  ///< length to which --quick shortens a simulated recording
   std::string below;   ///< title of the summaries below the table, if any
   Json depends;        ///< the benchmark's own options as given
-  Plot plot;           ///< with kPlot: its title and axes
 
  protected:
   /// Simulates the recording unless it is kept from an earlier run.
@@ -119,13 +114,6 @@ Result<Rows> rows_of(const Benchmark& benchmark, const std::vector<BenchCase>& c
 
 /// Runs the call in a child process, so that its threads and memory are released, and returns its result.
 Result<Json> in_child(const std::function<Result<Json>()>& call);
-
-/// Adds a line through pairs of numbers to a plot, if there are any.
-void add_line(Plot& plot, const std::string& name, const Json& pairs, const std::string& style = "lines");
-/// Adds for each config the distribution of all its rows' numbers under a key, without their signs.
-void add_distributions(Plot& plot, const Rows& rows, const std::string& key);
-/// A config in the key of a plot: its file without folders, and its overrides.
-std::string config_name(const Json& config);
 
 /// Files of a folder whose names have this beginning and end, sorted.
 std::vector<std::string> files_in(const std::filesystem::path& folder, const std::string& begin,

@@ -14,9 +14,8 @@ namespace {
 struct Canyon : Benchmark {
   Canyon()
       : Benchmark("canyon", "Simulated walks with GNSS positions whose errors are correlated and jump",
-                  kConfigs | kSeeds | kByConfig | kPlot) {
+                  kConfigs | kSeeds | kByConfig) {
     options.seeds = 10;
-    plot = {.title = "Horizontal error", .x_label = "time, s", .y_label = "horizontal error, median, m"};
   }
   void add_options(CLI::App& command) override {
     command.add_option("--sigma", sigma_m, "standard deviation of each component, m");
@@ -37,21 +36,10 @@ struct Canyon : Benchmark {
   Result<Json> measure_replay(const BenchCase&, const Recording& recording, const RunResult& result) const override {
     const CanyonFigures f = canyon_figures(recording.true_states, result.track);
     const Format parts{.parts = {0.5, 1}};
-    Json row = row_of({{"heading, 100 m", "deg", "heading_after_100_m_deg", 1, f.yaw_deg, parts},
-                       {"position", "m", "position_m", 1, f.median_m, parts},
-                       {"largest error", "m", "largest_m", 1, f.largest_m, parts},
-                       {"in reflection", "m", "largest_in_reflection_m", 1, f.in_reflection_m, parts}});
-    row["_each_second_m"] = f.each_second_m;
-    return row;
-  }
-
-  void draw(const Rows& rows, Plot& into) const override {
-    for (const auto& [config, own] : groups_of(rows, "config")) {
-      Json medians = Json::array();
-      const auto walks = [&own = own](size_t s) { return numbers_at(own, "_each_second_m/" + std::to_string(s)); };
-      for (size_t s = 0; walks(s).size() == own.size(); ++s) medians.push_back({s, percentile(walks(s), 0.5)});
-      add_line(into, config_name(config), medians);
-    }
+    return row_of({{"heading, 100 m", "deg", "heading_after_100_m_deg", 1, f.yaw_deg, parts},
+                   {"position", "m", "position_m", 1, f.median_m, parts},
+                   {"largest error", "m", "largest_m", 1, f.largest_m, parts},
+                   {"in reflection", "m", "largest_in_reflection_m", 1, f.in_reflection_m, parts}});
   }
 
   std::string heading(const Rows&) const override {

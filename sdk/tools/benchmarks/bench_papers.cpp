@@ -15,7 +15,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kWalkers[] = {"W1", "M1", "W2"};
-constexpr double kStart_m = 12, kPlotted_m = 2;
+constexpr double kStart_m = 12;
 
 /// The places evaluated in the paper, with its results: real walkers W1, M1, W2, adaptive and fixed step length, m.
 struct Place {
@@ -45,13 +45,10 @@ struct Walk700 : Benchmark {
   Walk700()
       : Benchmark("walk700",
                   "The 0.7 km walk of Antigny et al. 2019, simulated: their Table 5, adaptive beside fixed step length",
-                  kConfigs | kQuick | kPlot | kSimulated,
-                  {"antigny2019", "antigny2019_fixed_step", "phone_walk_camera"}) {
+                  kConfigs | kQuick | kSimulated, {"antigny2019", "antigny2019_fixed_step", "phone_walk_camera"}) {
     options.scenarios.clear();
     for (const char* walker : kWalkers) options.scenarios.push_back(text("samples/scenarios/walk700_%s.yaml", walker));
     quick_m = 120;
-    plot = {
-        .title = "Horizontal error", .x_label = "distance walked, m", .y_label = "horizontal error, m", .log_y = true};
   }
 
   Result<bool> complete(BenchCase& one) const override {
@@ -81,10 +78,6 @@ struct Walk700 : Benchmark {
     Json row = errors(track);
     for (const WalkedPlace& place : places) row["walked_m"].push_back(place.walked_m);
     row["by_path"] = errors(by_path);
-    const std::string run = text("%s, %s, seed %d", config_name(one.labels["config"]).c_str(),
-                                 one.labels["walker"].get<std::string>().c_str(), one.labels["seed"].get<int>());
-    for (const auto& [at_m, error_m] : errors_along_path(truth, track, kPlotted_m))
-      if (at_m > kStart_m) row["_lines"][run].push_back({at_m, error_m});
     row["fixes"] = result.accepted().size();
     return row;
   }
@@ -135,11 +128,10 @@ struct Drive : Benchmark {
       : Benchmark("drive",
                   "The downtown drive of Gakne & O'Keefe 2018, simulated: distribution of the horizontal error; the "
                   "first config is the baseline",
-                  kConfigs | kQuick | kPlot | kSimulated | kByConfig,
+                  kConfigs | kQuick | kSimulated | kByConfig,
                   {"gakne2018_vo", "gakne2018", "monocular", "city_drive"}) {
     options.scenarios = {"samples/scenarios/drive_downtown.yaml"};
     quick_m = 300;
-    plot = {.title = "Horizontal error", .x_label = "m", .y_label = "fraction of the frames"};
   }
   void add_options(CLI::App& command) override {
     command.add_option("--missing", missing, "fraction of buildings missing in the city model, chosen by the seed")
@@ -203,8 +195,6 @@ struct Drive : Benchmark {
                                    numbers_at(by_config[0].second, "_horizontal_m")));
     return out;
   }
-
-  void draw(const Rows& rows, Plot& into) const override { add_distributions(into, rows, "_horizontal_m"); }
 
   double start_m = 50, missing = 0;
 };

@@ -149,9 +149,7 @@ std::string leg_errors_text(const Rows& rows) {
 struct Walks : Benchmark {
   Walks()
       : Benchmark("walks", "Distance and position errors over a folder of walks with waypoints",
-                  kConfigs | kFolder | kByConfig | kPlot) {
-    plot = {.title = "Distance error", .x_label = "distance error, %", .y_label = "fraction of the walks"};
-  }
+                  kConfigs | kFolder | kByConfig) {}
   void add_options(CLI::App& command) override {
     command.add_option("--align-first", align_first_m, "the heading is fitted over this distance from the start, m");
     command.add_flag("--each", each, "one line per walk")->group(kOutput);
@@ -206,8 +204,6 @@ struct Walks : Benchmark {
     }
     return out;
   }
-
-  void draw(const Rows& rows, Plot& into) const override { add_distributions(into, rows, "_distance_percent"); }
 
   double align_first_m = 10;
   bool each = false, oracles = false;

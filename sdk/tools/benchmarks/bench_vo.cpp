@@ -113,9 +113,8 @@ struct Vo : Benchmark {
   Vo()
       : Benchmark(
             "vo", "Visual odometries side by side, on simulated walks or recordings",
-            kConfigs | kQuick | kPlot | kSimulated | kRecordings | kSensors,
+            kConfigs | kQuick | kSimulated | kRecordings | kSensors,
             {"monocular", "monocular_antigny2019", "monocular_gakne2018", "monocular_odograph", "inertial_odograph"}) {
-    plot = {.title = "Scale along the path", .x_label = "m", .y_label = "odometry by truth"};
     quick_m = 120;  // as `bench walk700 --quick`, which shares the kept recordings
   }
   void add_options(CLI::App& command) override {
@@ -161,15 +160,13 @@ struct Vo : Benchmark {
     return degraded(*recording, qualities[one.variant], sensor_seed);
   }
 
-  Result<Json> measure_replay(const BenchCase& one, const Recording& recording,
-                              const RunResult& result) const override {
+  Result<Json> measure_replay(const BenchCase&, const Recording& recording, const RunResult& result) const override {
     const VoFigures figures =
         vo_figures(recording.truth, result.motions, result.motions_emitted_ns, frame_times_ns(recording));
     const Pairs pairs = associate(recording.truth, compose(result.motions).unscaled(), kAssociate_s);
     Json row = row_of(scale_figures(figures), "metre");
     row.update(row_of(shape_of(vo_shape(recording.truth, result.motions, pairs), result), "shape"));
     if (!result.refined.empty()) row["refined"] = refined_of(result.refined.back());
-    if (!recording.truth.empty()) row["_lines"][run_name(one.labels)] = scale_along(figures, pairs);
     return row;
   }
 

@@ -14,9 +14,8 @@ namespace {
 struct Windows : Benchmark {
   Windows()
       : Benchmark("windows", "A visual-inertial odometry started at every second of recordings with a truth",
-                  kConfigs | kSimulated | kRecordings | kSensors | kPlot, {"inertial_odograph"}) {
+                  kConfigs | kSimulated | kRecordings | kSensors, {"inertial_odograph"}) {
     read.true_states = false;
-    plot = {.title = "Scale of each window", .x_label = "start of the window, s", .y_label = "error of the scale, %"};
     below = "median";
   }
   void add_options(CLI::App& command) override {
@@ -62,13 +61,6 @@ struct Windows : Benchmark {
     }
     Json row = row_of(figures_of(windows));
     row["windows_each"] = listed;
-    const std::string config = config_name(one.labels["config"]);
-    for (const Json& w : listed) {
-      row["_points"]["error, " + config].push_back({w["from_s"], w["scale_percent"]});
-      for (const int sign : {1, -1})
-        row["_lines"][text("%+d stated sigmas, %s", 3 * sign, config.c_str())].push_back(
-            {w["from_s"], 3 * sign * number_at(w, "sigma_percent")});
-    }
     return row;
   }
 

@@ -7,7 +7,7 @@ namespace odograph {
 
 /// `odograph bench ...`: adds each benchmark as a subcommand; its callback writes the exit status.
 void add_bench(CLI::App& app, int& status);
-/// `odograph city bench` and `bench-photographs`.
+/// `odograph city bench`.
 void add_bench_city(CLI::App& city, int& status);
 
 using Benchmarks = std::vector<std::shared_ptr<Benchmark>>;
@@ -16,9 +16,8 @@ Benchmarks calibration_benchmarks();
 Benchmarks city_benchmarks();
 Benchmarks fixes_benchmarks();
 Benchmarks papers_benchmarks();
-Benchmarks photograph_benchmarks();
-Benchmarks simulator_benchmarks();
 Benchmarks steps_benchmarks();
+Benchmarks tracks_benchmarks();
 Benchmarks vo_benchmarks();
 Benchmarks windows_benchmarks();
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sdk/tools/calibration/board.hpp"
 
-#include <cstdio>
 #include <sstream>
 
 #include "sdk/tools/calibration/markers.hpp"
+#include "sdk/tools/text/text.hpp"
 
 namespace odograph {
 
@@ -80,12 +80,9 @@ std::string board_svg(const Board& board) {
   svg << "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"" << width << "mm\" height=\"" << height
       << "mm\" viewBox=\"0 0 " << width << ' ' << height << "\" shape-rendering=\"crispEdges\">\n<rect width=\""
       << width << "\" height=\"" << height << "\" fill=\"white\"/>\n<path fill=\"black\" d=\"";
-  for (const cv::Rect2d& part : black_parts(board, false)) {
-    char text[160];
-    std::snprintf(text, sizeof text, "M%.4f %.4fh%.4fv%.4fh%.4fz\n", 1000 * part.x + margin, 1000 * part.y + margin,
-                  1000 * part.width, 1000 * part.height, -1000 * part.width);
-    svg << text;
-  }
+  for (const cv::Rect2d& part : black_parts(board, false))
+    svg << text("M%.4f %.4fh%.4fv%.4fh%.4fz\n", 1000 * part.x + margin, 1000 * part.y + margin, 1000 * part.width,
+                1000 * part.height, -1000 * part.width);
   svg << "\"/>\n</svg>\n";
   return svg.str();
 }

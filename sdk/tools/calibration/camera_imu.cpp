@@ -28,9 +28,9 @@ Vector3d rms_rates(const std::vector<GyroSample>& gyro) {
   return Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(C).eigenvalues().cwiseMax(0).cwiseSqrt().reverse();
 }
 
-double median_of_sizes(const std::vector<CameraImuCalibration::Residual>& residuals) {
+double median_of_sizes(const std::vector<Eigen::Vector2d>& residuals) {
   std::vector<double> sizes;
-  for (const auto& r : residuals) sizes.push_back(std::hypot(r.dx_px, r.dy_px));
+  for (const auto& r : residuals) sizes.push_back(std::hypot(r.x(), r.y()));
   if (sizes.empty()) return 0;
   const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
   std::nth_element(sizes.begin(), middle, sizes.end());
@@ -45,10 +45,7 @@ class Calibrating {
   Calibrating(const CameraImuData& data, const CameraImuOptions& options, const CameraImuStart& start)
       : data_(data), options_(options), lens_(data.given), q_b_c_(start.q_b_c), bias_(start.bias_b) {
     x_[shared::time_offset] = start.time_offset_s, x_[shared::row_time] = data.given_row_time_s;
-    double across = 0;
-    for (const auto& r : start.rotations) across += r.gyro_rps.head<2>().squaredNorm();
-    across = std::sqrt(across / static_cast<double>(start.rotations.size()));
-    if (!options.refine_lens || across < options.min_lens_rate_rps)
+    if (!options.refine_lens || start.across_rps < options.min_lens_rate_rps)
       for (const auto i : {kFocal, kCx, kCy, kK1}) fixed_[i] = true;
     windows_ = windows_of(data.frames, options.window_s, options.max_windows, options.min_corners);
     const GyroOrientation gyro(data.gyro, bias_);
@@ -121,12 +118,12 @@ class Calibrating {
     set(out.k1, lens_.distortion[0], fixed_[kK1]);
     out.gyro_bias_b = bias_, out.gyro_scale = scale_;
     out.gyro_bias_sigma_b = {sigma(shared::bias), sigma(shared::bias + 1), sigma(shared::bias + 2)};
-    out.residuals = problem_->residuals();
-    out.windows = windows_.size(), out.corners = out.residuals.size();
-    out.median_px = median_of_sizes(out.residuals);
+    const auto& residuals = problem_->residuals();
+    out.windows = windows_.size(), out.corners = residuals.size();
+    out.median_px = median_of_sizes(residuals);
     double squares = 0, within = 0;
-    for (const auto& r : out.residuals)
-      if (std::hypot(r.dx_px, r.dy_px) < 2 * scale_px_) squares += r.dx_px * r.dx_px + r.dy_px * r.dy_px, within += 2;
+    for (const auto& r : residuals)
+      if (std::hypot(r.x(), r.y()) < 2 * scale_px_) squares += r.x() * r.x() + r.y() * r.y(), within += 2;
     out.rms_px = std::sqrt(squares / std::max(1.0, within));
     out.lens = lens_;
     const uint32_t given = data_.given.header.flags;
@@ -212,7 +209,6 @@ Result<CameraImuCalibration> calibrate_camera_imu(const CameraImuData& data, con
   const auto start = find_camera_imu_start(data, gyro, options);
   if (!start) return start.failure();
   out.correlation = start->correlation;
-  out.offset_cost = start->offset_cost, out.rotations = start->rotations;
   if (given.header.flags & ODO_CALIBRATION_EXTRINSICS) out.given_q_b_c = quaternion(given.q_b_c);
   if (given.header.flags & ODO_CALIBRATION_TIME_OFFSET) out.time_offset_s.given = seconds(given.time_offset_ns);
   out.row_time_s.given = data.given_row_time_s;

@@ -89,18 +89,6 @@ struct CameraImuCalibration {
   double rms_px = 0, median_px = 0;  ///< of the inliers against the fit, px; median of the residual norm
   Eigen::Vector3d rate_rms_rps = Eigen::Vector3d::Zero();  ///< of the gyroscope, by principal axis, largest first
   double correlation = 0;  ///< between the rotations of pictures and gyroscope, at the start
-
-  /// For plots.
-  std::vector<std::pair<double, double>> offset_cost;  ///< time offset (s), unexplained part of the rotation
-  struct Rotation {
-    double t_s;
-    Eigen::Vector3d gyro_rps, camera_rps;  ///< in camera axes
-  };
-  std::vector<Rotation> rotations;
-  struct Residual {
-    double t_s, x_px, y_px, dx_px, dy_px;  ///< measured minus modelled
-  };
-  std::vector<Residual> residuals;
 };
 
 using ProgressCallback = std::function<void(size_t done, size_t all)>;

@@ -341,11 +341,7 @@ void CameraImuProblem::measure() {
   size_t i = 0;
   for (const auto& window : windows_)
     for (const auto& corner : window->corners)
-      for (const Sight& sight : corner) {
-        residuals_.push_back(
-            {sight.t_s + x_[shared::time_offset], sight.pixel.x, sight.pixel.y, values[i], values[i + 1]});
-        i += 2;
-      }
+      for (size_t k = 0; k < corner.size(); ++k, i += 2) residuals_.emplace_back(values[i], values[i + 1]);
 }
 
 }  // namespace odograph

@@ -59,7 +59,8 @@ class CameraImuProblem {
   /// Covariance of the shared unknowns from the windows' scores, zero where fixed. Call after solve().
   Eigen::MatrixXd covariance() const;
 
-  const std::vector<CameraImuCalibration::Residual>& residuals() const { return residuals_; }
+  /// Of each sight of a corner, measured minus modelled, px.
+  const std::vector<Eigen::Vector2d>& residuals() const { return residuals_; }
   /// For tests of its derivatives, after solve(). The first parameter blocks of a corner are shared unknowns, path,
   /// point.
   const ceres::Problem& problem() const { return *problem_; }
@@ -83,7 +84,7 @@ class CameraImuProblem {
   std::unique_ptr<ceres::LossFunction> loss_;  // outlives the problem
   std::unique_ptr<ceres::Problem> problem_;
   std::vector<ceres::ResidualBlockId> blocks_;  ///< by window, corner, frame; then each window's path
-  std::vector<CameraImuCalibration::Residual> residuals_;
+  std::vector<Eigen::Vector2d> residuals_;
 };
 
 }  // namespace odograph

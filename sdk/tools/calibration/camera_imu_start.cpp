@@ -167,15 +167,13 @@ Result<CameraImuStart> find_camera_imu_start(const CameraImuData& data, const Gy
     return Failure{ODO_E_DATA,
                    "pairs of frames with enough corners and IMU samples around them: " + std::to_string(seen.size()) +
                        "; at least " + std::to_string(kMinPairs) + " are needed, half a minute is good"};
-  CameraImuStart start{
-      .q_b_c = {}, .time_offset_s = around_s, .bias_b = {}, .correlation = 0, .offset_cost = {}, .rotations = {}};
+  CameraImuStart start{.q_b_c = {}, .time_offset_s = around_s, .bias_b = {}, .correlation = 0, .across_rps = 0};
   Match best;
   for (const bool fine : {false, true}) {
     const double middle = start.time_offset_s, half = fine ? kCoarse_s : options.search_s;
     const double step = fine ? kFine_s : kCoarse_s;
     for (int k = -static_cast<int>(half / step); k <= static_cast<int>(half / step); ++k) {
       const Match match = match_at(seen, gyro, middle + k * step);
-      if (!fine) start.offset_cost.emplace_back(middle + k * step, match.cost);
       if (match.cost >= best.cost) continue;
       best = match;
       start.time_offset_s = middle + k * step;
@@ -186,8 +184,9 @@ Result<CameraImuStart> find_camera_imu_start(const CameraImuData& data, const Gy
   for (const Seen& s : seen) {
     const double from = s.from_s + start.time_offset_s, to = s.to_s + start.time_offset_s;
     const Vector3d g = log_rotation(gyro.at(from).conjugate() * gyro.at(to)) / (to - from) - best.bias_b;
-    start.rotations.push_back({0.5 * (from + to), best.R_b_c.transpose() * g, s.rate_c});
+    start.across_rps += (best.R_b_c.transpose() * g).head<2>().squaredNorm();
   }
+  start.across_rps = std::sqrt(start.across_rps / static_cast<double>(seen.size()));
   if (best.correlation < kMinCorrelation)
     return Failure{ODO_E_DATA, "the rotation of the pictures does not match the gyroscope's (correlation " +
                                    std::to_string(best.correlation).substr(0, 4) +

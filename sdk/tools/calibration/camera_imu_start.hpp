@@ -27,8 +27,7 @@ struct CameraImuStart {
   double time_offset_s;
   Eigen::Vector3d bias_b;  ///< rad/s
   double correlation;      ///< of the rotation rates, camera against gyroscope
-  std::vector<std::pair<double, double>> offset_cost;
-  std::vector<CameraImuCalibration::Rotation> rotations;
+  double across_rps;       ///< rms rotation rate about the camera's x and y, by the gyroscope
 };
 
 /// Estimates the rotation between two frames that explains most of their corners' motion (least squares on rays with

@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// `odograph calibrate`: intrinsics of a camera from pictures of a board, with plots that show their quality; with --imu
-// the camera-IMU extrinsics.
+// `odograph calibrate`: intrinsics of a camera from pictures of a board; with --imu the camera-IMU
+// extrinsics.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
-#include <numeric>
 
 #include <nlohmann/json.hpp>
 
@@ -15,7 +13,6 @@
 #include "sdk/tools/command_line/calibrate_imu.hpp"
 #include "sdk/tools/command_line/commands.hpp"
 #include "sdk/tools/console/board_option.hpp"
-#include "sdk/tools/plot/plot.hpp"
 #include "sdk/tools/replay/picture_source.hpp"
 #include "sdk/tools/text/text.hpp"
 
@@ -94,46 +91,6 @@ std::vector<BoardView> max_different(std::vector<BoardView> views, cv::Size size
   std::vector<BoardView> out;
   for (const size_t i : taken) out.push_back(std::move(views[i]));
   return out;
-}
-
-constexpr double kEnlarged = 50;  // magnification of residuals drawn as lines
-
-std::vector<Plot> plots_of(const LensCalibration& c) {
-  const std::string enlarged = text("residual, %.0f times as long", kEnlarged);
-  Plot field{.title = "Corners over the picture", .x_label = "x (px)", .y_label = "y (px)", .equal_axes = true};
-  field.y_down = true;
-  PlotSeries corners{.name = "corners", .style = "points pt 7 ps 0.25"}, lines{.name = enlarged, .style = "lines"};
-  PlotSeries frame{.name = "edge of the picture", .style = "lines"};
-  const double w = c.size.width - 1, h = c.size.height - 1;
-  frame.points = {{0, 0}, {w, 0}, {w, h}, {0, h}, {0, 0}};
-  Plot scatter{.title = "Residuals", .x_label = "x (px)", .y_label = "y (px)", .equal_axes = true};
-  PlotSeries cloud{.name = "measured minus modelled", .style = "points pt 7 ps 0.25"};
-  Plot radial{.title = "Along the radius", .x_label = "distance from the principal point (px)", .y_label = "px"};
-  PlotSeries outward{.name = "radial residual: a wave means that the distortion model has too few terms",
-                     .style = "points pt 7 ps 0.25"};
-  Plot each{.title = "Pictures", .x_label = "picture", .y_label = "residual, rms (px)"};
-  PlotSeries used{.name = "used", .style = "impulses lw 5"}, left{.name = "left out", .style = "impulses lw 5"};
-  for (size_t i = 0; i < c.pictures.size(); ++i) {
-    const auto& picture = c.pictures[i];
-    (picture.used ? used : left).points.emplace_back(i + 1, picture.rms_px);
-    if (!picture.used) continue;
-    for (size_t k = 0; k < picture.pixels.size(); ++k) {
-      const cv::Point2d p = picture.pixels[k], r = picture.residuals_px[k];
-      corners.points.emplace_back(p.x, p.y);
-      for (const double t : {0.0, kEnlarged}) lines.points.emplace_back(p.x + t * r.x, p.y + t * r.y);
-      lines.points.emplace_back(NAN, NAN);
-      cloud.points.emplace_back(r.x, r.y);
-      const cv::Point2d from_centre(p.x - c.cx, p.y - c.cy);
-      const double radius = cv::norm(from_centre);
-      if (radius > 1) outward.points.emplace_back(radius, r.dot(from_centre) / radius);
-    }
-  }
-  field.series = {frame, corners, lines};
-  scatter.series = {cloud};
-  radial.series = {outward};
-  each.series = {used};
-  if (!left.points.empty()) each.series.push_back(left);
-  return {field, scatter, radial, each};
 }
 
 std::string figures_of(const LensCalibration& c) {
@@ -215,11 +172,8 @@ int calibrate(const CalibrateArguments& a) {
   const auto warnings = warnings_about(*found);
   std::error_code error;
   fs::create_directories(a.output, error);
-  const fs::path folder = a.output;
-  for (const auto& [name, text] : {std::pair{"camera.yaml", camera_yaml(*found)},
-                                   {"calibration.html", plots_page("Camera calibration", figures_of(*found), warnings,
-                                                                   camera_yaml(*found), plots_of(*found))}})
-    if (const auto written = write_file(folder / name, text); !written) return print_failure(written.failure());
+  if (const auto written = write_file(fs::path(a.output) / "camera.yaml", camera_yaml(*found)); !written)
+    return print_failure(written.failure());
   if (!imu.recording.empty()) return calibrate_imu(imu, &*found);
   if (a.json) {
     std::printf("%s\n", json_of(*found, warnings).dump(2).c_str());
@@ -227,8 +181,7 @@ int calibrate(const CalibrateArguments& a) {
   }
   std::printf("board found in %zu of %zu pictures\n%s", seen->views.size(), seen->pictures, figures_of(*found).c_str());
   for (const auto& warning : warnings) std::printf("beware: %s\n", warning.c_str());
-  std::printf("%s/camera.yaml (in a config: 'camera: FILE'), %s/calibration.html\n", a.output.c_str(),
-              a.output.c_str());
+  std::printf("%s/camera.yaml (in a config: 'camera: FILE')\n", a.output.c_str());
   return kDone;
 }
 
@@ -241,7 +194,7 @@ void add_calibrate(CLI::App& app, int& status) {
       "calibrate", "Calibrate a camera from pictures of a board, and camera-IMU extrinsics from a recording");
   auto a = std::make_shared<CalibrateArguments>();
   command->add_option("pictures", a->inputs, "pictures, folders of pictures, a recording or a video");
-  command->add_option("-o,--output", a->output, "folder for camera.yaml and calibration.html")->capture_default_str();
+  command->add_option("-o,--output", a->output, "folder for camera.yaml")->capture_default_str();
   a->options.add_lens(*command);
   a->options.add_board(*command);
   command->add_option("--print", a->print, "write the board as *.svg for printing, instead of calibrating");

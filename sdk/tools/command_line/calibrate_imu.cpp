@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // `odograph calibrate --imu RECORDING`: mount, time offset, row time and lens from the rotation of pictures and
-// gyroscope, with plots that show their quality.
+// gyroscope.
 #include "sdk/tools/command_line/calibrate_imu.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <cstdio>
 
 #include <nlohmann/json.hpp>
@@ -14,7 +13,6 @@
 #include "sdk/math/scalar.hpp"
 #include "sdk/math/time.hpp"
 #include "sdk/tools/command_line/commands.hpp"
-#include "sdk/tools/plot/plot.hpp"
 #include "sdk/tools/replay/camera_imu_source.hpp"
 #include "sdk/tools/text/text.hpp"
 
@@ -22,46 +20,6 @@ namespace odograph {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr size_t kMaxPoints = 6000;  // of a plot
-
-std::vector<Plot> plots_of(const CameraImuCalibration& c) {
-  Plot offset{.title = "Time offset", .x_label = "time offset (ms)", .y_label = "rotation left over, median (deg/s)"};
-  PlotSeries cost{.name = "the minimum is the initial value", .style = "lines", .points = {}};
-  for (const auto& [s, left] : c.offset_cost) cost.points.emplace_back(1e3 * s, kDeg_per_rad * left);
-  offset.series = {cost};
-  std::vector<Plot> plots = {offset};
-  const char* axes[] = {"camera's x (down and up)", "camera's y (left and right)", "optical axis (roll)"};
-  for (int i = 0; i < 3; ++i) {
-    Plot rate{.title = std::string("Rotation about the ") + axes[i], .x_label = "s", .y_label = "deg/s"};
-    PlotSeries gyro{.name = "gyroscope", .style = "lines", .points = {}};
-    PlotSeries camera{.name = "pictures alone", .style = "points pt 7 ps 0.3", .points = {}};
-    for (const auto& r : c.rotations) {
-      gyro.points.emplace_back(r.t_s, kDeg_per_rad * r.gyro_rps[i]);
-      camera.points.emplace_back(r.t_s, kDeg_per_rad * r.camera_rps[i]);
-    }
-    rate.series = {gyro, camera};
-    plots.push_back(rate);
-  }
-  Plot rows{.title = "Residuals down the picture", .x_label = "row (px)", .y_label = "px"};
-  Plot time{.title = "Residuals over time", .x_label = "s", .y_label = "px"};
-  Plot scatter{.title = "Residuals", .x_label = "x (px)", .y_label = "y (px)", .equal_axes = true};
-  PlotSeries across{.name = "across: a slope here means a wrong row time", .style = "points pt 7 ps 0.2", .points = {}};
-  PlotSeries over{.name = "size", .style = "points pt 7 ps 0.2", .points = {}};
-  PlotSeries cloud{.name = "measured minus modelled", .style = "points pt 7 ps 0.2", .points = {}};
-  const double limit = 6 * std::max(0.05, c.rms_px);
-  const size_t step = std::max<size_t>(1, c.residuals.size() / kMaxPoints);
-  for (size_t i = 0; i < c.residuals.size(); i += step) {
-    const auto& r = c.residuals[i];
-    if (std::hypot(r.dx_px, r.dy_px) > limit) continue;
-    across.points.emplace_back(r.y_px, r.dx_px);
-    over.points.emplace_back(r.t_s, std::hypot(r.dx_px, r.dy_px));
-    cloud.points.emplace_back(r.dx_px, r.dy_px);
-  }
-  rows.series = {across}, time.series = {over}, scatter.series = {cloud};
-  plots.insert(plots.end(), {rows, time, scatter});
-  return plots;
-}
 
 std::string figures_of(const CameraImuCalibration& c) {
   std::string out;
@@ -177,18 +135,15 @@ int calibrate_imu(const CalibrateImuArguments& a, const LensCalibration* board) 
   const auto warnings = warnings_about(*found);
   std::error_code error;
   fs::create_directories(a.output, error);
-  for (const auto& [name, text] : {std::pair{"camera.yaml", camera_yaml(*found)},
-                                   {"camera_imu.html", plots_page("Camera and IMU", figures_of(*found), warnings,
-                                                                  camera_yaml(*found), plots_of(*found))}})
-    if (const auto written = write_file(fs::path(a.output) / name, text); !written)
-      return print_failure(written.failure());
+  if (const auto written = write_file(fs::path(a.output) / "camera.yaml", camera_yaml(*found)); !written)
+    return print_failure(written.failure());
   if (a.json) {
     std::printf("%s\n", json_of(*found, warnings).dump(2).c_str());
     return exit_status(recording->loss, kDone);
   }
   std::printf("%s", figures_of(*found).c_str());
   for (const auto& warning : warnings) std::printf("beware: %s\n", warning.c_str());
-  std::printf("%s/camera.yaml (in a config: 'camera: FILE'), %s/camera_imu.html\n", a.output.c_str(), a.output.c_str());
+  std::printf("%s/camera.yaml (in a config: 'camera: FILE')\n", a.output.c_str());
   return exit_status(recording->loss, kDone);
 }
 

@@ -12,6 +12,7 @@
 #include "sdk/host/base/output_file.hpp"
 #include "sdk/tools/command_line/commands.hpp"
 #include "sdk/tools/page/run_page.hpp"
+#include "sdk/tools/text/text.hpp"
 
 namespace odograph {
 namespace {
@@ -55,18 +56,16 @@ Row row_of(const std::string& config, const std::string& name, const Recording& 
 void print(const Row& row) {
   const Row& error = row["error_m"];
   const auto part = [&](const char* key) {
-    char text[32] = "-";
-    if (!error.is_null()) std::snprintf(text, sizeof text, "%.2f", error[key].get<double>());
-    return std::string(text);
+    return error.is_null() ? std::string("-") : text("%.2f", error[key].get<double>());
   };
-  char scale[64] = "";
+  std::string scale;
   if (!error.is_null() && !error["scale"].is_null())
-    std::snprintf(scale, sizeof scale, "; rms %.2f m with true scale (%+.1f %%)",
-                  error["rms_with_true_scale"].get<double>(), 100 * (error["scale"].get<double>() - 1));
+    scale = text("; rms %.2f m with true scale (%+.1f %%)", error["rms_with_true_scale"].get<double>(),
+                 100 * (error["scale"].get<double>() - 1));
   std::printf("%-36s %-32s %9.2f m %5llu steps  error rms %s, median %s, largest %s, end %s m%s\n",
               row["recording"].get<std::string>().c_str(), row["config"].get<std::string>().c_str(),
               row["distance_m"].get<double>(), static_cast<unsigned long long>(row["steps"].get<uint64_t>()),
-              part("rms").c_str(), part("median").c_str(), part("largest").c_str(), part("end").c_str(), scale);
+              part("rms").c_str(), part("median").c_str(), part("largest").c_str(), part("end").c_str(), scale.c_str());
 }
 
 /// Path of a recording's page: as requested for a single recording, otherwise with the recording's name inserted before

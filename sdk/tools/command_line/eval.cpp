@@ -11,6 +11,7 @@
 #include "sdk/tools/page/run_page.hpp"
 #include "sdk/tools/replay/runner.hpp"
 #include "sdk/tools/recording/run_track.hpp"
+#include "sdk/tools/text/text.hpp"
 
 namespace odograph {
 namespace {
@@ -230,10 +231,8 @@ Result<bool> write_plot(const EvalArguments& a, const Reference& reference, cons
   PageOptions::Evaluation shown{alignment, "--align " + a.alignment, {}, {}};
   const auto figure = [&](const char* name, const char* key, const char* unit) {
     if (!result.contains(key)) return;
-    char text[120];
-    std::snprintf(text, sizeof text, "%.4g %s rms, median %.4g, largest %.4g", result[key]["rmse"].get<double>(), unit,
-                  result[key]["median"].get<double>(), result[key]["max"].get<double>());
-    shown.figures.emplace_back(name, text);
+    shown.figures.emplace_back(name, text("%.4g %s rms, median %.4g, largest %.4g", result[key]["rmse"].get<double>(),
+                                          unit, result[key]["median"].get<double>(), result[key]["max"].get<double>()));
   };
   figure("APE, translation", "ape_m", "m"), figure("APE, rotation", "ape_deg", "degrees");
   figure("RPE, translation", "rpe_m", "m"), figure("RPE, rotation", "rpe_deg", "degrees");

@@ -1,136 +1,147 @@
 // SPDX-License-Identifier: Apache-2.0
+//
+// From the files of sdk/tools/templates, in which words between @ are replaced.
 #include "sdk/tools/command_line/plugin_skeleton.hpp"
 
 #include <algorithm>
 #include <cctype>
 #include <fstream>
-#include <iterator>
 #include <vector>
 
+#include <nlohmann/json.hpp>
+
 #include "sdk/host/base/nearest.hpp"
-#include "sdk/tools/command_line/plugin_skeleton_python.hpp"
-#include "sdk/tools/command_line/plugin_skeleton_rust.hpp"
-#include "sdk/tools/command_line/plugin_skeleton_texts.hpp"
+#include "sdk/host/platform/library.hpp"
+#include "sdk/tools/replay/recording_cache.hpp"
 
 namespace odograph {
 namespace {
 
-/// The parameter of the skeleton, by kind: unit, minimum, maximum, default, help.
-struct GainText {
-  const char *unit, *low, *high, *fallback, *help;
+namespace fs = std::filesystem;
+
+const std::vector<std::string> kKinds = {"attitude", "step_estimator", "vo_frontend", "scale_source", "absolute_fixer"};
+
+using Words = std::vector<std::pair<std::string, std::string>>;
+
+/// A file and the templates that it consists of.
+struct Output {
+  std::string name;
+  std::vector<std::string> templates;
 };
-GainText gain_of(const std::string& kind) {
-  if (kind == "attitude")
-    return {"1/s", "0.01", "10", "0.5", "rate at which the accelerometer corrects the inclination (judgement)"};
-  if (kind == "step_estimator") return {"m", "0.2", "2", "0.7", "length of a step (judgement)"};
-  if (kind == "scale_source") return {"m/s", "0.1", "10", "1.4", "speed of the camera (judgement)"};
-  return {"", "0.1", "10", "1", "factor on the smallest sigma (judgement)"};
+
+/// A language: the ending of its source, the files and their words.
+struct Language {
+  std::string ending;
+  std::vector<Output> files;
+  Words words;
+};
+
+Language language_of(const std::string& language, const std::string& file, bool repository) {
+  const Output readme{"README.md", {"README.md.in"}};
+  Language out;
+  if (language == "rust")
+    out = {"rs",
+           {{"src/lib.rs", {"plugin.rs.in"}}, {"Cargo.toml", {"Cargo.toml.in"}}, {"README.md", {"README_rust.md.in"}}},
+           {}};
+  else if (language == "python")
+    out = {"py", {{file + ".py", {"plugin.py.in"}}, {"CMakeLists.txt", {"CMakeLists_python.txt.in"}}, readme}, {}};
+  else if (language == "c")
+    out = {"c",
+           {{file + ".c", {"plugin.c.in"}}, {"CMakeLists.txt", {"CMakeLists.txt.in"}}, readme},
+           {{"LANGUAGE", "C"},
+            {"LIBRARIES", " m"},
+            {"STANDARD", "C_STANDARD 99 C_VISIBILITY_PRESET hidden"},
+            {"STATIC", ""}}};
+  else
+    out = {"cpp",
+           {{file + ".cpp", {"plugin.cpp.in"}}, {"CMakeLists.txt", {"CMakeLists.txt.in"}}, readme},
+           {{"LANGUAGE", "CXX"},
+            {"LIBRARIES", ""},
+            {"STANDARD", "CXX_STANDARD 17 CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON"},
+            {"STATIC", "-static-libstdc++ "}}};
+  if (!repository) return out;
+  const std::string build = language == "rust" ? "cargo" : "cmake";
+  out.files.back().templates.emplace_back("repository/README.md.in");
+  out.files.insert(
+      out.files.end(),
+      {{"ci/check", {"repository/check_install.in", "repository/build_" + build + ".in", "repository/check_sign.in"}},
+       {".github/workflows/check.yml", {"repository/github.yml.in"}},
+       {".gitlab-ci.yml", {"repository/gitlab.yml.in"}},
+       {".gitignore", {"repository/gitignore_" + build + ".in"}}});
+  out.words.emplace_back("PACKAGES",
+                         language == "rust" ? "cargo openssl" : "cmake g++ libodograph-dev ninja-build openssl");
+  return out;
 }
 
-std::string replaced(std::string text, const std::vector<std::pair<std::string, std::string>>& words) {
-  for (const auto& [from, to] : words)
-    for (size_t at = 0; (at = text.find(from, at)) != std::string::npos; at += to.size())
-      text.replace(at, from.size(), to);
+/// Installed as share/odograph/templates beside the program's folder; a build has the same place.
+Result<std::string> template_text(const std::string& name) {
+  const fs::path file = own_file().parent_path().parent_path() / "share/odograph/templates" / name;
+  auto text = text_of(file);
+  if (!text)
+    return Failure{ODO_E_NOT_FOUND,
+                   file.string() + ": no such file; the templates of plugins are installed with the configs"};
   return text;
 }
 
-/// Members in C syntax: no initialisers (the instance is zero-initialised), int for bool.
-std::string c_members(const std::string& members) {
-  std::string out;
-  for (size_t i = 0; i < members.size(); ++i) {
-    if (members.compare(i, 3, " = ") == 0) {
-      i += 3;
-      if (members[i] == '{') i = members.find('}', i) + 1;
-      while (members[i] != ',' && members[i] != ';') ++i;
-    }
-    out += members[i];
+Result<std::string> replaced(const std::vector<std::string>& templates, const Words& words) {
+  std::string all;
+  for (const std::string& name : templates) {
+    auto text = template_text(name);
+    if (!text) return text.failure();
+    all += *text;
   }
-  return replaced(out, {{"bool ", "int "}});
+  for (const auto& [word, value] : words) {
+    const std::string from = '@' + word + '@';
+    for (size_t at = 0; (at = all.find(from, at)) != std::string::npos; at += value.size())
+      all.replace(at, from.size(), value);
+  }
+  return all;
 }
 
-/// The files of a language, by name, and the parts that depend on the kind.
-struct Template {
-  std::vector<std::pair<std::string, const char*>> files;
-  std::vector<std::pair<std::string, std::string>> words;
-};
-
-template <class Rows>
-const auto& row_of(const Rows& rows, const std::string& kind) {
-  return *std::find_if(std::begin(rows), std::end(rows), [&](const auto& row) { return kind == row.kind; });
-}
-
-Template native(const Skeleton& kind, const std::string& file, bool in_c) {
-  const std::string source = file + (in_c ? ".c" : ".cpp");
-  const std::string state = *kind.state ? std::string(" private:\n") + kind.state : "";
-  return {{{source, in_c ? kC : kCpp}, {"CMakeLists.txt", kCMake}, {"README.md", kReadme}},
-          {{"@BODY@", in_c ? kind.c_body : kind.cpp_body},
-           {"@STATE@", in_c ? c_members(kind.state) : state},
-           {"@SOURCE@", source},
-           {"@LANGUAGE@", in_c ? "C" : "CXX"},
-           {"@LIBRARIES@", in_c ? " m" : ""},
-           {"@STANDARD@", in_c ? "C_STANDARD 99 C_VISIBILITY_PRESET hidden"
-                               : "CXX_STANDARD 17 CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON"},
-           {"@STATIC@", in_c ? "" : "-static-libstdc++ "}}};
-}
-
-Template template_of(const Skeleton& kind, const std::string& file, const std::string& language) {
-  if (language == "rust") {
-    const RustSkeleton& row = row_of(kRustSkeletons, kind.kind);
-    return {{{"src/lib.rs", kRust}, {"Cargo.toml", kCargo}, {"README.md", kRustReadme}},
-            {{"@BODY@", row.body}, {"@STATE@", row.state}, {"@MESSAGE@", row.input}}};
-  }
-  if (language == "python") {
-    const PythonSkeleton& row = row_of(kPythonSkeletons, kind.kind);
-    return {{{file + ".py", kPython}, {"CMakeLists.txt", kPythonCMake}, {"README.md", kReadme}},
-            {{"@BODY@", row.body}, {"@STATE@", row.state}, {"@INTERFACE@", kind.interface_macro}}};
-  }
-  return native(kind, file, language == "c");
+Result<bool> write_new_file(const fs::path& file, const std::string& text) {
+  std::error_code error;
+  if (fs::exists(file, error)) return Failure{ODO_E_ARGUMENT, file.string() + " already exists"};
+  fs::create_directories(file.parent_path(), error);
+  std::ofstream out(file, std::ios::binary);
+  out << text;
+  if (!out.flush()) return Failure{ODO_E_IO, file.string() + ": cannot be written"};
+  return true;
 }
 
 }  // namespace
 
-Result<bool> write_plugin_skeleton(const std::string& kind, const std::string& id, const std::filesystem::path& folder,
-                                   const std::string& language) {
-  std::vector<std::string> kinds;
-  const Skeleton* found = nullptr;
-  for (const Skeleton& one : kSkeletons) {
-    kinds.emplace_back(one.kind);
-    if (kind == one.kind) found = &one;
-  }
-  if (!found)
-    return Failure{ODO_E_ARGUMENT, "kind '" + kind + "'; expected one of " + join(kinds) + did_you_mean(kind, kinds)};
+Result<bool> write_plugin_skeleton(const std::string& kind, const std::string& id, const fs::path& folder,
+                                   const std::string& language, bool repository) {
+  if (std::find(kKinds.begin(), kKinds.end(), kind) == kKinds.end())
+    return Failure{ODO_E_ARGUMENT, "kind '" + kind + "'; expected one of " + join(kKinds) + did_you_mean(kind, kKinds)};
   const auto slash = id.find('/');
   const std::string file = slash == std::string::npos ? "" : id.substr(slash + 1);
   const bool good = !file.empty() && slash > 0 &&
                     id.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789_/") == std::string::npos &&
                     file.find('/') == std::string::npos && !std::isdigit(static_cast<unsigned char>(file[0]));
   if (!good) return Failure{ODO_E_ARGUMENT, "id '" + id + "'; expected group/name in lower case"};
-  const GainText gain = gain_of(kind);
-  auto [files, words] = template_of(*found, file, language);
-  words.insert(words.end(), {{"@ID@", id},
-                             {"@KIND@", kind},
-                             {"@SUMMARY@", found->summary},
-                             {"@INTERFACE@", found->interface_macro},
-                             {"@INPUT@", found->input},
-                             {"@UNIT@", gain.unit},
-                             {"@LOW@", gain.low},
-                             {"@HIGH@", gain.high},
-                             {"@DEFAULT@", gain.fallback},
-                             {"@HELP@", gain.help},
-                             {"@FILE@", file}});
-  const std::string choice = kind == "absolute_fixer" ? "absolute_fixers" : kind;
-  const std::string yaml = "odograph: 1\nplugins:\n  search: [build]\n" + std::string(found->rest) + choice +
-                           ":\n  plugin: " + id + "\n  parameters: {gain: " + gain.fallback + "}\n";
-  files.emplace_back("pipeline.yaml", yaml.c_str());
-  std::error_code error;
-  for (const auto& [name, text] : files) {
-    if (std::filesystem::exists(folder / name, error))
-      return Failure{ODO_E_ARGUMENT, (folder / name).string() + " already exists"};
-    std::filesystem::create_directories((folder / name).parent_path(), error);
-    std::ofstream out(folder / name, std::ios::binary);
-    out << replaced(text, words);
-    if (!out.flush()) return Failure{ODO_E_IO, (folder / name).string() + ": cannot be written"};
+  Language chosen = language_of(language, file, repository);
+  Words words;
+  for (const std::string part : {"body", "state"}) {
+    auto text = template_text(kind + '/' + part + '.' + chosen.ending + ".in");
+    if (!text) return text.failure();
+    words.emplace_back(part == "body" ? "BODY" : "STATE", std::move(*text));
   }
+  const auto of_kind = template_text(kind + "/words.json");
+  if (!of_kind) return of_kind.failure();
+  for (const auto& [word, value] : nlohmann::json::parse(*of_kind).items()) words.emplace_back(word, value);
+  words.insert(words.end(), chosen.words.begin(), chosen.words.end());
+  words.insert(words.end(), {{"ID", id}, {"KIND", kind}, {"FILE", file}, {"SOURCE", chosen.files.front().name}});
+  chosen.files.push_back({"pipeline.yaml", {kind + "/pipeline.yaml.in"}});
+  for (const Output& output : chosen.files) {
+    const auto text = replaced(output.templates, words);
+    if (!text) return text.failure();
+    if (const auto written = write_new_file(folder / output.name, *text); !written) return written.failure();
+  }
+  std::error_code error;
+  if (repository)
+    fs::permissions(folder / "ci/check", fs::perms::owner_exec | fs::perms::group_exec | fs::perms::others_exec,
+                    fs::perm_options::add, error);
   return true;
 }
 

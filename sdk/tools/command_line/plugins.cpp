@@ -8,7 +8,6 @@
 #include "sdk/host/base/printable.hpp"
 #include "sdk/host/config/registry.hpp"
 #include "sdk/tools/command_line/commands.hpp"
-#include "sdk/tools/command_line/plugin_repository.hpp"
 #include "sdk/tools/command_line/plugin_skeleton.hpp"
 #include "sdk/tools/recording/recording.hpp"
 #include "sdk/tools/validator/check.hpp"
@@ -139,8 +138,7 @@ int write_new(const NewWish& wish) {
     return kBadUsage;
   }
   const std::filesystem::path where = wish.folder.empty() ? wish.id.substr(wish.id.find('/') + 1) : wish.folder;
-  auto written = write_plugin_skeleton(wish.kind, wish.id, where, wish.language);
-  if (written && wish.repository) written = write_plugin_repository(wish.id, where, wish.language);
+  const auto written = write_plugin_skeleton(wish.kind, wish.id, where, wish.language, wish.repository);
   if (!written) return print_failure(written.failure());
   std::printf("%s: see README.md there\n", where.c_str());
   return kDone;

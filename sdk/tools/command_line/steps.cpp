@@ -1,11 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// `odograph steps`: output of a step estimator on a recording, as text and plots (after Antigny et al. 2019, Figure 9).
-#include <algorithm>
-#include <cmath>
+// `odograph steps`: output of a step estimator on a recording, as text.
 #include <cstdio>
-#include <filesystem>
-#include <fstream>
 
 #include <nlohmann/json.hpp>
 
@@ -14,14 +10,13 @@
 #include "sdk/math/scalar.hpp"
 #include "sdk/math/time.hpp"
 #include "sdk/tools/command_line/commands.hpp"
-#include "sdk/tools/plot/plot.hpp"
 #include "sdk/tools/replay/runner.hpp"
 
 namespace odograph {
 namespace {
 
 struct StepsArguments {
-  std::string recording, config, plot;
+  std::string recording, config;
   bool json = false, each = false;
 };
 
@@ -45,43 +40,6 @@ std::vector<Stretch> stretches_of(const RunResult& result, int64_t start_ns, int
     all.push_back(s);
   }
   return all;
-}
-
-/// Three plots: lengths over time, their distribution, and the path.
-Result<std::string> page_of(const StepsArguments& a, const Recording& recording, const RunResult& result,
-                            int64_t start_ns) {
-  Plot lengths{.title = "Step lengths", .x_label = "s", .y_label = "m"};
-  PlotSeries estimated{.name = "estimated", .style = "points"}, truth{.name = "true", .style = "points"};
-  std::vector<double> values;
-  for (const odo_step& step : result.steps) {
-    estimated.points.emplace_back(seconds_since(start_ns, step.t_end_ns), step.length_m);
-    values.push_back(step.length_m);
-  }
-  for (const odo_step& step : recording.true_steps)
-    truth.points.emplace_back(seconds_since(start_ns, step.t_end_ns), step.length_m);
-  lengths.series.push_back(estimated);
-  if (!truth.points.empty()) lengths.series.push_back(truth);
-  Plot spread{.title = "Distribution", .x_label = "step length, m", .y_label = "fraction of shorter steps"};
-  PlotSeries curve{.name = "estimated", .style = "steps"};
-  std::sort(values.begin(), values.end());
-  for (size_t i = 0; i < values.size(); ++i)
-    curve.points.emplace_back(values[i], static_cast<double>(i + 1) / static_cast<double>(values.size()));
-  spread.series.push_back(curve);
-  Plot path{.title = "Dead-reckoned path", .x_label = "east, m", .y_label = "north, m", .equal_axes = true};
-  PlotSeries track{.name = "steps", .style = "linespoints pt 7 ps 0.3"}, marks{.name = "waypoints", .style = "points"};
-  for (const StampedPose& pose : result.track) track.points.emplace_back(pose.p.y(), pose.p.x());
-  for (const Waypoint& mark : recording.waypoints()) marks.points.emplace_back(mark.p_n.y(), mark.p_n.x());
-  path.series.push_back(track);
-  if (!marks.points.empty()) path.series.push_back(marks);
-  std::string page = "<!DOCTYPE html><meta charset=\"utf-8\"><title>Steps</title>\n<h1>" +
-                     std::filesystem::path(a.recording).filename().string() + "</h1>\n";
-  for (const Plot* plot : {&lengths, &spread, &path}) {
-    if (plot->series[0].points.empty()) continue;
-    const auto svg = draw_svg(*plot);
-    if (!svg) return svg.failure();
-    page += *svg + "\n";
-  }
-  return page;
 }
 
 /// Attitude and steps only, aligned with waypoints if there are any: samples/configs/phone_walk_odograph.yaml.
@@ -141,12 +99,7 @@ int steps(const StepsArguments& a) {
       std::printf("truth: %zu steps, %.1f m\n", recording->true_steps.size(), walked);
     }
   }
-  const int done = exit_status(result->loss, kDone);
-  if (a.plot.empty()) return done;
-  const auto page = page_of(a, *recording, *result, start);
-  if (!page) return print_failure(page.failure());
-  const auto written = write_whole_file(a.plot, *page);
-  return written ? done : print_failure(written.failure());
+  return exit_status(result->loss, kDone);
 }
 
 }  // namespace
@@ -159,8 +112,6 @@ void add_steps(CLI::App& app, int& status) {
   command->add_option(
       "-c,--config", a->config,
       "pipeline config with a step estimator; default: attitude/vqf and step/odograph, walker height 1.70 m");
-  command->add_option("--plot", a->plot,
-                      "page to write (HTML): step lengths over time, their distribution, and the path");
   command->add_flag("--each", a->each, "one line per step");
   command->add_flag("--json", a->json, "print one JSON object");
   command->callback([a, &status] { status = steps(*a); });

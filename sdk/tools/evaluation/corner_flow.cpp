@@ -76,13 +76,4 @@ void CornerFlowStatistics::refill(const cv::Mat& picture) {
   for (const cv::Point2f& p : fresh) corners_.push_back(p), births_.push_back(figures.frames);
 }
 
-std::vector<std::pair<double, double>> TrackFigures::survival() const {
-  std::vector<std::pair<double, double>> points;
-  for (double k = 1; !lengths.empty() && k <= std::min(static_cast<double>(frames) / 2, 60.0); ++k) {
-    const auto still = std::count_if(lengths.begin(), lengths.end(), [k](double length) { return length >= k; });
-    points.emplace_back(k, static_cast<double>(still) / static_cast<double>(lengths.size()));
-  }
-  return points;
-}
-
 }  // namespace odograph

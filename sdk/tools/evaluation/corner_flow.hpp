@@ -19,9 +19,6 @@ struct TrackFigures {
   std::vector<double> kept;     ///< per pair, fraction of the corners found again
   size_t frames = 0;
   double rate_hz = 0;  ///< of the frames, if known
-
-  /// Fraction of those corners still tracked, by frame number, up to half of all frames and 60.
-  std::vector<std::pair<double, double>> survival() const;
 };
 
 /// Tracks corners with pyramidal Lucas-Kanade, forwards and backwards.

@@ -47,29 +47,10 @@ double percentile(std::vector<double> v, double p) {
   return v[below] + (rank - static_cast<double>(below)) * (v[above] - v[below]);
 }
 
-std::vector<std::pair<double, double>> distribution_of(const std::vector<double>& values) {
-  std::vector<std::pair<double, double>> points;
-  for (int p = 0; p <= 100; ++p) points.emplace_back(percentile(values, 0.01 * p), 0.01 * p);
-  return points;
-}
-
 double part_below(const std::vector<double>& errors, const std::vector<double>& others) {
   size_t below = 0;
   for (size_t i = 0; i < others.size(); ++i) below += errors[i] < others[i];
   return static_cast<double>(below) / static_cast<double>(others.size());
-}
-
-double allan_deviation(const std::vector<double>& rate, double hz, double tau_s) {
-  const auto m = static_cast<size_t>(std::lround(tau_s * hz));
-  std::vector<double> angle(rate.size() + 1, 0.0);
-  for (size_t i = 0; i < rate.size(); ++i) angle[i + 1] = angle[i] + rate[i] / hz;
-  double sum = 0;
-  size_t n = 0;
-  for (size_t i = 0; i + 2 * m < angle.size(); ++i, ++n) {
-    const double d = angle[i + 2 * m] - 2 * angle[i + m] + angle[i];
-    sum += d * d;
-  }
-  return std::sqrt(sum / (2 * tau_s * tau_s * static_cast<double>(n)));
 }
 
 Result<Alignment> parse_alignment(const std::string& name) {

@@ -18,13 +18,8 @@ struct Statistics {
 Statistics statistics_of(std::vector<double> errors);
 /// The percentile `p` (0 to 1) of the values, linear between ranks.
 double percentile(std::vector<double> values, double p);
-/// The percentiles from 0 to 100, each with its fraction (0 to 1).
-std::vector<std::pair<double, double>> distribution_of(const std::vector<double>& values);
 /// Fraction of errors that are smaller than the corresponding ones in the other list.
 double part_below(const std::vector<double>& errors, const std::vector<double>& others);
-
-/// Overlapping Allan deviation of a rate signal over `tau_s` (IEEE Std 952-1997).
-double allan_deviation(const std::vector<double>& rate, double hz, double tau_s);
 
 enum class Alignment { none, first, yaw, se3, sim3 };
 Result<Alignment> parse_alignment(const std::string& name);

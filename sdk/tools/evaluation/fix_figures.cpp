@@ -79,7 +79,6 @@ CanyonFigures canyon_figures(const std::vector<TrueState>& truth, const Trajecto
       row.yaw_deg = std::abs(std::remainder(2 * std::atan2(off.z(), off.w()), 2 * EIGEN_PI)) * 180 / EIGEN_PI;
       has_heading = true;
     }
-    while (t >= static_cast<double>(row.each_second_m.size())) row.each_second_m.push_back(error);
     if (t > p.settled_s) errors.push_back(error);
     if (t > p.reflection_from_s && t < p.reflection_to_s + p.after_s)
       row.in_reflection_m = std::max(row.in_reflection_m, error);

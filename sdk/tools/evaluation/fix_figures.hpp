@@ -25,7 +25,6 @@ std::vector<double> tilt_errors_deg(const Trajectory& truth, const Trajectory& t
 /// shortly after.
 struct CanyonFigures {
   double yaw_deg = 0, median_m = 0, largest_m = 0, in_reflection_m = 0;
-  std::vector<double> each_second_m;  ///< horizontal error at each whole second of the recording
 };
 struct CanyonParameters {
   double settled_s = 20, reflection_from_s = 60, reflection_to_s = 120, after_s = 5, yaw_after_m = 100;

@@ -99,18 +99,6 @@ std::vector<double> horizontal_errors(const Trajectory& truth, const Trajectory&
   return errors;
 }
 
-std::vector<std::pair<double, double>> errors_along_path(const Trajectory& truth, const Trajectory& track,
-                                                         double every_m) {
-  std::vector<std::pair<double, double>> errors;
-  double walked_m = 0;
-  for (size_t i = 0; i < truth.size(); ++i) {
-    if (i > 0) walked_m += (truth[i].p - truth[i - 1].p).head<2>().norm();
-    if (walked_m >= every_m * static_cast<double>(errors.size()))
-      errors.emplace_back(walked_m, horizontal_error(truth, track, truth[i].t_ns));
-  }
-  return errors;
-}
-
 PositionErrors position_errors(const Trajectory& truth, const Trajectory& track) {
   PositionErrors errors;
   errors.horizontal_m = horizontal_errors(truth, track);

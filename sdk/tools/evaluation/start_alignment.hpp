@@ -35,9 +35,6 @@ YawAlignment yaw_alignment(const StampedPose& estimate, const StampedPose& truth
 
 /// Horizontal distance of the track from the truth at each true pose.
 std::vector<double> horizontal_errors(const Trajectory& truth, const Trajectory& track);
-/// The same after each `every_m` of the true path: (metres along it, error).
-std::vector<std::pair<double, double>> errors_along_path(const Trajectory& truth, const Trajectory& track,
-                                                         double every_m);
 double horizontal_error(const Trajectory& truth, const Trajectory& track, int64_t t_ns);
 
 /// Errors of a track at each true pose, north, east and horizontal; and between consecutive ones, the error of the

@@ -250,17 +250,4 @@ VoFigures vo_figures(const Trajectory& truth, const std::vector<odo_vo_motion>& 
   return f;
 }
 
-std::vector<std::pair<double, double>> scale_along(const VoFigures& figures, const Pairs& pairs,
-                                                   const VoFigureParameters& parameters) {
-  std::vector<std::pair<double, double>> points;
-  for (const ScaleWindow& w : figures.windows) points.emplace_back(w.path_m, std::exp(w.log_scale));
-  if (!points.empty()) return points;
-  points = scale_along_path(pairs.reference, pairs.estimate, parameters.window_m);
-  std::vector<double> scales;
-  for (const auto& [at_m, scale] : points) scales.push_back(scale);
-  const double median = scales.empty() ? 1.0 : percentile(scales, 0.5);
-  for (auto& [at_m, scale] : points) scale /= median;
-  return points;
-}
-
 }  // namespace odograph

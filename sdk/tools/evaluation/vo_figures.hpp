@@ -92,9 +92,4 @@ VoFigures vo_figures(const Trajectory& truth, const std::vector<odo_vo_motion>& 
                      const std::vector<int64_t>& emitted_ns, const std::vector<int64_t>& frames_ns,
                      const VoFigureParameters& parameters = {});
 
-/// Scale along the true path, by metres: of the metric windows, or, if there are none, of the displacements of `pairs`
-/// over window_m, normalised by its median.
-std::vector<std::pair<double, double>> scale_along(const VoFigures& figures, const Pairs& pairs,
-                                                   const VoFigureParameters& parameters = {});
-
 }  // namespace odograph

@@ -2,7 +2,6 @@
 //
 // Pictures with poses, for 3-D reconstruction with COLMAP (colmap.github.io/format.html) and nerfstudio
 // (docs.nerf.studio, "data conventions").
-#include <cstdio>
 #include <fstream>
 #include <iomanip>
 
@@ -14,6 +13,7 @@
 #include "sdk/tools/export/exported_run.hpp"
 #include "sdk/tools/page/page_pictures.hpp"
 #include "sdk/tools/recording/odo_file.hpp"
+#include "sdk/tools/text/text.hpp"
 
 namespace odograph {
 namespace fs = std::filesystem;
@@ -75,8 +75,7 @@ class PosedPictures {
       ++exported.pictures_lost;
       return true;
     }
-    char name[32];
-    std::snprintf(name, sizeof name, "%06zu.%s", number, bytes->front() == 0xFF ? "jpg" : "png");
+    const std::string name = text("%06zu.%s", number, bytes->front() == 0xFF ? "jpg" : "png");
     std::ofstream out(folder_ / name, std::ios::binary);
     out.write(reinterpret_cast<const char*>(bytes->data()), static_cast<std::streamsize>(bytes->size()));
     if (!out.flush()) return Failure{ODO_E_IO, folder_.string() + ": writing failed; is the disk full?"};

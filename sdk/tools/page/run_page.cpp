@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include <nlohmann/json.hpp>
 
@@ -11,6 +10,7 @@
 #include "sdk/math/time.hpp"
 #include "sdk/tools/page/page_pictures.hpp"
 #include "sdk/tools/page/run_page_text.hpp"
+#include "sdk/tools/text/text.hpp"
 
 namespace odograph {
 namespace {
@@ -25,12 +25,6 @@ constexpr double kGround_m = 1.35;     // of a phone in the hand, downwards; onl
 /// Rounds to 1e-4 by default, below what a page shows.
 double rounded(double value, double per_unit = 1e4) { return std::round(value * per_unit) / per_unit; }
 Json number(double value) { return std::isfinite(value) ? Json(rounded(value)) : Json(nullptr); }
-
-std::string text_of(const char* format, double a, double b = 0, double c = 0) {
-  char text[160];
-  std::snprintf(text, sizeof text, format, a, b, c);
-  return text;
-}
 
 /// Times and values in the form of the page's charts.
 struct Series {
@@ -89,14 +83,14 @@ class PageOfRun {
     std::string out;
     const double path_m = recording_.truth.empty() ? s.distance_m : path_length(recording_.truth);
     if (!recording_.truth.empty() && !aligned_.error_m.empty())
-      out = text_of("%.2f m rms from the truth, %.2f %% of the path of %.1f m", aligned_.rms_m(),
-                    100 * aligned_.rms_m() / std::max(1e-9, path_m), path_m);
+      out = text("%.2f m rms from the truth, %.2f %% of the path of %.1f m", aligned_.rms_m(),
+                 100 * aligned_.rms_m() / std::max(1e-9, path_m), path_m);
     else
-      out = text_of("%.1f m of path", path_m);
+      out = text("%.1f m of path", path_m);
     if (!aligned_.metric) out += ", its scale fitted to the truth";
-    if (s.scale_sigma > 0) out += text_of("; metric scale known to %.1f %%", 100 * s.scale_sigma);
+    if (s.scale_sigma > 0) out += text("; metric scale known to %.1f %%", 100 * s.scale_sigma);
     if (s.tracking_s + s.degraded_s + s.lost_s > 0)
-      out += text_of("; tracking for %.1f of %.1f s", s.tracking_s, s.tracking_s + s.degraded_s + s.lost_s);
+      out += text("; tracking for %.1f of %.1f s", s.tracking_s, s.tracking_s + s.degraded_s + s.lost_s);
     return out;
   }
   bool metric() const { return aligned_.metric; }
@@ -239,22 +233,22 @@ class PageOfRun {
       for (const auto& [name, figure] : evaluation_->figures) rows.push_back({name, figure});
       return rows;
     }
-    rows.push_back({"Error, rms", aligned_.error_m.empty() ? "no truth" : text_of("%.3f m", aligned_.rms_m())});
-    rows.push_back({"Error at the end",
-                    aligned_.error_m.empty() ? "no truth" : text_of("%.3f m", aligned_.error_m.back().second)});
-    rows.push_back({"Distance", text_of("%.2f m", s.distance_m)});
+    rows.push_back({"Error, rms", aligned_.error_m.empty() ? "no truth" : text("%.3f m", aligned_.rms_m())});
+    rows.push_back(
+        {"Error at the end", aligned_.error_m.empty() ? "no truth" : text("%.3f m", aligned_.error_m.back().second)});
+    rows.push_back({"Distance", text("%.2f m", s.distance_m)});
     rows.push_back({"Steps", count(s.steps)});
     rows.push_back({"Camera frames", count(s.frames)});
     rows.push_back({"Metric scale known to",
-                    s.scale_sigma > 0 ? text_of("%.1f %% (%.0f %% by inertia, %.0f %% by steps)", 100 * s.scale_sigma,
-                                                100 * s.scale_by_inertia, 100 * s.scale_by_steps)
+                    s.scale_sigma > 0 ? text("%.1f %% (%.0f %% by inertia, %.0f %% by steps)", 100 * s.scale_sigma,
+                                             100 * s.scale_by_inertia, 100 * s.scale_by_steps)
                                       : "not known"});
-    rows.push_back({"Tracking, degraded, lost", text_of("%.1f, %.1f, %.1f s", s.tracking_s, s.degraded_s, s.lost_s)});
+    rows.push_back({"Tracking, degraded, lost", text("%.1f, %.1f, %.1f s", s.tracking_s, s.degraded_s, s.lost_s)});
     rows.push_back({"At the end", std::string(odo_state_text(r_.final_state)) +
                                       (r_.final_reason ? std::string(": ") + odo_reason_text(r_.final_reason) : "")});
     rows.push_back({"Fixes used, not used", count(s.fixes_accepted) + ", " + count(s.fixes_rejected)});
     rows.push_back({"Work for a frame, median, 99 %",
-                    text_of("%.2f, %.2f ms", percentile(r_.frame_ms, 0.5), percentile(r_.frame_ms, 0.99))});
+                    text("%.2f, %.2f ms", percentile(r_.frame_ms, 0.5), percentile(r_.frame_ms, 0.99))});
     rows.push_back({"Dropped: late, duplicate, invalid, overflow",
                     count(s.late) + ", " + count(s.duplicate) + ", " + count(s.invalid) + ", " + count(s.overflow)});
     rows.push_back({"Plugin faults", count(s.plugin_faults)});

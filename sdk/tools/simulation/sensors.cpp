@@ -31,11 +31,6 @@ double gauss_markov(double value, double dt_s, double constant_s, Random& random
 
 }  // namespace
 
-double SimTriad::Errors::allan_deviation(double rate_hz, double tau_s) const {
-  const double white = noise * noise + step * step / 12 / rate_hz;
-  return std::sqrt(white / tau_s + walk * walk * tau_s / 3);
-}
-
 SimTriad::SimTriad(Random random, const Errors& errors, double rate_hz)
     : random_(random), e_(errors), rate_hz_(rate_hz) {
   distortion_ = Eigen::Matrix3d::Identity() + normal33(random_, e_.misalignment);

@@ -15,9 +15,6 @@ class SimTriad {
  public:
   struct Errors {
     double bias, walk, noise, scale, misalignment, range, step;
-    /// Allan deviation at rest for averaging time `tau_s`: white noise, bias random walk, and quantisation as white
-    /// noise of variance step^2 / 12 per sample.
-    double allan_deviation(double rate_hz, double tau_s) const;
   };
   SimTriad(Random random, const Errors& errors, double rate_hz);
   Eigen::Vector3d measure(const Eigen::Vector3d& truth);

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Survey of a scenario's objects.
-#include <cstdio>
 #include <fstream>
 
 #include <opencv2/imgcodecs.hpp>
@@ -10,6 +9,7 @@
 #include "sdk/math/scalar.hpp"
 #include "sdk/tools/simulation/simulate.hpp"
 #include "sdk/tools/simulation/world.hpp"
+#include "sdk/tools/text/text.hpp"
 
 namespace odograph {
 namespace {
@@ -32,31 +32,27 @@ Result<bool> write_known_objects(const Scenario& scenario, uint64_t seed, const 
   geodesy.set_origin(kSimulatedOrigin);
   std::error_code error;
   std::filesystem::create_directories(folder, error);
-  std::string text = "odograph_objects: 1\nobjects:\n";
-  char line[160];
+  std::string yaml = "odograph_objects: 1\nobjects:\n";
   for (const KnownObject& object : world.known_objects()) {
     const bool tag = object.poster.empty();
-    std::snprintf(line, sizeof line, "  - id: %s %u\n    sigma: %g\n", tag ? "tag" : "poster", object.tag, kSurvey_m);
-    text += line;
+    yaml += text("  - id: %s %u\n    sigma: %g\n", tag ? "tag" : "poster", object.tag, kSurvey_m);
     if (tag) {
-      std::snprintf(line, sizeof line, "    tag: %u\n", object.tag);
+      yaml += text("    tag: %u\n", object.tag);
     } else {
       const std::string picture = "poster" + std::to_string(object.tag) + ".png";
       if (!cv::imwrite((folder / picture).string(), object.poster))
         return Failure{ODO_E_IO, (folder / picture).string() + ": cannot be written"};
-      std::snprintf(line, sizeof line, "    picture: %s\n", picture.c_str());
+      yaml += text("    picture: %s\n", picture.c_str());
     }
-    text += std::string(line) + "    corners:\n";
+    yaml += "    corners:\n";
     for (const Eigen::Vector3d& p : object.corners) {
       const auto at = geodesy.to_geodetic({p.x(), p.y(), p.z()});
-      std::snprintf(line, sizeof line, "      - [%.10f, %.10f, %.4f]\n", at[0] / kRad_per_deg, at[1] / kRad_per_deg,
-                    at[2]);
-      text += line;
+      yaml += text("      - [%.10f, %.10f, %.4f]\n", at[0] / kRad_per_deg, at[1] / kRad_per_deg, at[2]);
     }
   }
   const std::filesystem::path file = folder / "objects.yaml";
   std::ofstream out(file);
-  out << text;
+  out << yaml;
   if (!out.flush()) return Failure{ODO_E_IO, file.string() + ": cannot be written"};
   return true;
 }

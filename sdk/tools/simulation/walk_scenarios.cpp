@@ -55,15 +55,6 @@ Scenario car_ride(uint64_t seed) {
   return s;
 }
 
-Scenario any_walker(Scenario s, uint64_t seed) {
-  Random random(seed, 6);
-  s.events.clear();
-  s.walk_m = 80;
-  s.walker.height_m = random.uniform(1.55, 1.90);
-  s.walker.speed_mps = random.uniform(1.05, 1.45);
-  return s;
-}
-
 Scenario standing(const std::string& what, bool viewer) {
   Scenario s;
   if (viewer) s.walker.gait = "viewing", s.walker.speed_mps = 0.8;

@@ -14,9 +14,6 @@ Scenario surveyor_walk(uint64_t seed);
 /// the side and backwards.
 Scenario viewer_walk(uint64_t seed);
 
-/// 80 m of a scenario without its stops, by a walker of random height and speed.
-Scenario any_walker(Scenario scenario, uint64_t seed);
-
 /// A walk with the phone against a thigh, in a bag and in a pocket.
 Scenario pocket_walk(uint64_t seed);
 
