@@ -18,7 +18,7 @@ namespace odograph {
 /// Outcome of a case. Cases return it; helpers throw one that ends the case.
 struct Verdict {
   PluginCheck::Outcome outcome = PluginCheck::Outcome::passed;
-  std::string detail;  ///< the fault, or why the case does not apply
+  std::string detail;  ///< the fault, or why the case does not apply or was not run
   Verdict() = default;
   Verdict(PluginCheck::Outcome o, std::string d) : outcome(o), detail(std::move(d)) {}
   /// The case failed with this fault; it passed if the text is empty.

@@ -43,7 +43,7 @@ odo_plugin_entry entry_of(const CaseFixture& fixture) {
   if (!handle) throw Verdict(dlerror());
   const auto entry = reinterpret_cast<odo_plugin_entry>(dlsym(handle, ODO_PLUGIN_ENTRY_SYMBOL));
   if (!entry) throw Verdict("symbol missing: " ODO_PLUGIN_ENTRY_SYMBOL);
-  note_phase("the entry");
+  note_phase("entry");
   return entry;
 }
 

@@ -157,7 +157,7 @@ Verdict validity_flags(CaseFixture& fixture) {
     const bool always_valid = row.type == ODO_TYPE_IMU && !fixture.serves(ODO_INTERFACE_VO_FRONTEND);  // vo_frontend.h
     if (!fixture.accepts(row.type) || always_valid) continue;
     ++asked;
-    note_phase(row.name);
+    note_phase("", row.name);
     const auto as_is = events_without(fixture, row, false), other = events_without(fixture, row, true);
     if (const std::string found = difference(as_is, other); !found.empty())
       return "it uses what is valid only with " + std::string(row.name) + " without that flag: " + found +

@@ -257,7 +257,7 @@ Verdict damaged_state(CaseFixture& fixture) {
     if (i % 3 == 0) bad.resize(random % (bytes.size() + 64), 0xFF);
     for (uint32_t k = 0; k <= random % 4 && !bad.empty(); ++k)
       bad[(random >> 8 ^ k * 7919) % bad.size()] ^= static_cast<uint8_t>(1 + i);
-    note_phase("load of a damaged state");
+    note_phase("load", "of a damaged state");
     fixture.table().load(driver->instance(), bad.data(), bad.size());
   }
   const int32_t status = driver->process(fixture.input);
