@@ -12,6 +12,7 @@
 #include "sdk/host/messages/messages.hpp"
 #include "tests/support/session_app.hpp"
 #include "tests/support/test_plugins.hpp"
+#include "tests/support/messages.hpp"
 
 using namespace odograph;
 
@@ -74,8 +75,7 @@ TEST_CASE("a copied message ends at the end of the message or of the reader's st
 
 TEST_CASE("a session accepts structs smaller or larger than its own, and names those it rejects") {
   App app(kWalk);
-  auto pressure = make_message<odo_barometer>(ODO_TYPE_BAROMETER, 1'000'000'000);
-  pressure.pressure_pa = 101325;
+  auto pressure = pressure_at(1'000'000'000, 101325);
   pressure.header.struct_size = ODO_BAROMETER_SIZE_MIN;
   CHECK(odo_session_push(app.session, &pressure.header) == ODO_OK);
   auto larger = vendor_message(ODO_TYPE_BAROMETER, 1'100'000'000, 200);

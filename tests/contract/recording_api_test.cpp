@@ -14,6 +14,7 @@
 #include "tests/support/recording_files.hpp"
 #include "tests/support/session_app.hpp"
 #include "tests/support/test_plugins.hpp"
+#include "tests/support/messages.hpp"
 
 using namespace odograph;
 
@@ -166,9 +167,8 @@ TEST_CASE("a pipeline with two step estimators, two scale sources and vendors' m
   };
   for (int i = 0; i < 1500; ++i) {
     const double t = i / 100.0;
-    auto imu = make_message<odo_imu>(ODO_TYPE_IMU, static_cast<int64_t>(t * 1e9) + 1'000'000'000);
-    imu.header.flags = ODO_IMU_GYRO | ODO_IMU_ACCEL;
-    imu.gyro_b[2] = 0.1 * std::sin(3 * t), imu.accel_b[1] = 9.81 + 2.2 * std::sin(2 * 3.14159265 * 1.9 * t);
+    auto imu = imu_at(static_cast<int64_t>(t * 1e9) + 1'000'000'000, {0, 0, 0.1 * std::sin(3 * t)},
+                      {0, 9.81 + 2.2 * std::sin(2 * 3.14159265 * 1.9 * t), 0});
     push(imu.header);
     Wifi wifi{};
     wifi.header.struct_size = sizeof wifi, wifi.header.type = kWifi, wifi.header.t_ns = imu.header.t_ns + 7;
@@ -204,8 +204,7 @@ TEST_CASE("the second recorder on a path is rejected, for new and existing files
     CHECK(second == nullptr);
     CHECK(std::string(error.message).find("is being written by another recorder") != std::string::npos);
     for (int i = 0; i < count; ++i) {
-      auto imu = make_message<odo_imu>(ODO_TYPE_IMU, 1'000'000'000 + 5'000'000LL * i);
-      imu.header.flags = ODO_IMU_GYRO;
+      auto imu = imu_at(1'000'000'000 + 5'000'000LL * i, {0, 0, 0}, {0, 0, 0}, ODO_IMU_GYRO);
       CHECK(odo_recorder_write(first, &imu.header, nullptr, 0) == ODO_OK);
     }
     CHECK(odo_recorder_close(first) == ODO_OK);

@@ -14,6 +14,7 @@
 #include "tests/support/obeys.hpp"
 #include "tests/support/session_app.hpp"
 #include "tests/support/test_plugins.hpp"
+#include "tests/support/messages.hpp"
 
 using namespace odograph;
 
@@ -41,10 +42,8 @@ std::vector<Message> given(const App& app, uint32_t type) {
 
 int32_t push_frame(App& app, int64_t t_ns, uint32_t width, uint32_t height, uint32_t flags = 0, int64_t line_ns = 0) {
   static const std::vector<uint8_t> pixels(100 * 100, 90);
-  auto f = make_message<odo_frame>(ODO_TYPE_FRAME, t_ns);
-  f.header.flags = flags, f.line_time_ns = line_ns;
-  f.format = ODO_FORMAT_GREY8, f.width = width, f.height = height, f.fx = f.fy = 50;
-  f.planes[0] = {pixels.data(), width, 1, 0};
+  auto f = grey_frame_at(t_ns, pixels.data(), width, height);
+  f.header.flags = flags, f.line_time_ns = line_ns, f.fx = f.fy = 50;
   return odo_session_push(app.session, &f.header);
 }
 
@@ -204,8 +203,7 @@ TEST_CASE("the time in each state is that between the reported states") {
   REQUIRE(app.status == ODO_OK);
   const auto barometer = [&](int from_ms, int to_ms) {
     for (int ms = from_ms; ms < to_ms; ms += 50) {
-      auto b = make_message<odo_barometer>(ODO_TYPE_BAROMETER, 1'000'000'000 + ms * 1'000'000LL);
-      b.pressure_pa = 101325;
+      auto b = pressure_at(1'000'000'000 + ms * 1'000'000LL, 101325);
       odo_session_push(app.session, &b.header);
     }
   };
@@ -256,8 +254,7 @@ TEST_CASE("each rejected sample is the last error, also within the second in whi
   App app(kWalk);
   app.walk(0, 100);
   odo_session_flush(app.session);
-  auto imu = make_message<odo_imu>(ODO_TYPE_IMU, 2'000'000'000);
-  imu.header.flags = ODO_IMU_GYRO | ODO_IMU_ACCEL;
+  auto imu = imu_at(2'000'000'000, {0, 0, 0}, {0, 0, 0});
   for (const double wrong : {std::nan(""), HUGE_VAL, 1e5}) {
     imu.gyro_b[1] = wrong;
     for (int i = 0; i < 2; ++i) {

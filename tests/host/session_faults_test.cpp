@@ -11,6 +11,7 @@
 
 #include "tests/support/session_app.hpp"
 #include "tests/support/test_plugins.hpp"
+#include "tests/support/messages.hpp"
 
 using namespace odograph;
 
@@ -135,9 +136,7 @@ TEST_CASE("a burst of late samples after a stall is not taken for a clock that w
   const auto before = app.pose(ODO_TIME_LATEST);
   const auto half = [&](uint32_t flag, int i) {
     const double t = 0.01 * i;
-    auto imu = make_message<odo_imu>(ODO_TYPE_IMU, static_cast<int64_t>(t * 1e9) + 1'000 * kMs);
-    imu.header.flags = flag;
-    imu.accel_b[1] = 9.81;
+    auto imu = imu_at(static_cast<int64_t>(t * 1e9) + 1'000 * kMs, {0, 0, 0}, {0, 9.81, 0}, flag);
     odo_session_push(app.session, &imu.header);
   };
   for (int i = 1000; i < 1200; ++i) half(ODO_IMU_GYRO, i), half(ODO_IMU_ACCEL, i);
@@ -228,11 +227,8 @@ TEST_CASE("a frame that cannot be held is counted and reported with a reason" * 
   odo_session_push(app.session, &lens.header);
   app.walk(0, 10);
   static const std::vector<uint8_t> pixels(64 * 48, 90);
-  auto f = make_message<odo_frame>(ODO_TYPE_FRAME, 1'050'000'000);
-  f.format = ODO_FORMAT_GREY8, f.width = 64, f.height = 48;
-  f.planes[0] = {pixels.data(), 64, 1, 0};
-  f.loan.retain = [](void*) -> int32_t { return ODO_E_EXHAUSTED; };
-  f.loan.release = [](void*) {};
+  auto f = grey_frame_at(1'050'000'000, pixels.data(), 64, 48);
+  f.loan.retain = [](void*) -> int32_t { return ODO_E_EXHAUSTED; }, f.loan.release = [](void*) {};
   CHECK(odo_session_push(app.session, &f.header) == ODO_E_EXHAUSTED);
   odo_session_flush(app.session);
   CHECK(app.statistics().overflow == 1);

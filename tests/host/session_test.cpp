@@ -14,6 +14,7 @@
 
 #include "sdk/host/messages/messages.hpp"
 #include "tests/support/session_app.hpp"
+#include "tests/support/messages.hpp"
 
 using namespace odograph;
 
@@ -70,8 +71,7 @@ TEST_CASE("a live session with samples from several threads gives the replay's e
   std::thread barometer([&] {
     for (int i = 0; i < 200 && !stop; ++i) {
       while (now_ns < 1'000'000'000 + i * 50'000'000LL && !stop) std::this_thread::yield();
-      auto b = make_message<odo_barometer>(ODO_TYPE_BAROMETER, 1'000'000'000 + i * 50'000'000LL);
-      b.pressure_pa = 101325;
+      auto b = pressure_at(1'000'000'000 + i * 50'000'000LL, 101325);
       odo_session_push(live.session, &b.header);
     }
   });
@@ -99,13 +99,11 @@ TEST_CASE("a sensor that is permanently late is counted and does not affect the 
   odo_session_flush(replay.session);
   for (int i = 0; i < 1000; i += 10) {
     app.walk(i, i + 10);
-    auto b = make_message<odo_barometer>(ODO_TYPE_BAROMETER, 1'000'000'000 + (i - 300) * 10'000'000LL);
-    b.pressure_pa = 101325;
+    auto b = pressure_at(1'000'000'000 + (i - 300) * 10'000'000LL, 101325);
     odo_session_push(app.session, &b.header);
   }
   for (int i = 0; i < 200; ++i) {  // no further samples of the others
-    auto b = make_message<odo_barometer>(ODO_TYPE_BAROMETER, 8'000'000'000 + i * 1'000'000LL);
-    b.pressure_pa = 101325;
+    auto b = pressure_at(8'000'000'000 + i * 1'000'000LL, 101325);
     odo_session_push(app.session, &b.header);
   }
   odo_session_flush(app.session);
@@ -220,10 +218,7 @@ TEST_CASE("a config's camera takes precedence over pushed calibrations, and need
     app.walk(0, 20);
     const std::vector<uint8_t> pixels(64 * 48, 90);
     for (int i = 0; i < 3; ++i) {
-      auto f = make_message<odo_frame>(ODO_TYPE_FRAME, 1'200'000'000 + i * 100'000'000LL);
-      f.format = ODO_FORMAT_GREY8;
-      f.width = 64, f.height = 48;
-      f.planes[0] = {pixels.data(), 64, 1, 0};
+      auto f = grey_frame_at(1'200'000'000 + i * 100'000'000LL, pixels.data(), 64, 48);
       CHECK(odo_session_push(app.session, &f.header) == ODO_OK);
     }
     app.walk(20, 50);
@@ -246,10 +241,7 @@ TEST_CASE("too many waiting frames are rejected, not queued" * doctest::skip(!kC
   std::vector<uint8_t> pixels(64 * 48, 90);
   int refused = 0;
   for (int i = 0; i < 10; ++i) {
-    auto f = make_message<odo_frame>(ODO_TYPE_FRAME, 1'200'000'000 + i * 50'000'000LL);
-    f.format = ODO_FORMAT_GREY8;
-    f.width = 64, f.height = 48;
-    f.planes[0] = {pixels.data(), 64, 1, 0};
+    auto f = grey_frame_at(1'200'000'000 + i * 50'000'000LL, pixels.data(), 64, 48);
     if (odo_session_push(app.session, &f.header) == ODO_E_EXHAUSTED) ++refused;
   }
   CHECK(refused == 7);

@@ -11,6 +11,7 @@
 #include "sdk/host/core/frame_store.hpp"
 #include "tests/isolation/isolated_plugin.hpp"
 #include "tests/support/test_plugins.hpp"
+#include "tests/support/messages.hpp"
 
 using namespace odograph;
 
@@ -22,11 +23,7 @@ constexpr uint32_t kWidth = 640, kHeight = 480;
 constexpr size_t kBytes = size_t(kWidth) * kHeight;
 
 odo_frame grey_frame(const std::vector<uint8_t>& pixels, int number) {
-  auto frame = make_message<odo_frame>(ODO_TYPE_FRAME, 1'000'000'000 + number * 33'000'000LL);
-  frame.format = ODO_FORMAT_GREY8;
-  frame.width = kWidth, frame.height = kHeight;
-  frame.planes[0] = {pixels.data(), kWidth, 1, 0};
-  return frame;
+  return grey_frame_at(1'000'000'000 + number * 33'000'000LL, pixels.data(), kWidth, kHeight);
 }
 
 /// Reports of test/retaining_vo about the frames it keeps, with this many frames in the session's store.

@@ -4,6 +4,7 @@
 #include <doctest/doctest.h>
 
 #include "tests/support/measured_walk.hpp"
+#include "tests/support/messages.hpp"
 
 using namespace odograph;
 
@@ -20,19 +21,12 @@ TEST_CASE("with steps alone, height fixes on a slope are applied fully, and the 
   double squares = 0, normalised = 0, n = 0;
   for (int i = 0; i < 7000; ++i) {
     const double t = 0.01 * i;
-    auto imu = make_message<odo_imu>(ODO_TYPE_IMU, ns(t));
-    imu.header.flags = ODO_IMU_GYRO | ODO_IMU_ACCEL;
-    imu.accel_b[2] = -9.81;
+    auto imu = imu_at(ns(t), {0, 0, 0}, {0, 0, -9.81});
     composer.add_imu(imu);
-    auto attitude = make_message<odo_attitude>(ODO_TYPE_ATTITUDE, ns(t));
-    attitude.q_n_b[0] = 1;
-    attitude.covariance_n[0] = attitude.covariance_n[4] = 4e-4;
+    auto attitude = attitude_at(ns(t), Eigen::Quaterniond::Identity(), 4e-4);
     composer.update(&attitude);
     if (i % 50 == 40 && t > 1) {
-      auto step = make_message<odo_step>(ODO_TYPE_STEP, ns(t));
-      step.header.flags = ODO_STEP_HEADING;
-      step.t_start_ns = ns(t - kTold_s - kStep_s), step.t_end_ns = ns(t - kTold_s);
-      step.length_m = 0.7, step.sigma_m = 0.07;
+      auto step = step_between(ns(t - kTold_s - kStep_s), ns(t - kTold_s), ns(t), 0.7, 0.07);
       step.mode = ODO_MODE_WALKING_TEXTING;
       composer.update(&step);
     }
@@ -62,12 +56,9 @@ TEST_CASE("a pressure that arrives late refers to the height at its time") {
   const auto ns = [](int frame) { return 1'000'000'000 + int64_t(100'000'000) * frame; };
   const auto ascend = [&](int from, int to) {  // by 0.1 m per frame, with a camera that looks ahead
     for (int k = from; k <= to; ++k) {
-      auto motion = make_message<odo_vo_motion>(ODO_TYPE_VO_MOTION, ns(k));
-      motion.header.flags = ODO_VO_ROTATION | ODO_VO_TRANSLATION | ODO_VO_METRIC;
-      motion.t_from_ns = ns(k - 1);
-      motion.q_c0_c1[0] = 1;
-      motion.p_c0_c1[1] = -0.1;
-      motion.scale_sigma = 0.01, motion.state = ODO_TRACKING;
+      auto motion =
+          motion_between(ns(k - 1), ns(k), {0, -0.1, 0}, ODO_VO_ROTATION | ODO_VO_TRANSLATION | ODO_VO_METRIC);
+      motion.scale_sigma = 0.01;
       composer.update(FrameTime{ns(k)});
       composer.update(RelativeMotion{&motion, nullptr});
     }
@@ -78,8 +69,7 @@ TEST_CASE("a pressure that arrives late refers to the height at its time") {
       const double middle = 0.5 * (low + high);
       (pressure_height_m(middle) - pressure_height_m(100'000) > 0.1 * frame ? low : high) = middle;
     }
-    auto barometer = make_message<odo_barometer>(ODO_TYPE_BAROMETER, ns(frame));
-    barometer.pressure_pa = low;
+    auto barometer = pressure_at(ns(frame), low);
     return composer.update(&barometer);
   };
   const auto down_m = [&] { return composer.localizer().x[kDown]; };

@@ -8,6 +8,7 @@
 
 #include "sdk/math/atmosphere.hpp"
 #include "tests/support/measured_walk.hpp"
+#include "tests/support/messages.hpp"
 
 using namespace odograph;
 using Eigen::Quaterniond;
@@ -236,9 +237,7 @@ TEST_CASE("a first fix of the height alone gives no information about north and 
   CouplingConfig config;
   config.type = CouplingType::localizer;
   Composer composer(config, {}, {true, false});
-  auto imu = make_message<odo_imu>(ODO_TYPE_IMU, 0);
-  imu.header.flags = ODO_IMU_GYRO | ODO_IMU_ACCEL;
-  imu.accel_b[2] = -9.81;
+  auto imu = imu_at(0, {0, 0, 0}, {0, 0, -9.81});
   for (imu.header.t_ns = 0; imu.header.t_ns <= 1'000'000'000; imu.header.t_ns += 5'000'000) composer.add_imu(imu);
   composer.update(FrameTime{1'000'000'000});
   Estimate before, after;

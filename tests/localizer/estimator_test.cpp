@@ -8,6 +8,7 @@
 #include <Eigen/LU>
 
 #include "tests/support/measured_walk.hpp"
+#include "tests/support/messages.hpp"
 
 using namespace odograph;
 using Eigen::Quaterniond;
@@ -176,15 +177,11 @@ TEST_CASE(
     double walked = 0, path = 0, last = 0;
     int told = 0;
     for (double t = 0; t < 80; t += 0.01) {
-      auto imu = make_message<odo_imu>(ODO_TYPE_IMU, ns(t));
-      imu.header.flags = ODO_IMU_GYRO | ODO_IMU_ACCEL;
-      imu.accel_b[2] = -9.81;
+      auto imu = imu_at(ns(t), {0, 0, 0}, {0, 0, -9.81});
       const double in_cycle = std::fmod(t, kCycle_s);
       if (in_cycle > 8) imu.accel_b[0] = 2 * std::sin(4 * EIGEN_PI * t);
       composer.add_imu(imu);
-      auto attitude = make_message<odo_attitude>(ODO_TYPE_ATTITUDE, ns(t));
-      attitude.q_n_b[0] = 1;
-      attitude.covariance_n[0] = attitude.covariance_n[4] = 4e-4;
+      auto attitude = attitude_at(ns(t), Eigen::Quaterniond::Identity(), 4e-4);
       composer.update(&attitude);
       odo_pose pose;
       const auto drain = [&] {
@@ -196,11 +193,8 @@ TEST_CASE(
       const int cycle = static_cast<int>(t / kCycle_s);
       const int done = static_cast<int>((in_cycle - 8 - 0.4) / kStep_s);  // ends of steps at least 0.4 s ago
       for (int k = told - cycle * 14; done >= 8 && k < std::min(done, 14); ++k, ++told) {
-        auto step = make_message<odo_step>(ODO_TYPE_STEP, ns(t));
-        step.header.flags = ODO_STEP_HEADING;
-        step.t_start_ns = ns(cycle * kCycle_s + 8 + k * kStep_s),
-        step.t_end_ns = ns(cycle * kCycle_s + 8 + (k + 1) * kStep_s);
-        step.length_m = kStep_m, step.sigma_m = 0.07;
+        auto step = step_between(ns(cycle * kCycle_s + 8 + k * kStep_s), ns(cycle * kCycle_s + 8 + (k + 1) * kStep_s),
+                                 ns(t), kStep_m, 0.07);
         step.mode = ODO_MODE_WALKING_TEXTING;
         CHECK(composer.update(&step).accepted);
         walked += kStep_m;

@@ -11,6 +11,7 @@
 #include "sdk/host/messages/messages.hpp"
 #include "tests/support/measured_walk.hpp"
 #include "tests/support/kept.hpp"
+#include "tests/support/messages.hpp"
 
 using namespace odograph;
 
@@ -19,8 +20,7 @@ namespace {
 constexpr Tolerance kSame = {1e-6, false};
 
 odo_barometer pressure(double t_s) {
-  auto baro = make_message<odo_barometer>(ODO_TYPE_BAROMETER, MeasuredWalk::ns(t_s));
-  baro.pressure_pa = 101000 - 12 * (0.02 * t_s + 0.1 * std::sin(t_s));
+  auto baro = pressure_at(MeasuredWalk::ns(t_s), 101000 - 12 * (0.02 * t_s + 0.1 * std::sin(t_s)));
   return baro;
 }
 

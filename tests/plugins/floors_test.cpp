@@ -15,6 +15,7 @@
 #include "sdk/tools/simulation/random.hpp"
 #include "sdk/tools/simulation/simulate.hpp"
 #include "tests/support/support.hpp"
+#include "tests/support/messages.hpp"
 
 using namespace odograph;
 
@@ -241,21 +242,16 @@ TEST_CASE("a lift is a source of motion: its motion is no correction, and steps 
   bool rode = false, floor_said = false;
   for (int i = 0; i < 7000; ++i) {
     const double t = 0.01 * i;
-    auto attitude = make_message<odo_attitude>(ODO_TYPE_ATTITUDE, ns(t));
-    attitude.q_n_b[0] = 1;
-    attitude.covariance_n[0] = attitude.covariance_n[4] = 4e-4;
+    auto attitude = attitude_at(ns(t), Eigen::Quaterniond::Identity(), 4e-4);
     composer.update(&attitude);
     const bool walks = t < 25 || t > 45;
     if (walks && i > 0 && i % 50 == 0) {
-      auto step = make_message<odo_step>(ODO_TYPE_STEP, ns(t));
-      step.header.flags = ODO_STEP_HEADING;
-      step.t_start_ns = ns(t - 0.9), step.t_end_ns = ns(t - 0.4);
-      step.length_m = 0.7, step.sigma_m = 0.05, step.mode = ODO_MODE_WALKING_TEXTING;
+      auto step = step_between(ns(t - 0.9), ns(t - 0.4), ns(t), 0.7, 0.05);
+      step.mode = ODO_MODE_WALKING_TEXTING;
       composer.update(&step);
     }
     if (i % 20 == 0) {
-      auto reading = make_message<odo_barometer>(ODO_TYPE_BAROMETER, ns(t));
-      reading.pressure_pa = pressure_at_pa(up_at(t)) + 1.5 * random.normal();
+      auto reading = pressure_at(ns(t), pressure_at_pa(up_at(t)) + 1.5 * random.normal());
       composer.update(&reading);
     }
     Correction correction;

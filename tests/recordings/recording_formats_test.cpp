@@ -12,6 +12,7 @@
 
 #include "sdk/tools/recording/odo_file.hpp"
 #include "tests/support/support.hpp"
+#include "tests/support/messages.hpp"
 
 using namespace odograph;
 namespace fs = std::filesystem;
@@ -275,8 +276,7 @@ TEST_CASE("an EuRoC folder's truth has the states' numbers, is converted to the 
   const TemporaryFolder folder;
   Recording r{.format = "test", .path = "x"};
   for (int64_t i = 0; i < 5; ++i) {
-    auto imu = make_message<odo_imu>(ODO_TYPE_IMU, 1'000'000'000 + i * 4'000'000);
-    imu.header.flags = ODO_IMU_GYRO | ODO_IMU_ACCEL;
+    auto imu = imu_at(1'000'000'000 + i * 4'000'000, {0, 0, 0}, {0, 0, 0});
     r.add(imu.header);
   }
   for (int64_t i = 0; i < 3; ++i) r.add(make_message<odo_gnss>(ODO_TYPE_GNSS, 1'000'000'000 + i).header);

@@ -15,6 +15,7 @@
 #include "sdk/tools/recording/odo_file.hpp"
 #include "sdk/tools/simulation/random.hpp"
 #include "tests/support/support.hpp"
+#include "tests/support/messages.hpp"
 
 using namespace odograph;
 namespace fs = std::filesystem;
@@ -249,8 +250,7 @@ TEST_CASE("times near the ends of int64 are skipped and counted") {
 
 TEST_CASE("messages with impossible numbers are skipped, counted and the first one reported") {
   Recording recording;
-  auto imu = make_message<odo_imu>(ODO_TYPE_IMU, 7);
-  imu.header.flags = ODO_IMU_GYRO;
+  auto imu = imu_at(7, {0, 0, 0}, {0, 0, 0}, ODO_IMU_GYRO);
   for (const double rate : {0.1, std::nan(""), HUGE_VAL}) {
     imu.gyro_b[1] = rate;
     recording.add(imu.header);

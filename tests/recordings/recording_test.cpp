@@ -13,6 +13,7 @@
 #include "sdk/tools/recording/odo_file.hpp"
 #include "sdk/tools/recording/text_rows.hpp"
 #include "tests/support/support.hpp"
+#include "tests/support/messages.hpp"
 
 using namespace odograph;
 namespace fs = std::filesystem;
@@ -223,8 +224,7 @@ Recording one_frame(const odo_calibration& lens, const fs::path& png) {
   auto noise = make_message<odo_imu_noise>(ODO_TYPE_IMU_NOISE, 0);
   noise.gyro_noise = 1e-3, noise.gyro_walk = 2e-5, noise.accel_noise = 3e-3, noise.accel_walk = 4e-4;
   r.add(noise.header);
-  auto imu = make_message<odo_imu>(ODO_TYPE_IMU, 1'000'000'001);
-  imu.header.flags = ODO_IMU_GYRO | ODO_IMU_ACCEL;
+  auto imu = imu_at(1'000'000'001, {0, 0, 0}, {0, 0, 0});
   for (int i = 0; i < 3; ++i) imu.gyro_b[i] = 0.1 * (i + 1), imu.accel_b[i] = 9 - i;
   r.add(imu.header);
   auto frame = make_message<odo_frame>(ODO_TYPE_FRAME, 1'000'000'002);

@@ -9,6 +9,7 @@
 #include "sdk/tools/evaluation/gait_figures.hpp"
 #include "sdk/tools/evaluation/pose_consistency.hpp"
 #include "sdk/tools/evaluation/vo_consistency.hpp"
+#include "tests/support/messages.hpp"
 
 using namespace odograph;
 using Eigen::AngleAxisd;
@@ -169,8 +170,7 @@ TEST_SUITE("evaluation") {
   TEST_CASE("a phone's gait is resampled from its own samples, the horizontal part by its own attitude") {
     Recording r;
     for (int64_t i = 0; i < 1000; ++i) {
-      auto imu = make_message<odo_imu>(ODO_TYPE_IMU, kSecond + i * 2'500'000);
-      imu.header.flags = i % 2 ? ODO_IMU_GYRO : ODO_IMU_ACCEL;
+      auto imu = imu_at(kSecond + i * 2'500'000, {0, 0, 0}, {0, 0, 0}, i % 2 ? ODO_IMU_GYRO : ODO_IMU_ACCEL);
       (i % 2 ? imu.gyro_b : imu.accel_b)[0] = i % 2 ? 0.25 : 3;
       (i % 2 ? imu.gyro_b : imu.accel_b)[2] = i % 2 ? 0 : 4;
       r.add(imu.header);
