@@ -102,8 +102,7 @@ TEST_CASE(
       "odograph: 1\nattitude:\n  plugin: attitude/vqf\nstep_estimator:\n  - plugin: step/renaudin2012\n"
       "  - plugin: step/weinberg2002\nvo_frontend:\n  plugin: vo/five_point\nscale_source:\n"
       "  - plugin: scale/fixed_step\n  - plugin: scale/step_length\n";
-  App app(yaml), alone(kWalk);
-  REQUIRE_MESSAGE(app.status == ODO_OK, app.message);
+  RunningApp app(yaml), alone(kWalk);
   for (App* each : {&app, &alone}) {
     each->walk(0, 2000);
     odo_session_flush(each->session);
@@ -133,9 +132,8 @@ TEST_CASE("a late scale is published as not accepted and reported, unlike one fo
   CHECK_FALSE(join.note(0, scale));
 
   const TestPlugins plugins{"late_scale"};
-  App app(kWalk + "vo_frontend:\n  plugin: vo/five_point\nscale_source:\n  plugin: test/late_scale\n", ODO_RUN_REPLAY,
-          plugins.path());
-  REQUIRE_MESSAGE(app.status == ODO_OK, app.message);
+  RunningApp app(kWalk + "vo_frontend:\n  plugin: vo/five_point\nscale_source:\n  plugin: test/late_scale\n",
+                 ODO_RUN_REPLAY, plugins.path());
   const odo_calibration camera = calibration(64, 48);
   odo_session_push(app.session, &camera.header);
   for (int i = 0; i < 20; ++i) {
@@ -157,8 +155,7 @@ TEST_CASE("the next step estimator replaces one that has failed") {
       "odograph: 1\nattitude:\n  plugin: attitude/vqf\nstep_estimator:\n  - plugin: test/failing_steps\n"
       "  - plugin: step/renaudin2012\n";
   const TestPlugins plugins{"failing_steps"};
-  App app(yaml, ODO_RUN_REPLAY, plugins.path());
-  REQUIRE_MESSAGE(app.status == ODO_OK, app.message);
+  RunningApp app(yaml, ODO_RUN_REPLAY, plugins.path());
   app.walk(0, 2000);
   odo_session_flush(app.session);
   CHECK(app.statistics().steps > 10);

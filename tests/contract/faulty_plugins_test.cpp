@@ -113,8 +113,7 @@ TEST_CASE("the file's cases detect a missing library or manifest, another librar
   const auto library = folder / "scale.so";
   fs::copy_file(kFaultyPlugins / "good_scale.so", library);
   CHECK(check(library, "file.manifest").front().outcome == PluginCheck::Outcome::failed);
-  const auto manifest = write_manifest_beside(library);
-  REQUIRE(manifest.ok());
+  const auto manifest = required(write_manifest_beside(library));
   for (const PluginCheck& one : check(library, "file."))
     CHECK_MESSAGE((one.outcome == PluginCheck::Outcome::passed || one.id == "file.signature"), one.id);
   const std::string said = read_text(*manifest);

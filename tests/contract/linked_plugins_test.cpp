@@ -85,8 +85,7 @@ TEST_SUITE_BEGIN("linked_plugins");
 
 TEST_CASE("a registered plugin is found by its id without a file, and its parameters are checked") {
   REQUIRE(odo_register_plugin(linked_entry, nullptr) == ODO_OK);
-  App app("odograph: 1\nattitude: {plugin: linked/one, parameters: {gain: 2 m}}\n");
-  REQUIRE_MESSAGE(app.status == ODO_OK, app.message);
+  RunningApp app("odograph: 1\nattitude: {plugin: linked/one, parameters: {gain: 2 m}}\n");
   app.walk(0, 20);
   odo_session_flush(app.session);
   CHECK(app.all<odo_attitude>(ODO_TYPE_ATTITUDE).size() == 20);
@@ -122,8 +121,7 @@ TEST_CASE("a plugin is created again where its reset fails, and only there") {
   choice.manifest.id = "linked/one", choice.manifest.entry = Counted::entry;
   choice.manifest.abi_major = ODO_ABI_MAJOR, choice.manifest.abi_minor = ODO_ABI_MINOR;
   choice.interface_id = ODO_INTERFACE_ATTITUDE;
-  auto plugin = PluginInstance::make(choice, LibraryCheck::hash, 1, host);
-  REQUIRE_MESSAGE(plugin.ok(), plugin.failure().text);
+  auto plugin = required(PluginInstance::make(choice, LibraryCheck::hash, 1, host));
   (*plugin)->reset();
   CHECK((Counted::creations == 1 && Counted::resets == 1));
   Counted::reset_status = ODO_E_ERROR;
@@ -155,8 +153,7 @@ TEST_CASE("a registered plugin takes precedence over one with its id in a folder
   const auto folder = std::filesystem::path(ODOGRAPH_BUILD) / "tests/same_class";
   REQUIRE(write_manifest_beside(folder / (std::string("same_class_1") + ODOGRAPH_LIBRARY)).ok());
   const auto config = [&] {
-    auto read = read_pipeline_config("odograph: 1\nattitude: {plugin: same/library_1}\n", "test", {folder});
-    REQUIRE_MESSAGE(read.ok(), read.failure().text);
+    auto read = required(read_pipeline_config("odograph: 1\nattitude: {plugin: same/library_1}\n", "test", {folder}));
     return read->attitudes.front().manifest;
   };
   CHECK((config().entry == nullptr));

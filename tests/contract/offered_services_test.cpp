@@ -119,8 +119,7 @@ TEST_CASE("an oversized state is reported, in process and isolated") {
 
 TEST_CASE("a plugin that requests it is called without a message, at the latest with the next sample") {
   REQUIRE(odo_register_plugin(radio_entry, nullptr) == ODO_OK);
-  App app("odograph: 1\nattitude: {plugin: test/radio}\n");
-  REQUIRE_MESSAGE(app.status == ODO_OK, app.message);
+  RunningApp app("odograph: 1\nattitude: {plugin: test/radio}\n");
   app.walk(0, 3);
   CHECK(app.all<odo_attitude>(ODO_TYPE_ATTITUDE).empty());
   std::thread([] {
@@ -138,8 +137,7 @@ TEST_CASE("a plugin that requests it is called without a message, at the latest 
 
 TEST_CASE("a live session calls a plugin on request while no sample arrives") {
   REQUIRE(odo_register_plugin(radio_entry, nullptr) == ODO_OK);
-  const App app("odograph: 1\nattitude: {plugin: test/radio}\n", ODO_RUN_LIVE);
-  REQUIRE_MESSAGE(app.status == ODO_OK, app.message);
+  const RunningApp app("odograph: 1\nattitude: {plugin: test/radio}\n", ODO_RUN_LIVE);
   const int before = Radio::calls;
   CHECK(Radio::newest->wake());
   for (int i = 0; i < 500 && Radio::calls == before; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(10));

@@ -128,8 +128,7 @@ TEST_CASE("a crafted recording yields no borrowed memory and no reserved number"
   const TemporaryFolder folder;
   const auto path = folder / "crafted.odo";
   {
-    auto writer = RecordWriter::create(path);
-    REQUIRE(writer.ok());
+    auto writer = required(RecordWriter::create(path));
     auto lent = make_message<odo_borrowed>(ODO_TYPE_VENDOR(3, 0x801), 5);
     lent.loan.owner = &lent;
     for (const uint32_t type : {ODO_TYPE_VENDOR(3, 0x801), 0x5000u, ODO_TYPE_VENDOR(3, 1)}) {
@@ -158,8 +157,7 @@ TEST_CASE("a pipeline with two step estimators, two scale sources and vendors' m
       "  - plugin: scale/fixed_step\n  - plugin: scale/step_length\nabsolute_fixers:\n  - plugin: test/wifi_fixer\n";
   const TemporaryFolder folder;
   const auto path = folder / "run.odo";
-  App live(yaml, ODO_RUN_REPLAY, plugins.path());
-  REQUIRE_MESSAGE(live.status == ODO_OK, live.message);
+  RunningApp live(yaml, ODO_RUN_REPLAY, plugins.path());
   odo_recorder* out = recorder(path);
   const auto push = [&](const odo_header& message) {
     CHECK(odo_recorder_write(out, &message, nullptr, 0) == ODO_OK);

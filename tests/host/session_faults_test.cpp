@@ -39,11 +39,10 @@ struct NeedyApp : NeedyPlugins, App {
 
 TEST_CASE("plugins that answer each other endlessly are cut off and reported") {
   const TestPlugins plugins{"fix_on_pose", "step_on_fix"};
-  App app(
+  RunningApp app(
       "odograph: 1\nattitude:\n  plugin: attitude/vqf\nstep_estimator:\n  plugin: test/step_on_fix\n"
       "absolute_fixers:\n  - plugin: test/fix_on_pose\n",
       ODO_RUN_REPLAY, plugins.path());
-  REQUIRE_MESSAGE(app.status == ODO_OK, app.message);
   app.walk(0, 100);
   odo_session_flush(app.session);
   const auto s = app.statistics();
@@ -58,9 +57,8 @@ TEST_CASE("plugins that answer each other endlessly are cut off and reported") {
 
 TEST_CASE("a published fix is flagged whether it was used, and keeps its quality") {
   const TestPlugins plugins{"fix_on_pose"};
-  App app("odograph: 1\nattitude:\n  plugin: attitude/vqf\nabsolute_fixers:\n  - plugin: test/fix_on_pose\n",
-          ODO_RUN_REPLAY, plugins.path());
-  REQUIRE_MESSAGE(app.status == ODO_OK, app.message);
+  RunningApp app("odograph: 1\nattitude:\n  plugin: attitude/vqf\nabsolute_fixers:\n  - plugin: test/fix_on_pose\n",
+                 ODO_RUN_REPLAY, plugins.path());
   app.walk(0, 100);
   odo_session_flush(app.session);
   const auto fixes = app.all<odo_fix>(ODO_TYPE_FIX);
@@ -71,10 +69,9 @@ TEST_CASE("a published fix is flagged whether it was used, and keeps its quality
 
 TEST_CASE("a plugin that requests corrections receives each one that the app receives, once, with the same numbers") {
   const TestPlugins plugins{"correction_echo"};
-  App app(kWalk + "absolute_fixers:\n  - plugin: test/correction_echo\ncoupling: {type: localizer}\n" +
-              "navigation: {start: {position: [0 m, 0 m, 0 m], heading: 0 rad}}\n",
-          ODO_RUN_REPLAY, plugins.path());
-  REQUIRE_MESSAGE(app.status == ODO_OK, app.message);
+  RunningApp app(kWalk + "absolute_fixers:\n  - plugin: test/correction_echo\ncoupling: {type: localizer}\n" +
+                     "navigation: {start: {position: [0 m, 0 m, 0 m], heading: 0 rad}}\n",
+                 ODO_RUN_REPLAY, plugins.path());
   app.walk(0, 3000);
   odo_session_flush(app.session);
   const auto corrections = app.all<odo_correction>(ODO_TYPE_CORRECTION);
@@ -221,8 +218,7 @@ TEST_CASE("while the camera is off there is the orientation, and the position is
 }
 
 TEST_CASE("a frame that cannot be held is counted and reported with a reason" * doctest::skip(!kCameraPlugins)) {
-  App app("odograph: 1\nattitude:\n  plugin: attitude/vqf\nvo_frontend:\n  plugin: vo/five_point\n");
-  REQUIRE_MESSAGE(app.status == ODO_OK, app.message);
+  RunningApp app("odograph: 1\nattitude:\n  plugin: attitude/vqf\nvo_frontend:\n  plugin: vo/five_point\n");
   const auto lens = calibration(64, 48);
   odo_session_push(app.session, &lens.header);
   app.walk(0, 10);

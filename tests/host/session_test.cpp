@@ -21,8 +21,7 @@ using namespace odograph;
 TEST_SUITE_BEGIN("session");
 
 TEST_CASE("steps and poses are computed from inertial samples, and the pose can be queried at any time") {
-  App app(kWalk);
-  REQUIRE_MESSAGE(app.status == ODO_OK, app.message);
+  RunningApp app(kWalk);
   CHECK(app.walk(0, 3000) == ODO_OK);
   odo_session_flush(app.session);
   const auto s = app.statistics();
@@ -250,8 +249,7 @@ TEST_CASE("too many waiting frames are rejected, not queued" * doctest::skip(!kC
 
 TEST_CASE("an estimator or a scale source is exchanged by one line of YAML" * doctest::skip(!kCameraPlugins)) {
   const auto steps_of = [](std::string yaml) {
-    App app(yaml);
-    REQUIRE_MESSAGE(app.status == ODO_OK, app.message);
+    RunningApp app(yaml);
     app.walk(0, 2000);
     odo_session_flush(app.session);
     return app.statistics();

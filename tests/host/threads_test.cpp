@@ -64,8 +64,7 @@ void push_and_poll(odo_session* session, int thread, int round, std::atomic<uint
 TEST_CASE("with eight threads that push and poll, live and in replay, every sample is processed or counted") {
   for (const uint32_t run : {ODO_RUN_LIVE, ODO_RUN_REPLAY}) {
     CAPTURE(run);
-    App app((kCameraPlugins ? kCamera : kWalk) + "absolute_fixers:\n  plugin: fix/waypoint\n", run);
-    REQUIRE_MESSAGE(app.status == ODO_OK, app.message);
+    RunningApp app((kCameraPlugins ? kCamera : kWalk) + "absolute_fixers:\n  plugin: fix/waypoint\n", run);
     const auto lens = calibration(64, 48);
     odo_session_push(app.session, &lens.header);
     std::atomic<uint64_t> pushed{1};

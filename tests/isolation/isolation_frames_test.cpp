@@ -29,10 +29,9 @@ odo_frame grey_frame(const std::vector<uint8_t>& pixels, int number) {
 /// Reports of test/retaining_vo about the frames it keeps, with this many frames in the session's store.
 std::vector<odo_vo_motion> keep(const std::string& isolation, int frames) {
   const TestPlugins plugins{"retaining_vo"};
-  App app("odograph: 1\ntime_ordering: {frames: " + std::to_string(frames) +
-              "}\nvo_frontend: {plugin: test/retaining_vo, isolation: " + isolation + "}\n",
-          ODO_RUN_REPLAY, plugins.path());
-  REQUIRE_MESSAGE(app.status == ODO_OK, app.message);
+  RunningApp app("odograph: 1\ntime_ordering: {frames: " + std::to_string(frames) +
+                     "}\nvo_frontend: {plugin: test/retaining_vo, isolation: " + isolation + "}\n",
+                 ODO_RUN_REPLAY, plugins.path());
   const auto lens = calibration(kWidth, kHeight);
   odo_session_push(app.session, &lens.header);
   std::vector<uint8_t> pixels(kBytes);

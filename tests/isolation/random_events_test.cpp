@@ -32,8 +32,7 @@ struct Counts {
 /// A number of samples with 20 random events each.
 Counts run(const std::string& yaml, int samples) {
   const TestPlugins plugins{"random_events"};
-  App app(yaml, ODO_RUN_REPLAY, plugins.path());
-  REQUIRE_MESSAGE(app.status == ODO_OK, app.message);
+  RunningApp app(yaml, ODO_RUN_REPLAY, plugins.path());
   const auto c = calibration(64, 48);
   odo_session_push(app.session, &c.header);
   Counts counts;

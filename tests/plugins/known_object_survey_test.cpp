@@ -27,8 +27,7 @@ TEST_CASE("a poster and a tag beside a simulated walk are at their surveyed posi
   s.camera.rate_hz = 2, s.camera.row_time_s = 0;
   REQUIRE(simulate(s, 2, folder / "walk.odo").ok());
   REQUIRE(write_known_objects(s, 2, folder / "survey").ok());
-  const auto recording = read_recording(folder / "walk.odo");
-  REQUIRE(recording.ok());
+  const auto recording = required(read_recording(folder / "walk.odo"));
   const std::vector<PlaneObject> objects = read_objects(folder / "survey" / "objects.yaml");
   REQUIRE(objects.size() == 2);
   CHECK(objects[0].id == "poster 0");
@@ -44,8 +43,7 @@ TEST_CASE("a poster and a tag beside a simulated walk are at their surveyed posi
   for (const auto& m : recording->messages) {
     if (m.message.header().type != ODO_TYPE_FRAME) continue;
     const StampedPose& truth = recording->truth[frame_index++];
-    const auto frame = load_frame(m);
-    REQUIRE(frame.ok());
+    const auto frame = required(load_frame(m));
     const cv::Mat grey(480, 640, CV_8U, const_cast<uint8_t*>(frame->planes[0].data),
                        static_cast<size_t>(frame->planes[0].row_stride));
     for (const Sighting& sighting : finder.find(truth.t_ns, grey, {}, lens, {})) {

@@ -116,6 +116,15 @@ class App {
   }
 };
 
+/// A session that must have been created.
+class RunningApp : public App {
+ public:
+  explicit RunningApp(const std::string& yaml, uint32_t run = ODO_RUN_REPLAY, const std::string& plugins = {})
+      : App(yaml, run, plugins) {
+    REQUIRE_MESSAGE(status == ODO_OK, message);
+  }
+};
+
 inline odo_calibration calibration(uint32_t width, uint32_t height) {
   auto c = make_message<odo_calibration>(ODO_TYPE_CALIBRATION, 1'000'000'000);
   c.model = ODO_CAMERA_PINHOLE;

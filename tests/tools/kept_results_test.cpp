@@ -143,17 +143,14 @@ std::string digest_of(const Recording& recording) {
 
 /// From a scenario file, without pictures.
 Recording sensors_of(const std::string& scenario, uint64_t seed) {
-  const auto drawn = read_scenario(source(scenario).string());
-  REQUIRE_MESSAGE(drawn.ok(), drawn.failure().text);
+  const auto drawn = required(read_scenario(source(scenario).string()));
   return recorded_sensors(*drawn, seed);
 }
 
 /// With pictures; the folder gets the survey of buildings and objects.
 Recording rendered(const std::string& scenario, uint64_t seed, const TemporaryFolder& folder) {
-  const auto drawn = read_scenario(source(scenario).string());
-  REQUIRE_MESSAGE(drawn.ok(), drawn.failure().text);
-  const auto report = simulate(*drawn, seed, folder / "made.odo", {.city = folder / "city.json"});
-  REQUIRE_MESSAGE(report.ok(), report.failure().text);
+  const auto drawn = required(read_scenario(source(scenario).string()));
+  const auto report = required(simulate(*drawn, seed, folder / "made.odo", {.city = folder / "city.json"}));
   if (!drawn->objects.empty()) REQUIRE(write_known_objects(*drawn, seed, folder.path()));
   return recorded(folder / "made.odo");
 }

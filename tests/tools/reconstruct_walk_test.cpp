@@ -16,10 +16,8 @@ TEST_CASE("a real walk is retraced with its waypoints, its orientation and the b
           doctest::test_suite("world_data")) {
   const auto folder = data_or_skip("phone_walks");
   if (folder.empty()) return;
-  const auto walk = read_recording(folder / "site2_F1_5dd35c7327889b0006b76850.txt");
-  REQUIRE(walk.ok());
-  const auto traced = reconstruct_walk(*walk);
-  REQUIRE(traced.ok());
+  const auto walk = required(read_recording(folder / "site2_F1_5dd35c7327889b0006b76850.txt"));
+  const auto traced = required(reconstruct_walk(*walk));
   const auto marks = traced->journey.waypoints;
   REQUIRE(marks.size() == walk->waypoints().size());
   const Motion& phone = traced->journey.phone;
@@ -76,14 +74,12 @@ TEST_CASE("pictures rendered along a real walk come with that walk's own samples
   const auto folder = data_or_skip("phone_walks");
   if (folder.empty()) return;
   const TemporaryFolder out;
-  auto walk = read_recording(folder / "site2_B1_5dd506abd48f840006f14812.txt");
-  REQUIRE(walk.ok());
+  auto walk = required(read_recording(folder / "site2_B1_5dd506abd48f840006f14812.txt"));
   Scenario s;
   s.world.type = "room";
   s.camera.width = 160, s.camera.height = 120, s.camera.focal_px = 120, s.camera.rate_hz = 5;
   REQUIRE(simulate(s, 1, out / "h.odo", {.walk = &*walk}).ok());
-  const auto made = read_recording(out / "h.odo");
-  REQUIRE(made.ok());
+  const auto made = required(read_recording(out / "h.odo"));
   size_t real = 0, same = 0, frames = 0;
   for (const auto& m : walk->messages) real += m.message.header().type == ODO_TYPE_IMU;
   for (const auto& m : made->messages) {
