@@ -83,8 +83,7 @@ TEST_CASE("a session accepts structs smaller or larger than its own, and names t
   CHECK(odo_session_push(app.session, &head(larger)) == ODO_OK);
   pressure.header.struct_size = 47;
   CHECK(odo_session_push(app.session, &pressure.header) == ODO_E_STRUCT_SIZE);
-  odo_error error{sizeof error, ODO_OK, {}};
-  CHECK(odo_session_last_error(app.session, &error) == ODO_OK);
+  odo_error error = app.last_error();
   CHECK(error.status == ODO_E_STRUCT_SIZE);
   CHECK(std::string(error.message).find("struct_size = 47; expected 48 to 65536") != std::string::npos);
   auto field = make_message<odo_magnetometer>(ODO_TYPE_MAGNETOMETER, 1'200'000'000);

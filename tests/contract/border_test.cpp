@@ -150,8 +150,7 @@ TEST_CASE("a saved state whose plugin's part is rejected is restored in part, an
   sign_state(blob);
   App after(yaml);
   CHECK(odo_session_load(after.session, blob.data(), blob.size()) == ODO_PARTIAL);
-  odo_error error{sizeof error, ODO_OK, {}};
-  CHECK(odo_session_last_error(after.session, &error) == ODO_OK);
+  odo_error error = after.last_error();
   CHECK(std::string(error.message).find("saved state rejected by: step/odograph") != std::string::npos);
   CHECK(odo_anchor_list(after.session, nullptr, 0) == 1);
 }

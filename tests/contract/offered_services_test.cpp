@@ -135,13 +135,4 @@ TEST_CASE("a plugin that requests it is called without a message, at the latest 
   Radio::requests_wake = false;
 }
 
-TEST_CASE("a live session calls a plugin on request while no sample arrives") {
-  REQUIRE(odo_register_plugin(radio_entry, nullptr) == ODO_OK);
-  const RunningApp app("odograph: 1\nattitude: {plugin: test/radio}\n", ODO_RUN_LIVE);
-  const int before = Radio::calls;
-  CHECK(Radio::newest->wake());
-  for (int i = 0; i < 500 && Radio::calls == before; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(10));
-  CHECK(Radio::calls == before + 1);
-}
-
 TEST_SUITE_END();

@@ -238,8 +238,7 @@ TEST_CASE("a report has its count, status and newest time, and the last error ha
     CHECK(std::string(report.key) == "invalid_imu");
   }
   CHECK((app.reports[0].count == 1 && app.reports[1].count == 3));
-  odo_error error{sizeof error, ODO_OK, {}};
-  CHECK(odo_session_last_error(app.session, &error) == ODO_OK);
+  odo_error error = app.last_error();
   CHECK(error.status == ODO_E_STRUCT_SIZE);
   CHECK(std::string(error.message).find("host: dropped a sample of imu") == 0);
 }
@@ -253,8 +252,7 @@ TEST_CASE("each rejected sample is the last error, also within the second in whi
     imu.gyro_b[1] = wrong;
     for (int i = 0; i < 2; ++i) {
       CHECK(odo_session_push(app.session, &imu.header) == ODO_E_DISCARD);
-      odo_error error{sizeof error, ODO_OK, {}};
-      CHECK(odo_session_last_error(app.session, &error) == ODO_OK);
+      odo_error error = app.last_error();
       CHECK(error.status == ODO_E_DISCARD);
       CHECK(std::string(error.message).find("host: dropped a sample of imu") == 0);
     }

@@ -29,13 +29,9 @@ TEST_CASE("steps and poses are computed from inertial samples, and the pose can 
   CHECK(s.steps < 60);
   CHECK(s.distance_m == doctest::Approx(0.7 * static_cast<double>(s.steps)).epsilon(0.1));
   CHECK(s.tracking_s > 25);
-  odo_pose pose{};
-  pose.header.struct_size = sizeof pose;
-  CHECK(odo_session_get_pose(app.session, ODO_TIME_LATEST, &pose) == ODO_OK);
+  odo_pose pose = app.pose(ODO_TIME_LATEST);
   CHECK((pose.header.flags & ODO_POSE_METRIC) != 0);
-  odo_pose middle{};
-  middle.header.struct_size = sizeof middle;
-  CHECK(odo_session_get_pose(app.session, 16'000'000'000, &middle) == ODO_OK);
+  odo_pose middle = app.pose(16'000'000'000);
   CHECK(middle.distance_m < pose.distance_m);
   CHECK(middle.distance_m > 0.4 * pose.distance_m);
   CHECK(odo_session_get_pose(app.session, 900'000'000'000, &middle) == ODO_E_NOT_FOUND);
@@ -62,8 +58,7 @@ TEST_CASE("a live session with samples from several threads gives the replay's e
     while (!stop) {
       pose.header.struct_size = sizeof pose;
       odo_session_get_pose(live.session, ODO_TIME_LATEST, &pose);
-      odo_error error{sizeof error, ODO_OK, {}};
-      odo_session_last_error(live.session, &error);
+      odo_error error = live.last_error();
     }
   });
   std::atomic<int64_t> now_ns{0};  // of the IMU: a sensor seconds ahead would make the others late
@@ -125,8 +120,7 @@ TEST_CASE("bad samples are counted, and the session recovers from them") {
   CHECK(s.invalid == 3);
   CHECK(s.late == 1);
   CHECK(s.duplicate == 1);
-  odo_error error{sizeof error, ODO_OK, {}};
-  CHECK(odo_session_last_error(app.session, &error) == ODO_OK);
+  odo_error error = app.last_error();
   CHECK(error.status != ODO_OK);
   CHECK(std::string(error.message).find("imu") != std::string::npos);
   CHECK(odo_session_last_error(app.session, &error) == ODO_OK);
@@ -137,9 +131,7 @@ TEST_CASE("bad samples are counted, and the session recovers from them") {
   s = app.statistics();
   CHECK(s.gaps == 1);
   CHECK(s.steps > steps + 14);
-  odo_pose pose{};
-  pose.header.struct_size = sizeof pose;
-  CHECK(odo_session_get_pose(app.session, ODO_TIME_LATEST, &pose) == ODO_OK);
+  odo_pose pose = app.pose(ODO_TIME_LATEST);
   CHECK(pose.state == ODO_TRACKING);
   for (const double x : pose.p_n) CHECK(std::isfinite(x));
 }
@@ -186,9 +178,7 @@ TEST_CASE("steps return within two seconds after every sensor fault") {
       if (fault == silence || fault == not_numbers) CHECK(s.gaps == 1);
       if (fault == not_numbers) CHECK(s.invalid == 400);
       if (fault == duplicated) CHECK(s.duplicate == 400);
-      odo_pose pose{};
-      pose.header.struct_size = sizeof pose;
-      CHECK(odo_session_get_pose(app.session, ODO_TIME_LATEST, &pose) == ODO_OK);
+      odo_pose pose = app.pose(ODO_TIME_LATEST);
       for (const double x : pose.p_n) CHECK(std::isfinite(x));
       CHECK(pose.state == ODO_TRACKING);
     }
@@ -222,12 +212,9 @@ TEST_CASE("a config's camera takes precedence over pushed calibrations, and need
     }
     app.walk(20, 50);
     odo_session_flush(app.session);
-    odo_pose pose{};
-    pose.header.struct_size = sizeof pose;
-    CHECK(odo_session_get_pose(app.session, 1'430'000'000, &pose) == ODO_OK);
+    odo_pose pose = app.pose(1'430'000'000);
     CHECK((pose.header.flags & ODO_POSE_CAMERA) != 0);
-    odo_error error{sizeof error, ODO_OK, {}};
-    odo_session_last_error(app.session, &error);
+    odo_error error = app.last_error();
     CHECK(std::string(error.message).find("calibration") == std::string::npos);  // every frame had the right size
   }
 }
