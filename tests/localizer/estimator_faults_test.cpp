@@ -42,8 +42,7 @@ WalkMeasurements usual() {
 
 Run run(const WalkMeasurements& what, double for_s, uint64_t seed) {
   MeasuredWalk walk(walk_scenario(150), what, seed);
-  CouplingConfig config;
-  config.type = CouplingType::localizer;
+  CouplingConfig config{.type = CouplingType::localizer};
   Composer composer(config, {}, {what.camera, false});
   Run r;
   bool has_start = false;
@@ -211,8 +210,7 @@ TEST_CASE("a step faster than any walker is rejected and reported, and one of no
   WalkMeasurements what;
   what.camera = false, what.end_s = 12;
   MeasuredWalk walk(walk_scenario(40), what, 3);
-  CouplingConfig config;
-  config.type = CouplingType::localizer;
+  CouplingConfig config{.type = CouplingType::localizer};
   config.fastest_mps = 2;
   Composer composer(config, {}, {false, false});
   walk.run(composer, [](double, const odo_pose&) {});

@@ -110,8 +110,7 @@ TEST_CASE("a fix of any kind, present or late, is the Kalman update with its mea
     for (const int64_t ago_ms : {0, 170}) {
       CAPTURE(flags);
       CAPTURE(ago_ms);
-      CouplingConfig config;
-      config.type = CouplingType::localizer;
+      CouplingConfig config{.type = CouplingType::localizer};
       Composer composer(config, {.position_m = {1, 2, 3}, .given = true, .heading_given = true}, {true, false});
       fill(composer);
       const int64_t t_ns = (kNow_ms - ago_ms) * kMillisecond;
@@ -154,8 +153,7 @@ TEST_CASE(
     "a scale that is reported repeatedly contributes the information lost by decay since its last report, and no "
     "more") {
   const ScaleUpdate::Parameters p;
-  CouplingConfig config;
-  config.type = CouplingType::localizer;
+  CouplingConfig config{.type = CouplingType::localizer};
   Composer composer(config, {}, {true, true});
   fill(composer, false);
   auto motion = motion_between((kNow_ms - 100) * kMillisecond, kNow_ms * kMillisecond, {0, 0, 0});

@@ -11,8 +11,7 @@ using namespace odograph;
 TEST_SUITE_BEGIN("estimator");
 
 TEST_CASE("with steps alone, height fixes on a slope are applied fully, and the climb continues between them") {
-  CouplingConfig config;
-  config.type = CouplingType::localizer;
+  CouplingConfig config{.type = CouplingType::localizer};
   Composer composer(config, {}, {false, false});
   Random random(3, 7);
   const auto ns = [](double t_s) { return 1'000'000'000 + static_cast<int64_t>(std::llround(t_s * 1e9)); };
@@ -48,8 +47,7 @@ TEST_CASE("with steps alone, height fixes on a slope are applied fully, and the 
 }
 
 TEST_CASE("a pressure that arrives late refers to the height at its time") {
-  CouplingConfig config;
-  config.type = CouplingType::localizer;
+  CouplingConfig config{.type = CouplingType::localizer};
   StartPose start;
   start.given = start.heading_given = true;
   Composer composer(config, start, {true, false});

@@ -28,8 +28,7 @@ struct Outcome {
 
 Outcome run_walk(const WalkMeasurements& what, uint64_t seed, double length_m = 40) {
   MeasuredWalk walk(walk_scenario(length_m), what, seed);
-  CouplingConfig config;
-  config.type = CouplingType::localizer;
+  CouplingConfig config{.type = CouplingType::localizer};
   Composer composer(config, {}, {what.camera, false});
   Outcome o;
   bool has_start = false;
@@ -168,8 +167,7 @@ TEST_CASE(
     "steps reported late after a stop are applied fully and do not change the walker's factor, with or without a "
     "camera") {
   for (const bool vo : {false, true}) {
-    CouplingConfig config;
-    config.type = CouplingType::localizer;
+    CouplingConfig config{.type = CouplingType::localizer};
     Composer composer(config, {}, {vo, false});
     const auto ns = [](double t_s) { return 1'000'000'000 + static_cast<int64_t>(std::llround(t_s * 1e9)); };
     // Stands for 8 s, walks eight steps that are reported together 0.4 s after the last, and continues; repeatedly.

@@ -32,8 +32,7 @@ struct BodyTrack {
 BodyTrack track_of(WalkMeasurements what, const Quaterniond& mount) {
   what.q_b_c = mount;
   MeasuredWalk walk(walk_scenario(25), what, 3);
-  CouplingConfig config;
-  config.type = CouplingType::localizer;
+  CouplingConfig config{.type = CouplingType::localizer};
   Composer composer(config, {}, {.vo = true, .scale = false});
   BodyTrack track;
   walk.run(composer, [&](double, const odo_pose& pose) {
@@ -69,8 +68,7 @@ TEST_CASE("the inertial estimator's track of the body is independent of the came
 TEST_CASE("the camera's covariance is the body's, propagated over the lever arm") {
   WalkMeasurements what;
   MeasuredWalk walk(walk_scenario(15), what, 4);
-  CouplingConfig config;
-  config.type = CouplingType::localizer;
+  CouplingConfig config{.type = CouplingType::localizer};
   Composer composer(config, {}, {.vo = true, .scale = false});
   int compared = 0;
   double worst = 0, told = 0;
@@ -99,8 +97,7 @@ TEST_CASE("the camera's pose has the camera's velocity, and the estimate the bod
   WalkMeasurements what;
   what.odometry.scale_sigma = 0.02, what.odometry.inverse_scale = 1;
   MeasuredWalk walk(walk_scenario(15), what, 4);
-  CouplingConfig config;
-  config.type = CouplingType::localizer;
+  CouplingConfig config{.type = CouplingType::localizer};
   Composer composer(config, {}, {.vo = true, .scale = false});
   int compared = 0;
   double worst = 0, largest = 0;

@@ -232,8 +232,7 @@ TEST_CASE("a walk with lift rides: the height follows, and poses report the lift
 }
 
 TEST_CASE("a lift is a source of motion: its motion is no correction, and steps move the track again afterwards") {
-  CouplingConfig config;
-  config.type = CouplingType::localizer;
+  CouplingConfig config{.type = CouplingType::localizer};
   Composer composer(config, {}, {false, false});
   Random random(3, 9);
   const auto ns = [](double t_s) { return kSecond + static_cast<int64_t>(std::llround(t_s * 1e9)); };
