@@ -17,7 +17,7 @@
 // of double are missing, in whole or in part, from the libraries of Android, Apple and WebAssembly.
 namespace odograph {
 
-/// Plain C++ versions, bit-identical to the standard functions (tests/host/number_text_test.cpp compares them).
+/// Plain C++ versions, bit-identical to the standard functions (tests/host/numbers_test.cpp compares them).
 namespace plain {
 
 inline size_t digits_at(std::string_view text, size_t from) {

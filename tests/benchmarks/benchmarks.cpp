@@ -12,17 +12,15 @@
 #include "sdk/tools/simulation/camera.hpp"
 #include "sdk/tools/simulation/random.hpp"
 #include "sdk/tools/simulation/walker.hpp"
+#include "tests/support/messages.hpp"
 
 namespace {
 
 using namespace odograph;
 
 odo_imu sample(int64_t i) {
-  auto imu = make_message<odo_imu>(ODO_TYPE_IMU, i * 5'000'000);
-  imu.header.flags = ODO_IMU_GYRO | ODO_IMU_ACCEL;
-  imu.gyro_b[0] = 0.1 * std::sin(0.01 * static_cast<double>(i));
-  imu.accel_b[2] = 9.81 + 2 * std::sin(0.06 * static_cast<double>(i));
-  return imu;
+  return imu_at(i * 5'000'000, {0.1 * std::sin(0.01 * static_cast<double>(i)), 0, 0},
+                {0, 0, 9.81 + 2 * std::sin(0.06 * static_cast<double>(i))});
 }
 
 /// Cost of the same call without the ABI.

@@ -12,6 +12,7 @@
 #include "sdk/host/messages/messages.hpp"
 #include "tests/support/session_app.hpp"
 #include "tests/support/test_plugins.hpp"
+#include "tests/support/messages.hpp"
 
 using namespace odograph;
 
@@ -74,8 +75,7 @@ TEST_CASE("a copied message ends at the end of the message or of the reader's st
 
 TEST_CASE("a session accepts structs smaller or larger than its own, and names those it rejects") {
   App app(kWalk);
-  auto pressure = make_message<odo_barometer>(ODO_TYPE_BAROMETER, 1'000'000'000);
-  pressure.pressure_pa = 101325;
+  auto pressure = pressure_at(1'000'000'000, 101325);
   pressure.header.struct_size = ODO_BAROMETER_SIZE_MIN;
   CHECK(odo_session_push(app.session, &pressure.header) == ODO_OK);
   auto larger = vendor_message(ODO_TYPE_BAROMETER, 1'100'000'000, 200);
@@ -83,8 +83,7 @@ TEST_CASE("a session accepts structs smaller or larger than its own, and names t
   CHECK(odo_session_push(app.session, &head(larger)) == ODO_OK);
   pressure.header.struct_size = 47;
   CHECK(odo_session_push(app.session, &pressure.header) == ODO_E_STRUCT_SIZE);
-  odo_error error{sizeof error, ODO_OK, {}};
-  CHECK(odo_session_last_error(app.session, &error) == ODO_OK);
+  odo_error error = app.last_error();
   CHECK(error.status == ODO_E_STRUCT_SIZE);
   CHECK(std::string(error.message).find("struct_size = 47; expected 48 to 65536") != std::string::npos);
   auto field = make_message<odo_magnetometer>(ODO_TYPE_MAGNETOMETER, 1'200'000'000);
@@ -102,8 +101,7 @@ TEST_CASE(
       "odograph: 1\nattitude:\n  plugin: attitude/vqf\nstep_estimator:\n  - plugin: step/renaudin2012\n"
       "  - plugin: step/weinberg2002\nvo_frontend:\n  plugin: vo/five_point\nscale_source:\n"
       "  - plugin: scale/fixed_step\n  - plugin: scale/step_length\n";
-  App app(yaml), alone(kWalk);
-  REQUIRE_MESSAGE(app.status == ODO_OK, app.message);
+  RunningApp app(yaml), alone(kWalk);
   for (App* each : {&app, &alone}) {
     each->walk(0, 2000);
     odo_session_flush(each->session);
@@ -133,9 +131,8 @@ TEST_CASE("a late scale is published as not accepted and reported, unlike one fo
   CHECK_FALSE(join.note(0, scale));
 
   const TestPlugins plugins{"late_scale"};
-  App app(kWalk + "vo_frontend:\n  plugin: vo/five_point\nscale_source:\n  plugin: test/late_scale\n", ODO_RUN_REPLAY,
-          plugins.path());
-  REQUIRE_MESSAGE(app.status == ODO_OK, app.message);
+  RunningApp app(kWalk + "vo_frontend:\n  plugin: vo/five_point\nscale_source:\n  plugin: test/late_scale\n",
+                 ODO_RUN_REPLAY, plugins.path());
   const odo_calibration camera = calibration(64, 48);
   odo_session_push(app.session, &camera.header);
   for (int i = 0; i < 20; ++i) {
@@ -157,8 +154,7 @@ TEST_CASE("the next step estimator replaces one that has failed") {
       "odograph: 1\nattitude:\n  plugin: attitude/vqf\nstep_estimator:\n  - plugin: test/failing_steps\n"
       "  - plugin: step/renaudin2012\n";
   const TestPlugins plugins{"failing_steps"};
-  App app(yaml, ODO_RUN_REPLAY, plugins.path());
-  REQUIRE_MESSAGE(app.status == ODO_OK, app.message);
+  RunningApp app(yaml, ODO_RUN_REPLAY, plugins.path());
   app.walk(0, 2000);
   odo_session_flush(app.session);
   CHECK(app.statistics().steps > 10);

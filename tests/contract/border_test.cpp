@@ -60,8 +60,7 @@ TEST_CASE("every number has a unique text, and so has a number of a newer list")
 }
 
 TEST_CASE("a null pointer is a bad argument of every function, and a struct that is too small is reported as such") {
-  App app(kWalk);
-  REQUIRE(app.status == ODO_OK);
+  RunningApp app(kWalk);
   odo_session* s = app.session;
   double p[3] = {0, 0, 0}, q[3] = {0, 0, 0};
   odo_pose pose{};
@@ -133,8 +132,7 @@ void sign_state(std::string& blob) {
 
 TEST_CASE("a saved state whose plugin's part is rejected is restored in part, and the plugin is named") {
   const std::string yaml = "odograph: 1\nattitude: {plugin: attitude/vqf}\nstep_estimator: {plugin: step/odograph}\n";
-  App before(yaml);
-  REQUIRE_MESSAGE(before.status == ODO_OK, before.message);
+  RunningApp before(yaml);
   odo_anchor_place place{};
   place.struct_size = sizeof place, place.kind = ODO_ANCHOR_GEODETIC, place.height_above = ODO_HEIGHT_ELLIPSOID;
   uint64_t id = 0;
@@ -152,8 +150,7 @@ TEST_CASE("a saved state whose plugin's part is rejected is restored in part, an
   sign_state(blob);
   App after(yaml);
   CHECK(odo_session_load(after.session, blob.data(), blob.size()) == ODO_PARTIAL);
-  odo_error error{sizeof error, ODO_OK, {}};
-  CHECK(odo_session_last_error(after.session, &error) == ODO_OK);
+  odo_error error = after.last_error();
   CHECK(std::string(error.message).find("saved state rejected by: step/odograph") != std::string::npos);
   CHECK(odo_anchor_list(after.session, nullptr, 0) == 1);
 }
@@ -332,14 +329,12 @@ TEST_CASE("a recording is written byte for byte as its format specifies, and rea
   const std::string payload(reinterpret_cast<const char*>(&imu), sizeof imu);
   const std::string expected = "ODOREC1\n" + little_endian(2, 4) + little_endian(0, 4) + record(ODO_TYPE_IMU, payload) +
                                record(ODO_TYPE_IMU, payload) + record(0x1FFFF, little_endian(2, 8));
-  auto writer = RecordWriter::create(folder / "a.odo");
-  REQUIRE(writer.ok());
+  auto writer = required(RecordWriter::create(folder / "a.odo"));
   for (int i = 0; i < 2; ++i) CHECK(writer->write(imu.header, {}));
   REQUIRE(writer->finish().ok());
   CHECK(read_text(folder / "a.odo") == expected);
   const auto lost = [&](const std::string& bytes) {
-    auto reader = RecordReader::open(write_text(folder / "b.odo", bytes));
-    REQUIRE(reader.ok());
+    auto reader = required(RecordReader::open(write_text(folder / "b.odo", bytes)));
     while (reader->next()) {
     }
     return reader->loss();

@@ -23,8 +23,7 @@ const std::string kMarks = kWalk + "absolute_fixers: [{plugin: fix/waypoint}]\n"
 
 /// A walk with one surveyed mark at (10, 20, 0), which the point lever_b of the phone touches.
 odo_pose pose_by_mark(const Vector3d* lever_b, Quaterniond& q_n_b) {
-  App app(kMarks);
-  REQUIRE_MESSAGE(app.status == ODO_OK, app.message);
+  RunningApp app(kMarks);
   app.walk(0, 300);
   auto mark = make_message<odo_waypoint>(ODO_TYPE_WAYPOINT, 4'000'000'000);
   mark.header.flags = ODO_WAYPOINT_VERTICAL | (lever_b ? ODO_WAYPOINT_LEVER : 0);
@@ -42,11 +41,10 @@ odo_pose pose_by_mark(const Vector3d* lever_b, Quaterniond& q_n_b) {
 
 /// The published attitudes of a phone at rest in a field to the north, with a config and before a message.
 std::vector<odo_attitude> attitudes(const std::string& config, const odo_header* first, odo_pose* last = nullptr) {
-  App app(
+  RunningApp app(
       "odograph: 1\nattitude: {plugin: attitude/vqf, parameters: {magnetometer: true}}\n"
       "step_estimator: {plugin: step/renaudin2012}\n" +
       config);
-  REQUIRE_MESSAGE(app.status == ODO_OK, app.message);
   if (first) odo_session_push(app.session, first);
   for (int i = 0; i < 400; ++i) {
     const int64_t t_ns = 1'000'000'000 + i * 10'000'000LL;
@@ -104,8 +102,7 @@ TEST_CASE("a pose claims north only if true north was observed") {
 
 TEST_CASE("no plugin can emit inputs, the host's own events, reserved numbers or memory, whatever its table declares") {
   const TestPlugins plugins{"echo"};
-  App app("odograph: 1\nvo_frontend: {plugin: test/echo}\n", ODO_RUN_REPLAY, plugins.path());
-  REQUIRE_MESSAGE(app.status == ODO_OK, app.message);
+  RunningApp app("odograph: 1\nvo_frontend: {plugin: test/echo}\n", ODO_RUN_REPLAY, plugins.path());
   const auto echoed = [&](uint32_t type, int64_t t_ns) {
     alignas(8) unsigned char bytes[sizeof(odo_header) + sizeof(odo_report)] = {};
     auto& head = *reinterpret_cast<odo_header*>(bytes);

@@ -8,10 +8,12 @@
 #include <iterator>
 #include <set>
 #include <string>
+#include <tuple>
 
 #include <nlohmann/json.hpp>
 
 #include "sdk/tools/validator/check.hpp"
+#include "sdk/tools/validator/statement.hpp"
 #include "sdk/tools/validator/write_manifest.hpp"
 #include "tests/support/support.hpp"
 
@@ -111,8 +113,7 @@ TEST_CASE("the file's cases detect a missing library or manifest, another librar
   const auto library = folder / "scale.so";
   fs::copy_file(kFaultyPlugins / "good_scale.so", library);
   CHECK(check(library, "file.manifest").front().outcome == PluginCheck::Outcome::failed);
-  const auto manifest = write_manifest_beside(library);
-  REQUIRE(manifest.ok());
+  const auto manifest = required(write_manifest_beside(library));
   for (const PluginCheck& one : check(library, "file."))
     CHECK_MESSAGE((one.outcome == PluginCheck::Outcome::passed || one.id == "file.signature"), one.id);
   const std::string said = read_text(*manifest);
@@ -136,23 +137,56 @@ TEST_CASE("a plugin that ends the process has no manifest, and the reason is rep
   }
 }
 
-TEST_CASE("a fault that several cases find is printed once, with their number and names") {
+TEST_CASE("a call that hangs is named and not made again: its other cases are not run") {
+  using Outcome = PluginCheck::Outcome;
+  for (const auto& [faulty, call, least] :
+       {std::tuple{"life_create_destroy__hangs", "create", 70}, {"process_works__hangs", "process", 55}}) {
+    CAPTURE(faulty);
+    CheckOptions options;
+    options.limit_s = 2;
+    size_t ended = 0;
+    options.ended = [&](const auto& so_far) { CHECK(so_far.size() == ++ended); };
+    const auto checks = check_plugin(kFaultyPlugins / (std::string(faulty) + ".so"), options);
+    CHECK(ended == plugin_check_cases().size());
+    const auto names_call = [&](const PluginCheck& check) {
+      return check.detail.find("took longer than 2 s in " + std::string(call)) != std::string::npos;
+    };
+    const auto hung = std::find_if(checks.begin(), checks.end(), names_call);
+    REQUIRE(hung != checks.end());
+    CHECK(std::count_if(checks.begin(), checks.end(), names_call) == 1);
+    int not_run = 0;
+    for (const PluginCheck& check : checks)
+      if (check.outcome == Outcome::not_run) {
+        ++not_run;
+        CHECK(check.detail == std::string(call) + " hangs, see " + hung->id);
+      }
+    CHECK(not_run >= least);
+    CHECK(counts_as_text(checks).find(", " + std::to_string(not_run) + " not run;") != std::string::npos);
+    CHECK(nlohmann::json::parse(check_as_json("a", checks))["not_run"] == not_run);
+  }
+}
+
+TEST_CASE("a fault that several cases find is printed once; the others refer to it, the statement names them") {
   using Outcome = PluginCheck::Outcome;
   const std::vector<PluginCheck> checks = {{"a.one", "starts", Outcome::failed, "no model", 0},
                                            {"a.two", "works", Outcome::passed, "", 0},
                                            {"b.one", "lasts", Outcome::failed, "no model", 0},
                                            {"b.two", "stops", Outcome::failed, "too slow", 0},
                                            {"c.one", "ends", Outcome::failed, "no model", 0}};
-  const std::string text = check_as_text(checks, false);
-  CHECK(text.find("no model") == text.rfind("no model"));
-  CHECK(text.find("the same fault in 2 further cases: b.one, c.one\n") != std::string::npos);
-  CHECK(text.find("too slow") != std::string::npos);
+  std::string text = counts_as_text(checks);
   CHECK(text.find("5 cases: 1 passed, 4 failed") != std::string::npos);
+  for (auto end = checks.begin(); end != checks.end();) text += last_as_text({checks.begin(), ++end}, false);
+  CHECK(text.find("no model") == text.rfind("no model"));
+  CHECK(text.find("c.one                          ends: the same fault as a.one\n") != std::string::npos);
+  CHECK(text.find("too slow") != std::string::npos);
+  const std::string statement = conformance_statement({}, checks);
+  CHECK(statement.find("the same fault in 2 further cases: b.one, c.one\n") != std::string::npos);
 }
 
 TEST_CASE("results are text, JSON and JUnit") {
   const auto checks = check(kFaultyPlugins / "scale_unit__millimetres.so", "scale.");
-  const std::string text = check_as_text(checks, true);
+  std::string text = counts_as_text(checks);
+  for (auto end = checks.begin(); end != checks.end();) text += last_as_text({checks.begin(), ++end}, true);
   CHECK(text.find("FAIL scale.unit") != std::string::npos);
   CHECK(text.find("4 cases: 3 passed, 1 failed, 0 do not apply") != std::string::npos);
   const auto json = nlohmann::json::parse(check_as_json("a/b.so", checks));

@@ -10,7 +10,6 @@
 #include "sdk/host/platform/library.hpp"
 #include "sdk/host/plugin_host/instance.hpp"
 #include "sdk/host/plugin_host/services.hpp"
-#include "sdk/tools/validator/write_manifest.hpp"
 #include "tests/support/session_app.hpp"
 #include "tests/support/support.hpp"
 
@@ -21,12 +20,9 @@ int32_t ODO_CALL same_entry_2(const struct odo_host* host, struct odo_plugin* ou
 
 namespace {
 
-constexpr const char* kIds[2] = {"linked/one", "same/library_1"};
-
-template <int Number>
 struct Linked {
   double gain = 1;
-  static constexpr odo::Description description{kIds[Number], "1.2.3", "Says how often it is called.",
+  static constexpr odo::Description description{"linked/one", "1.2.3", "Says how often it is called.",
                                                 ODO_INTERFACE_ATTITUDE};
   static std::vector<odo::Parameter<Linked>> parameters() {
     return {odo::real("gain", "m", 0.5, 2, &Linked::gain, "Does nothing.")};
@@ -45,8 +41,7 @@ struct Linked {
 
 }  // namespace
 
-ODO_PLUGIN_NAMED(Linked<0>, linked_entry)
-ODO_PLUGIN_NAMED(Linked<1>, shadowing_entry)
+ODO_PLUGIN_NAMED(Linked, linked_entry)
 
 namespace {
 
@@ -85,8 +80,7 @@ TEST_SUITE_BEGIN("linked_plugins");
 
 TEST_CASE("a registered plugin is found by its id without a file, and its parameters are checked") {
   REQUIRE(odo_register_plugin(linked_entry, nullptr) == ODO_OK);
-  App app("odograph: 1\nattitude: {plugin: linked/one, parameters: {gain: 2 m}}\n");
-  REQUIRE_MESSAGE(app.status == ODO_OK, app.message);
+  RunningApp app("odograph: 1\nattitude: {plugin: linked/one, parameters: {gain: 2 m}}\n");
   app.walk(0, 20);
   odo_session_flush(app.session);
   CHECK(app.all<odo_attitude>(ODO_TYPE_ATTITUDE).size() == 20);
@@ -122,8 +116,7 @@ TEST_CASE("a plugin is created again where its reset fails, and only there") {
   choice.manifest.id = "linked/one", choice.manifest.entry = Counted::entry;
   choice.manifest.abi_major = ODO_ABI_MAJOR, choice.manifest.abi_minor = ODO_ABI_MINOR;
   choice.interface_id = ODO_INTERFACE_ATTITUDE;
-  auto plugin = PluginInstance::make(choice, LibraryCheck::hash, 1, host);
-  REQUIRE_MESSAGE(plugin.ok(), plugin.failure().text);
+  auto plugin = required(PluginInstance::make(choice, LibraryCheck::hash, 1, host));
   (*plugin)->reset();
   CHECK((Counted::creations == 1 && Counted::resets == 1));
   Counted::reset_status = ODO_E_ERROR;
@@ -149,22 +142,6 @@ TEST_CASE("a registered plugin cannot be isolated, and the allow list applies to
   const App app("odograph: 1\nplugins: {allow: [linked/one], signers: [{key: " + key +
                 "}]}\nattitude: {plugin: linked/one}\n");
   CHECK_MESSAGE(app.status == ODO_OK, app.message);
-}
-
-TEST_CASE("a registered plugin takes precedence over one with its id in a folder") {
-  const auto folder = std::filesystem::path(ODOGRAPH_BUILD) / "tests/same_class";
-  REQUIRE(write_manifest_beside(folder / (std::string("same_class_1") + ODOGRAPH_LIBRARY)).ok());
-  const auto config = [&] {
-    auto read = read_pipeline_config("odograph: 1\nattitude: {plugin: same/library_1}\n", "test", {folder});
-    REQUIRE_MESSAGE(read.ok(), read.failure().text);
-    return read->attitudes.front().manifest;
-  };
-  CHECK((config().entry == nullptr));
-  REQUIRE(odo_register_plugin(shadowing_entry, nullptr) == ODO_OK);
-  const Manifest manifest = config();
-  CHECK((manifest.entry == shadowing_entry));
-  CHECK(manifest.library.empty());
-  CHECK(manifest.version == "1.2.3");
 }
 
 TEST_CASE("plugins with the same class name share nothing, linked or loaded") {

@@ -59,8 +59,7 @@ TEST_CASE("every column of a parameter table is written to the manifest and read
   CHECK(manifest->library == std::filesystem::absolute("/x/all.so"));
   CHECK(manifest->sha256 == std::string(64, 'a'));
   REQUIRE(manifest->parameters.size() == 6);
-  const auto specs = parameter_specs(plugin);
-  REQUIRE(specs.ok());
+  const auto specs = required(parameter_specs(plugin));
   for (size_t i = 0; i < 6; ++i)
     for (const Spec* spec : {&manifest->parameters[i], &(*specs)[i]}) {
       CHECK(spec->name == std::string(rows[i].name.data, 1));
@@ -73,8 +72,7 @@ TEST_CASE("every column of a parameter table is written to the manifest and read
   CHECK_FALSE(parameter_specs(plugin).ok());
   plugin.parameter_stride = 2 * sizeof(odo_parameter);  // wider rows of a newer plugin
   plugin.parameter_count = 3;
-  const auto wide = parameter_specs(plugin);
-  REQUIRE(wide.ok());
+  const auto wide = required(parameter_specs(plugin));
   CHECK((*wide)[1].name == "c");
   CHECK((*wide)[2].name == "e");
 }
@@ -104,13 +102,11 @@ TEST_CASE("a manifest of a later version is read without its new items and witho
             type + ", shape: [3, 3]}]}",
         "/x/m.json");
   };
-  const auto known = read("string");
-  REQUIRE_MESSAGE(known.ok(), known.failure().text);
+  const auto known = required(read("string"));
   CHECK(known->id == "a/b");
   REQUIRE(known->parameters.size() == 2);
   CHECK(known->parameters[0].fallback == "1");
-  const auto unknown = read("matrix");
-  REQUIRE_MESSAGE(unknown.ok(), unknown.failure().text);
+  const auto unknown = required(read("matrix"));
   REQUIRE(unknown->parameters.size() == 1);
   CHECK(unknown->parameters[0].name == "gain");
 }
@@ -205,8 +201,7 @@ TEST_CASE("values replace a config's by key, number and plugin, and their text p
   const auto changed = [&](const std::string& path, const std::string& value) {
     const auto root = with_overrides(config, {{path, value}});
     REQUIRE_MESSAGE(root.ok(), (root.ok() ? "" : root.failure().text));
-    const auto again = parse_yaml(yaml_text(*root), "again");
-    REQUIRE(again.ok());
+    const auto again = required(parse_yaml(yaml_text(*root), "again"));
     const YamlNode* node = node_at(*again, path);
     return node ? node->text : "nothing";
   };

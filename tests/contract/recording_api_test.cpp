@@ -2,17 +2,25 @@
 //
 // Recordings through the C API: frames, damage, validation, bit-identical replays, concurrent recorders. What is read
 // back as written is a subject of the conformance suite.
+// Recordings through the C API: what cannot be read, written or recorded.
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <fstream>
+#include <vector>
 
 #include <odograph/messages.h>
+#include <odograph/odograph.hpp>
 #include <odograph/recording.h>
 
+#include "sdk/host/messages/messages.hpp"
 #include "sdk/host/messages/record_file.hpp"
+#include "tests/support/messages.hpp"
 #include "tests/support/recording_files.hpp"
 #include "tests/support/session_app.hpp"
+#include "tests/support/support.hpp"
 #include "tests/support/test_plugins.hpp"
 
 using namespace odograph;
@@ -29,71 +37,6 @@ struct Wifi {
 };
 
 }  // namespace
-
-TEST_CASE("a frame is read back with its encoded picture and without pointers") {
-  const TemporaryFolder folder;
-  odo_recorder* out = recorder(folder / "frame.odo");
-  auto frame = make_message<odo_frame>(ODO_TYPE_FRAME, 5);
-  frame.width = 8, frame.height = 6, frame.format = ODO_FORMAT_GREY8;
-  frame.fx = frame.fy = 5, frame.header.flags = ODO_FRAME_INTRINSICS | ODO_FRAME_MASK;
-  frame.planes[0].data = reinterpret_cast<const uint8_t*>(&frame);
-  frame.loan.owner = &frame;
-  const std::string picture = "as the app encoded it";
-  CHECK(odo_recorder_write(out, &frame.header, picture.data(), picture.size()) == ODO_OK);
-  CHECK(odo_recorder_close(out) == ODO_OK);
-  odo_recording* in = recording(folder / "frame.odo");
-  REQUIRE(in);
-  const odo_header* message = nullptr;
-  const void* found = nullptr;
-  uint64_t size = 0;
-  REQUIRE(odo_recording_next(in, &message, &found, &size) == ODO_OK);
-  CHECK(std::string(static_cast<const char*>(found), size) == picture);
-  CHECK(as<odo_frame>(*message).planes[0].data == nullptr);
-  CHECK(as<odo_frame>(*message).loan.owner == nullptr);
-  CHECK(as<odo_frame>(*message).fx == 5);
-  CHECK(message->flags == ODO_FRAME_INTRINSICS);
-  odo_recording_close(in);
-}
-
-TEST_CASE("a truncated recording is read up to its end, and a file that is not a recording is rejected with a reason") {
-  const TemporaryFolder folder;
-  const auto path = folder / "cut.odo";
-  odo_recorder* out = recorder(path);
-  for (int i = 0; i < 3; ++i) {
-    const auto imu = make_message<odo_imu>(ODO_TYPE_IMU, i);
-    CHECK(odo_recorder_write(out, &imu.header, nullptr, 0) == ODO_OK);
-  }
-  CHECK(odo_recorder_close(out) == ODO_OK);
-  const auto whole = std::filesystem::file_size(path);
-  struct Cut {
-    int bytes, messages;
-    const char* words;
-  };
-  for (const Cut& row :
-       {Cut{0, 3, ""}, {5, 3, "end mark is missing"}, {24, 3, "cut off"}, {29, 2, "2 records were read"}}) {
-    const int cut = row.bytes, messages = row.messages;
-    const char* words = row.words;
-    CAPTURE(cut);
-    std::filesystem::resize_file(path, whole - static_cast<uintmax_t>(cut));
-    odo_recording* in = recording(path);
-    REQUIRE(in);
-    odo_error loss{sizeof loss, ODO_OK, {}};
-    CHECK(odo_recording_loss(in, &loss) == ODO_OK);
-    CHECK(loss.status == (cut > 0 ? ODO_E_DATA : ODO_OK));
-    CHECK(std::string(loss.message).find(words) != std::string::npos);
-    const odo_header* message = nullptr;
-    int count = 0;
-    while (odo_recording_next(in, &message, nullptr, nullptr) == ODO_OK) ++count;
-    CHECK(count == messages);
-    odo_recording_close(in);
-  }
-  std::string why;
-  CHECK(recording(folder / "none.odo", ODO_E_NOT_FOUND, &why) == nullptr);
-  CHECK(why.find("none.odo: cannot be opened") != std::string::npos);
-  CHECK(recording(write_text(folder / "text.odo", "no recording at all"), ODO_E_DATA) == nullptr);
-  CHECK(odo_recording_open(nullptr, nullptr, nullptr) == ODO_E_ARGUMENT);
-  CHECK(odo_recorder_close(nullptr) == ODO_OK);
-}
 
 TEST_CASE("a recorder validates like a session: impossible numbers are rejected and nothing else is lost") {
   const TemporaryFolder folder;
@@ -127,8 +70,7 @@ TEST_CASE("a crafted recording yields no borrowed memory and no reserved number"
   const TemporaryFolder folder;
   const auto path = folder / "crafted.odo";
   {
-    auto writer = RecordWriter::create(path);
-    REQUIRE(writer.ok());
+    auto writer = required(RecordWriter::create(path));
     auto lent = make_message<odo_borrowed>(ODO_TYPE_VENDOR(3, 0x801), 5);
     lent.loan.owner = &lent;
     for (const uint32_t type : {ODO_TYPE_VENDOR(3, 0x801), 0x5000u, ODO_TYPE_VENDOR(3, 1)}) {
@@ -157,8 +99,7 @@ TEST_CASE("a pipeline with two step estimators, two scale sources and vendors' m
       "  - plugin: scale/fixed_step\n  - plugin: scale/step_length\nabsolute_fixers:\n  - plugin: test/wifi_fixer\n";
   const TemporaryFolder folder;
   const auto path = folder / "run.odo";
-  App live(yaml, ODO_RUN_REPLAY, plugins.path());
-  REQUIRE_MESSAGE(live.status == ODO_OK, live.message);
+  RunningApp live(yaml, ODO_RUN_REPLAY, plugins.path());
   odo_recorder* out = recorder(path);
   const auto push = [&](const odo_header& message) {
     CHECK(odo_recorder_write(out, &message, nullptr, 0) == ODO_OK);
@@ -166,9 +107,8 @@ TEST_CASE("a pipeline with two step estimators, two scale sources and vendors' m
   };
   for (int i = 0; i < 1500; ++i) {
     const double t = i / 100.0;
-    auto imu = make_message<odo_imu>(ODO_TYPE_IMU, static_cast<int64_t>(t * 1e9) + 1'000'000'000);
-    imu.header.flags = ODO_IMU_GYRO | ODO_IMU_ACCEL;
-    imu.gyro_b[2] = 0.1 * std::sin(3 * t), imu.accel_b[1] = 9.81 + 2.2 * std::sin(2 * 3.14159265 * 1.9 * t);
+    auto imu = imu_at(static_cast<int64_t>(t * 1e9) + 1'000'000'000, {0, 0, 0.1 * std::sin(3 * t)},
+                      {0, 9.81 + 2.2 * std::sin(2 * 3.14159265 * 1.9 * t), 0});
     push(imu.header);
     Wifi wifi{};
     wifi.header.struct_size = sizeof wifi, wifi.header.type = kWifi, wifi.header.t_ns = imu.header.t_ns + 7;
@@ -204,8 +144,7 @@ TEST_CASE("the second recorder on a path is rejected, for new and existing files
     CHECK(second == nullptr);
     CHECK(std::string(error.message).find("is being written by another recorder") != std::string::npos);
     for (int i = 0; i < count; ++i) {
-      auto imu = make_message<odo_imu>(ODO_TYPE_IMU, 1'000'000'000 + 5'000'000LL * i);
-      imu.header.flags = ODO_IMU_GYRO;
+      auto imu = imu_at(1'000'000'000 + 5'000'000LL * i, {0, 0, 0}, {0, 0, 0}, ODO_IMU_GYRO);
       CHECK(odo_recorder_write(first, &imu.header, nullptr, 0) == ODO_OK);
     }
     CHECK(odo_recorder_close(first) == ODO_OK);
@@ -218,6 +157,70 @@ TEST_CASE("the second recorder on a path is rejected, for new and existing files
     CHECK(error.status == ODO_OK);
     odo_recording_close(in);
   }
+}
+
+namespace {
+
+void put_in(const std::filesystem::path& path, uintmax_t offset, char byte) {
+  std::fstream file(path, std::ios::binary | std::ios::in | std::ios::out);
+  file.seekp(static_cast<std::streamoff>(offset));
+  file.put(byte);
+}
+
+}  // namespace
+
+TEST_CASE("records that become unreadable after opening cost themselves alone, and every reader states the loss") {
+  const TemporaryFolder folder;
+  const auto path = folder / "later.odo";
+  odo_recorder* out = recorder(path);
+  for (int i = 0; i < 10; ++i) {
+    const auto imu = make_message<odo_imu>(ODO_TYPE_IMU, i);
+    CHECK(odo_recorder_write(out, &imu.header, nullptr, 0) == ODO_OK);
+  }
+  CHECK(odo_recorder_close(out) == ODO_OK);
+  constexpr uintmax_t kRecord = 16 + sizeof(odo_imu);
+
+  odo_recording* in = recording(path);
+  REQUIRE(in);
+  for (const uintmax_t index : {2u, 3u, 9u}) put_in(path, 16 + index * kRecord + 40, '#');
+  std::vector<int64_t> times;
+  std::vector<int32_t> statuses;
+  const odo_header* message = nullptr;
+  for (int32_t status = ODO_OK; status != ODO_END && statuses.size() < 20;) {
+    statuses.push_back(status = odo_recording_next(in, &message, nullptr, nullptr));
+    CHECK((message != nullptr) == (status == ODO_OK));
+    if (status == ODO_OK) times.push_back(message->t_ns);
+  }
+  CHECK(times == std::vector<int64_t>{0, 1, 4, 5, 6, 7, 8});
+  CHECK(std::count(statuses.begin(), statuses.end(), ODO_E_DATA) == 3);
+  odo_error loss{sizeof loss, ODO_OK, {}};
+  CHECK(odo_recording_loss(in, &loss) == ODO_OK);
+  CHECK(loss.status == ODO_E_DATA);
+  CHECK(std::string(loss.message) == "3 records could be read when it was opened, but not later");
+  odo_recording_close(in);
+
+  odo::Recording wrapped(path.string());
+  CHECK(wrapped.loss().find("3 of 10 records are lost") != std::string::npos);
+  put_in(path, 16 + 5 * kRecord + 40, '#');
+  times.clear();
+  for (const odo::Recorded& recorded : wrapped) times.push_back(recorded.message.header().t_ns);
+  CHECK(times == std::vector<int64_t>{0, 1, 4, 6, 7, 8});
+  CHECK(wrapped.loss().find("1 record could be read when it was opened") != std::string::npos);
+}
+
+TEST_CASE("a closed recording without messages is complete, an unclosed one is damaged") {
+  const TemporaryFolder folder;
+  CHECK(odo_recorder_close(recorder(folder / "empty.odo")) == ODO_OK);
+  odo_recording* in = recording(folder / "empty.odo");
+  REQUIRE(in);
+  odo_error loss{sizeof loss, ODO_OK, {}};
+  CHECK(odo_recording_loss(in, &loss) == ODO_OK);
+  CHECK(loss.status == ODO_OK);
+  const odo_header* message = nullptr;
+  CHECK(odo_recording_next(in, &message, nullptr, nullptr) == ODO_END);
+  odo_recording_close(in);
+  std::filesystem::resize_file(folder / "empty.odo", 16);
+  CHECK(recording(folder / "empty.odo", ODO_E_DATA) == nullptr);
 }
 
 TEST_SUITE_END();

@@ -140,8 +140,7 @@ TEST_CASE("a start without heading, an origin without height, and plugins of eac
 }
 
 TEST_CASE("a camera has a mount if either part of it is given, and any other item only if it is given") {
-  const auto plain = lens("");
-  REQUIRE(plain.ok());
+  const auto plain = required(lens(""));
   CHECK(plain->header.flags == 0);
   CHECK(plain->model == ODO_CAMERA_PINHOLE);
   CHECK((plain->width == 640 && plain->height == 480 && plain->header.source == 0 && plain->distortion_count == 0));

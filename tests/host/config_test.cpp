@@ -205,12 +205,11 @@ TEST_CASE("one pass finds all mistakes of a file") {
 
 TEST_CASE("the walker's height reaches the plugins unless they have their own") {
   const auto height = [](const std::string& parameters) {
-    const auto config = read_pipeline_config(
+    const auto config = required(read_pipeline_config(
         "odograph: 1\nwalker:\n  height: 182 cm\nattitude:\n  plugin: attitude/vqf\nstep_estimator:\n"
         "  plugin: step/renaudin2012\n" +
             parameters,
-        "f.yaml", {plugin_folder()});
-    REQUIRE(config.ok());
+        "f.yaml", {plugin_folder()}));
     for (const auto& [spec, value] : config->step_estimators.front().parameters)
       if (spec.name == "walker_height") return value.real;
     return 0.0;
@@ -220,11 +219,10 @@ TEST_CASE("the walker's height reaches the plugins unless they have their own") 
 }
 
 TEST_CASE("a fallback plugin gets the walker's height as well") {
-  const auto config = read_pipeline_config(
+  const auto config = required(read_pipeline_config(
       "odograph: 1\nwalker:\n  height: 182 cm\nattitude:\n  plugin: attitude/vqf\nstep_estimator:\n"
       "  plugin: step/odograph\n  fallback: step/renaudin2012\n",
-      "f.yaml", {plugin_folder()});
-  REQUIRE(config.ok());
+      "f.yaml", {plugin_folder()}));
   const auto& fallback = config->step_estimators.front().fallback;
   REQUIRE(fallback);
   double height_m = 0;
@@ -287,8 +285,7 @@ TEST_CASE("a file named relative to a config is found from any folder, with and 
   CHECK(*effective_config(file, {}) == yaml);
   const auto text = effective_config(file, {{"coupling.fix_gate", "4"}, {"time_ordering.queue", "77"}});
   REQUIRE(text.ok());
-  const auto root = parse_yaml(*text, "c.yaml");
-  REQUIRE(root.ok());
+  const auto root = required(parse_yaml(*text, "c.yaml"));
   const auto value = [&](const char* path) {
     const YamlNode* node = node_at(*root, path);
     return node ? node->text : "";

@@ -27,6 +27,7 @@
 #include "sdk/host/config/manifest.hpp"
 #include "sdk/host/messages/messages.hpp"
 #include "sdk/host/plugin_host/instance.hpp"
+#include "tests/support/messages.hpp"
 
 using namespace odograph;
 namespace fs = std::filesystem;
@@ -78,9 +79,7 @@ odo_imu walking(int64_t t_ns) {
 }
 
 odo_barometer pressure(int64_t t_ns) {
-  auto barometer = make_message<odo_barometer>(ODO_TYPE_BAROMETER, t_ns);
-  barometer.pressure_pa = 95000 + 10 * std::sin(static_cast<double>(t_ns % (600 * kSecond_ns)) * 1e-11);
-  return barometer;
+  return pressure_at(t_ns, 95000 + 10 * std::sin(static_cast<double>(t_ns % (600 * kSecond_ns)) * 1e-11));
 }
 
 odo_gnss position(int64_t t_ns) {

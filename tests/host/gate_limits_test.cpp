@@ -11,6 +11,7 @@
 #include "sdk/host/core/scale_join.hpp"
 #include "sdk/host/messages/imu_joiner.hpp"
 #include "sdk/host/messages/messages.hpp"
+#include "tests/support/messages.hpp"
 
 using namespace odograph;
 
@@ -22,8 +23,8 @@ constexpr int64_t kMs = 1'000'000;
 constexpr uint32_t kBoth = ODO_IMU_GYRO | ODO_IMU_ACCEL;
 
 odo_imu imu(int64_t t_ns, uint32_t flags = kBoth, uint32_t source = 0) {
-  auto m = make_message<odo_imu>(ODO_TYPE_IMU, t_ns);
-  m.header.flags = flags, m.header.source = source;
+  auto m = imu_at(t_ns, {0, 0, 0}, {0, 0, 0}, flags);
+  m.header.source = source;
   return m;
 }
 
@@ -70,8 +71,7 @@ TEST_CASE("each component of each sensor is valid up to its limit, on both sides
     }
   for (const auto& [pressure, good] :
        {std::pair{24'999.0, false}, {25'000.0, true}, {145'000.0, true}, {145'001.0, false}}) {
-    auto b = make_message<odo_barometer>(ODO_TYPE_BAROMETER, 0);
-    b.pressure_pa = pressure;
+    auto b = pressure_at(0, pressure);
     CHECK(gate.within_range(b.header) == good);
   }
 }

@@ -21,6 +21,7 @@
 #include "sdk/host/core/c_guard.hpp"
 #include "sdk/host/messages/messages.hpp"
 #include "sdk/host/plugin_host/library_backend.hpp"
+#include "tests/support/messages.hpp"
 
 extern "C" {
 void* __libc_malloc(size_t size);
@@ -73,9 +74,7 @@ std::vector<AnyMessage> input() {
   static std::vector<uint8_t> pixels[3];
   for (int i = 0; i < kSamples; ++i) {
     const int64_t t_ns = 1'000'000'000 + i * 10'000'000LL;
-    auto imu = make_message<odo_imu>(ODO_TYPE_IMU, t_ns);
-    imu.header.flags = ODO_IMU_GYRO | ODO_IMU_ACCEL;
-    imu.gyro_b[2] = 0.1, imu.accel_b[1] = 9.81 + 2.2 * std::sin(0.12 * i);
+    auto imu = imu_at(t_ns, {0, 0, 0.1}, {0, 9.81 + 2.2 * std::sin(0.12 * i), 0});
     all.emplace_back(imu.header);
     auto attitude = make_message<odo_attitude>(ODO_TYPE_ATTITUDE, t_ns);
     attitude.q_n_b[0] = attitude.q_n_b[1] = 0.70710678118654757;
@@ -91,13 +90,9 @@ std::vector<AnyMessage> input() {
       step.t_start_ns = t_ns - 500'000'000, step.t_end_ns = t_ns;
       step.length_m = 0.7, step.sigma_m = 0.05, step.frequency_hz = 2;
       all.emplace_back(step.header);
-      auto motion = make_message<odo_vo_motion>(ODO_TYPE_VO_MOTION, t_ns);
-      motion.header.flags = ODO_VO_ROTATION | ODO_VO_TRANSLATION;
-      motion.t_from_ns = t_ns - 200'000'000, motion.q_c0_c1[0] = 1, motion.p_c0_c1[2] = 0.2,
-      motion.state = ODO_TRACKING;
+      auto motion = motion_between(t_ns - 200'000'000, t_ns, {0, 0, 0.2});
       all.emplace_back(motion.header);
-      auto barometer = make_message<odo_barometer>(ODO_TYPE_BAROMETER, t_ns);
-      barometer.pressure_pa = 95000;
+      auto barometer = pressure_at(t_ns, 95000);
       all.emplace_back(barometer.header);
       auto waypoint = make_message<odo_waypoint>(ODO_TYPE_WAYPOINT, t_ns);
       waypoint.sigma_m = 0.5;
@@ -105,9 +100,7 @@ std::vector<AnyMessage> input() {
       auto& picture = pixels[i / 20];
       picture.resize(kWidth * kHeight);
       for (uint32_t k = 0; k < picture.size(); ++k) picture[k] = static_cast<uint8_t>((k / 7 + i) * (k / 500) * 37);
-      auto frame = make_message<odo_frame>(ODO_TYPE_FRAME, t_ns);
-      frame.format = ODO_FORMAT_GREY8, frame.width = kWidth, frame.height = kHeight;
-      frame.planes[0] = {picture.data(), kWidth, 1, 0};
+      auto frame = grey_frame_at(t_ns, picture.data(), kWidth, kHeight);
       all.emplace_back(frame.header);
     }
   }

@@ -62,8 +62,7 @@ TEST_CASE("a new file is written beside its destination or in place, as requeste
       if (exists) write_text(file, "old");
       write_text(folder / "stranger", "theirs");
       fs::create_symlink("stranger", folder / "out.txt.part");
-      auto out = OutputFile::create(file, beside);
-      REQUIRE(out.ok());
+      auto out = required(OutputFile::create(file, beside));
       const bool apart = exists || beside == OutputFile::PartFile::always;
       CHECK((fs::is_regular_file(fs::symlink_status(folder / "out.txt.part"))) == apart);
       CHECK(fs::exists(file) == (exists || !apart));
@@ -99,8 +98,7 @@ TEST_CASE("two writers of one destination exclude each other, in either mode and
         fs::create_symlink("out.txt", folder / "link");
         if (exists) write_text(file, "old");
         {
-          auto out = OutputFile::create(file, first);
-          REQUIRE(out.ok());
+          auto out = required(OutputFile::create(file, first));
           out->stream() << "first";
           for (const fs::path& name : {file, folder / "link"}) {
             const auto other = OutputFile::create(name, second);

@@ -7,6 +7,7 @@
 
 #include "sdk/host/core/sample_gate.hpp"
 #include "sdk/host/messages/messages.hpp"
+#include "tests/support/messages.hpp"
 
 using namespace odograph;
 
@@ -15,11 +16,7 @@ TEST_SUITE_BEGIN("sample_gate");
 namespace {
 
 odo_imu sample(int i, double gyro, double accel, uint32_t flags = ODO_IMU_GYRO | ODO_IMU_ACCEL) {
-  auto imu = make_message<odo_imu>(ODO_TYPE_IMU, 1'000'000'000 + i * 5'000'000LL);
-  imu.header.flags = flags;
-  imu.gyro_b[0] = gyro;
-  imu.accel_b[1] = accel;
-  return imu;
+  return imu_at(1'000'000'000 + i * 5'000'000LL, {gyro, 0, 0}, {0, accel, 0}, flags);
 }
 
 struct Passed {

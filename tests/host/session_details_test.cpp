@@ -14,6 +14,7 @@
 #include "tests/support/obeys.hpp"
 #include "tests/support/session_app.hpp"
 #include "tests/support/test_plugins.hpp"
+#include "tests/support/messages.hpp"
 
 using namespace odograph;
 
@@ -41,10 +42,8 @@ std::vector<Message> given(const App& app, uint32_t type) {
 
 int32_t push_frame(App& app, int64_t t_ns, uint32_t width, uint32_t height, uint32_t flags = 0, int64_t line_ns = 0) {
   static const std::vector<uint8_t> pixels(100 * 100, 90);
-  auto f = make_message<odo_frame>(ODO_TYPE_FRAME, t_ns);
-  f.header.flags = flags, f.line_time_ns = line_ns;
-  f.format = ODO_FORMAT_GREY8, f.width = width, f.height = height, f.fx = f.fy = 50;
-  f.planes[0] = {pixels.data(), width, 1, 0};
+  auto f = grey_frame_at(t_ns, pixels.data(), width, height);
+  f.header.flags = flags, f.line_time_ns = line_ns, f.fx = f.fy = 50;
   return odo_session_push(app.session, &f.header);
 }
 
@@ -80,8 +79,7 @@ TEST_CASE(
                                                (own & kMount ? "p_b_c: [1, 0, 0]\n" : "") +
                                                (own & kOffset ? "time_offset: 10 ms\n" : "") +
                                                (own & kRows ? "row_time: 10 us\n" : ""));
-      App app(kListens + "camera: " + lens.string() + "\n", ODO_RUN_REPLAY, plugins.path());
-      REQUIRE_MESSAGE(app.status == ODO_OK, app.message);
+      RunningApp app(kListens + "camera: " + lens.string() + "\n", ODO_RUN_REPLAY, plugins.path());
       auto c = calibration(64, 48);
       c.header.flags = pushed;
       c.q_b_c[0] = 1, c.p_b_c[1] = 2, c.time_offset_ns = 20'000'000, c.line_time_ns = 20'000;
@@ -111,8 +109,7 @@ TEST_CASE(
 
 TEST_CASE("after a clock that was set back each camera and each IMU is described again, by its last calibration") {
   const TestPlugins plugins{"listens"};
-  App app(kListens, ODO_RUN_REPLAY, plugins.path());
-  REQUIRE_MESSAGE(app.status == ODO_OK, app.message);
+  RunningApp app(kListens, ODO_RUN_REPLAY, plugins.path());
   for (const uint32_t id : {1u, 2u, 1u}) {
     auto c = calibration(64, 48);
     app.walk(0, 1);
@@ -141,8 +138,7 @@ TEST_CASE("after a clock that was set back each camera and each IMU is described
 
 TEST_CASE("a frame has the size of its camera's calibration in both dimensions, or its own intrinsics") {
   const TestPlugins plugins{"listens"};
-  App app(kListens, ODO_RUN_REPLAY, plugins.path());
-  REQUIRE_MESSAGE(app.status == ODO_OK, app.message);
+  RunningApp app(kListens, ODO_RUN_REPLAY, plugins.path());
   CHECK(push_frame(app, 900'000'000, 10, 10) == ODO_OK);  // the lens is unknown
   const auto c = calibration(64, 48);
   odo_session_push(app.session, &c.header);
@@ -155,8 +151,7 @@ TEST_CASE("a frame has the size of its camera's calibration in both dimensions, 
 
 TEST_CASE("only the host sets the accepted flag of a plugin's event") {
   const TestPlugins plugins{"echo"};
-  App app("odograph: 1\nvo_frontend: {plugin: test/echo}\n", ODO_RUN_REPLAY, plugins.path());
-  REQUIRE_MESSAGE(app.status == ODO_OK, app.message);
+  RunningApp app("odograph: 1\nvo_frontend: {plugin: test/echo}\n", ODO_RUN_REPLAY, plugins.path());
   auto scale = make_message<odo_scale>(ODO_TYPE_SCALE, 0);
   scale.header.flags = ODO_FLAG_ACCEPTED | ODO_SCALE_STEADY;
   scale.scale = 1, scale.sigma = 0.1;
@@ -179,8 +174,7 @@ TEST_CASE("a fix far from the origin of n is rejected, counted and reported") {
                              "fix/gnss}]\n";
   constexpr double degree = 0.017453292519943295;
   for (const double latitude : {48.5, 57.0}) {  // 56 and 1,000 km north of the origin
-    App app(config);
-    REQUIRE_MESSAGE(app.status == ODO_OK, app.message);
+    RunningApp app(config);
     app.walk(0, 300);
     for (int s = 4; s < 9; ++s) {
       auto gnss = make_message<odo_gnss>(ODO_TYPE_GNSS, 1'000'000'000LL * s);
@@ -200,12 +194,10 @@ TEST_CASE("a fix far from the origin of n is rejected, counted and reported") {
 }
 
 TEST_CASE("the time in each state is that between the reported states") {
-  App app(kWalk);
-  REQUIRE(app.status == ODO_OK);
+  RunningApp app(kWalk);
   const auto barometer = [&](int from_ms, int to_ms) {
     for (int ms = from_ms; ms < to_ms; ms += 50) {
-      auto b = make_message<odo_barometer>(ODO_TYPE_BAROMETER, 1'000'000'000 + ms * 1'000'000LL);
-      b.pressure_pa = 101325;
+      auto b = pressure_at(1'000'000'000 + ms * 1'000'000LL, 101325);
       odo_session_push(app.session, &b.header);
     }
   };
@@ -246,8 +238,7 @@ TEST_CASE("a report has its count, status and newest time, and the last error ha
     CHECK(std::string(report.key) == "invalid_imu");
   }
   CHECK((app.reports[0].count == 1 && app.reports[1].count == 3));
-  odo_error error{sizeof error, ODO_OK, {}};
-  CHECK(odo_session_last_error(app.session, &error) == ODO_OK);
+  odo_error error = app.last_error();
   CHECK(error.status == ODO_E_STRUCT_SIZE);
   CHECK(std::string(error.message).find("host: dropped a sample of imu") == 0);
 }
@@ -256,14 +247,12 @@ TEST_CASE("each rejected sample is the last error, also within the second in whi
   App app(kWalk);
   app.walk(0, 100);
   odo_session_flush(app.session);
-  auto imu = make_message<odo_imu>(ODO_TYPE_IMU, 2'000'000'000);
-  imu.header.flags = ODO_IMU_GYRO | ODO_IMU_ACCEL;
+  auto imu = imu_at(2'000'000'000, {0, 0, 0}, {0, 0, 0});
   for (const double wrong : {std::nan(""), HUGE_VAL, 1e5}) {
     imu.gyro_b[1] = wrong;
     for (int i = 0; i < 2; ++i) {
       CHECK(odo_session_push(app.session, &imu.header) == ODO_E_DISCARD);
-      odo_error error{sizeof error, ODO_OK, {}};
-      CHECK(odo_session_last_error(app.session, &error) == ODO_OK);
+      odo_error error = app.last_error();
       CHECK(error.status == ODO_E_DISCARD);
       CHECK(std::string(error.message).find("host: dropped a sample of imu") == 0);
     }
@@ -307,8 +296,7 @@ TEST_CASE("two instances of one plugin are saved under separate names, and each 
   const TestPlugins plugins{"obeys"};
   const std::string yaml =
       "odograph: 1\nvo_frontend: {plugin: vo/five_point}\nscale_source: [{plugin: test/obeys}, {plugin: test/obeys}]\n";
-  App app(yaml, ODO_RUN_REPLAY, plugins.path()), second(yaml, ODO_RUN_REPLAY, plugins.path());
-  REQUIRE_MESSAGE(app.status == ODO_OK, app.message);
+  RunningApp app(yaml, ODO_RUN_REPLAY, plugins.path()), second(yaml, ODO_RUN_REPLAY, plugins.path());
   Order o = order(1'000'000'000);
   o.learn = 7;
   odo_session_push(app.session, &o.header);
@@ -326,8 +314,7 @@ TEST_CASE("two instances of one plugin are saved under separate names, and each 
 }
 
 TEST_CASE("a live session processes pushes without a flush") {
-  App app(kWalk, ODO_RUN_LIVE);
-  REQUIRE(app.status == ODO_OK);
+  RunningApp app(kWalk, ODO_RUN_LIVE);
   std::this_thread::sleep_for(std::chrono::milliseconds(30));  // until its thread waits
   app.walk(0, 500);
   for (int i = 0; i < 500 && app.poses == 0; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(10));
@@ -348,9 +335,8 @@ TEST_CASE("the rounding mode of an app's thread, or one left by a plugin, change
         {{0.05 * std::sin(phase), 0.01, 0.1}, {0.1, 9.81 + 2.2 * std::sin(phase), 0.4 * std::cos(phase)}});
   }
   const auto walked = [&](int app_rounds, uint32_t plugin_rounds) {
-    App app(kWalk + "vo_frontend: {plugin: vo/five_point}\nscale_source: {plugin: test/obeys}\n", ODO_RUN_REPLAY,
-            plugins.path());
-    REQUIRE_MESSAGE(app.status == ODO_OK, app.message);
+    RunningApp app(kWalk + "vo_frontend: {plugin: vo/five_point}\nscale_source: {plugin: test/obeys}\n", ODO_RUN_REPLAY,
+                   plugins.path());
     Order o = order(2'000'000'001);
     o.rounds_up = plugin_rounds;
     std::fesetround(app_rounds);
@@ -376,8 +362,7 @@ TEST_CASE("the rounding mode of an app's thread, or one left by a plugin, change
 }
 
 TEST_CASE("invalid positions are rejected in both directions") {
-  App app(kWalk + "navigation: {origin: {latitude: 48.1 deg, longitude: 11.6 deg, height: 500 m}}\n");
-  REQUIRE_MESSAGE(app.status == ODO_OK, app.message);
+  RunningApp app(kWalk + "navigation: {origin: {latitude: 48.1 deg, longitude: 11.6 deg, height: 500 m}}\n");
   const double good_n[3] = {10, -20, 3};
   double geodetic[3], p_n[3];
   REQUIRE(odo_session_to_geodetic(app.session, good_n, geodetic) == ODO_OK);

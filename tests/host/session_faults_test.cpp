@@ -11,6 +11,7 @@
 
 #include "tests/support/session_app.hpp"
 #include "tests/support/test_plugins.hpp"
+#include "tests/support/messages.hpp"
 
 using namespace odograph;
 
@@ -38,11 +39,10 @@ struct NeedyApp : NeedyPlugins, App {
 
 TEST_CASE("plugins that answer each other endlessly are cut off and reported") {
   const TestPlugins plugins{"fix_on_pose", "step_on_fix"};
-  App app(
+  RunningApp app(
       "odograph: 1\nattitude:\n  plugin: attitude/vqf\nstep_estimator:\n  plugin: test/step_on_fix\n"
       "absolute_fixers:\n  - plugin: test/fix_on_pose\n",
       ODO_RUN_REPLAY, plugins.path());
-  REQUIRE_MESSAGE(app.status == ODO_OK, app.message);
   app.walk(0, 100);
   odo_session_flush(app.session);
   const auto s = app.statistics();
@@ -50,30 +50,17 @@ TEST_CASE("plugins that answer each other endlessly are cut off and reported") {
   CHECK(s.events_dropped >= 1);
   CHECK(s.steps > 100);  // for one sample
   CHECK(s.steps < 1000);
+  CHECK(app.all<odo_fix>(ODO_TYPE_FIX).front().header.quality == 0.25f);  // as the plugin set it
   odo_error error{sizeof error, ODO_OK, {}};
   CHECK((odo_session_last_error(app.session, &error) == ODO_OK && error.status != ODO_OK));
   CHECK(std::string(error.message).find("in a loop") != std::string::npos);
 }
 
-TEST_CASE("a published fix is flagged whether it was used, and keeps its quality") {
-  const TestPlugins plugins{"fix_on_pose"};
-  App app("odograph: 1\nattitude:\n  plugin: attitude/vqf\nabsolute_fixers:\n  - plugin: test/fix_on_pose\n",
-          ODO_RUN_REPLAY, plugins.path());
-  REQUIRE_MESSAGE(app.status == ODO_OK, app.message);
-  app.walk(0, 100);
-  odo_session_flush(app.session);
-  const auto fixes = app.all<odo_fix>(ODO_TYPE_FIX);
-  REQUIRE(fixes.size() == 1);
-  CHECK((fixes[0].header.flags & ODO_FLAG_ACCEPTED) != 0);
-  CHECK(fixes[0].header.quality == 0.25f);
-}
-
 TEST_CASE("a plugin that requests corrections receives each one that the app receives, once, with the same numbers") {
   const TestPlugins plugins{"correction_echo"};
-  App app(kWalk + "absolute_fixers:\n  - plugin: test/correction_echo\ncoupling: {type: localizer}\n" +
-              "navigation: {start: {position: [0 m, 0 m, 0 m], heading: 0 rad}}\n",
-          ODO_RUN_REPLAY, plugins.path());
-  REQUIRE_MESSAGE(app.status == ODO_OK, app.message);
+  RunningApp app(kWalk + "absolute_fixers:\n  - plugin: test/correction_echo\ncoupling: {type: localizer}\n" +
+                     "navigation: {start: {position: [0 m, 0 m, 0 m], heading: 0 rad}}\n",
+                 ODO_RUN_REPLAY, plugins.path());
   app.walk(0, 3000);
   odo_session_flush(app.session);
   const auto corrections = app.all<odo_correction>(ODO_TYPE_CORRECTION);
@@ -135,9 +122,7 @@ TEST_CASE("a burst of late samples after a stall is not taken for a clock that w
   const auto before = app.pose(ODO_TIME_LATEST);
   const auto half = [&](uint32_t flag, int i) {
     const double t = 0.01 * i;
-    auto imu = make_message<odo_imu>(ODO_TYPE_IMU, static_cast<int64_t>(t * 1e9) + 1'000 * kMs);
-    imu.header.flags = flag;
-    imu.accel_b[1] = 9.81;
+    auto imu = imu_at(static_cast<int64_t>(t * 1e9) + 1'000 * kMs, {0, 0, 0}, {0, 9.81, 0}, flag);
     odo_session_push(app.session, &imu.header);
   };
   for (int i = 1000; i < 1200; ++i) half(ODO_IMU_GYRO, i), half(ODO_IMU_ACCEL, i);
@@ -173,8 +158,7 @@ TEST_CASE("an outlier is rejected, counted and reported, and changes nothing tha
   auto field = make_message<odo_magnetometer>(ODO_TYPE_MAGNETOMETER, 30'000 * kMs);
   field.field_b[0] = 1e6;
   CHECK(odo_session_push(app.session, &field.header) == ODO_E_DISCARD);
-  odo_error error{sizeof error, ODO_OK, {}};
-  odo_session_last_error(app.session, &error);
+  odo_error error = app.last_error();
   CHECK(std::string(error.message).find("magnetometer: value outside the range") != std::string::npos);
 }
 
@@ -222,17 +206,13 @@ TEST_CASE("while the camera is off there is the orientation, and the position is
 }
 
 TEST_CASE("a frame that cannot be held is counted and reported with a reason" * doctest::skip(!kCameraPlugins)) {
-  App app("odograph: 1\nattitude:\n  plugin: attitude/vqf\nvo_frontend:\n  plugin: vo/five_point\n");
-  REQUIRE_MESSAGE(app.status == ODO_OK, app.message);
+  RunningApp app("odograph: 1\nattitude:\n  plugin: attitude/vqf\nvo_frontend:\n  plugin: vo/five_point\n");
   const auto lens = calibration(64, 48);
   odo_session_push(app.session, &lens.header);
   app.walk(0, 10);
   static const std::vector<uint8_t> pixels(64 * 48, 90);
-  auto f = make_message<odo_frame>(ODO_TYPE_FRAME, 1'050'000'000);
-  f.format = ODO_FORMAT_GREY8, f.width = 64, f.height = 48;
-  f.planes[0] = {pixels.data(), 64, 1, 0};
-  f.loan.retain = [](void*) -> int32_t { return ODO_E_EXHAUSTED; };
-  f.loan.release = [](void*) {};
+  auto f = grey_frame_at(1'050'000'000, pixels.data(), 64, 48);
+  f.loan.retain = [](void*) -> int32_t { return ODO_E_EXHAUSTED; }, f.loan.release = [](void*) {};
   CHECK(odo_session_push(app.session, &f.header) == ODO_E_EXHAUSTED);
   odo_session_flush(app.session);
   CHECK(app.statistics().overflow == 1);

@@ -14,14 +14,14 @@
 
 #include "sdk/host/messages/messages.hpp"
 #include "tests/support/session_app.hpp"
+#include "tests/support/messages.hpp"
 
 using namespace odograph;
 
 TEST_SUITE_BEGIN("session");
 
 TEST_CASE("steps and poses are computed from inertial samples, and the pose can be queried at any time") {
-  App app(kWalk);
-  REQUIRE_MESSAGE(app.status == ODO_OK, app.message);
+  RunningApp app(kWalk);
   CHECK(app.walk(0, 3000) == ODO_OK);
   odo_session_flush(app.session);
   const auto s = app.statistics();
@@ -29,13 +29,9 @@ TEST_CASE("steps and poses are computed from inertial samples, and the pose can 
   CHECK(s.steps < 60);
   CHECK(s.distance_m == doctest::Approx(0.7 * static_cast<double>(s.steps)).epsilon(0.1));
   CHECK(s.tracking_s > 25);
-  odo_pose pose{};
-  pose.header.struct_size = sizeof pose;
-  CHECK(odo_session_get_pose(app.session, ODO_TIME_LATEST, &pose) == ODO_OK);
+  odo_pose pose = app.pose(ODO_TIME_LATEST);
   CHECK((pose.header.flags & ODO_POSE_METRIC) != 0);
-  odo_pose middle{};
-  middle.header.struct_size = sizeof middle;
-  CHECK(odo_session_get_pose(app.session, 16'000'000'000, &middle) == ODO_OK);
+  odo_pose middle = app.pose(16'000'000'000);
   CHECK(middle.distance_m < pose.distance_m);
   CHECK(middle.distance_m > 0.4 * pose.distance_m);
   CHECK(odo_session_get_pose(app.session, 900'000'000'000, &middle) == ODO_E_NOT_FOUND);
@@ -62,16 +58,14 @@ TEST_CASE("a live session with samples from several threads gives the replay's e
     while (!stop) {
       pose.header.struct_size = sizeof pose;
       odo_session_get_pose(live.session, ODO_TIME_LATEST, &pose);
-      odo_error error{sizeof error, ODO_OK, {}};
-      odo_session_last_error(live.session, &error);
+      odo_error error = live.last_error();
     }
   });
   std::atomic<int64_t> now_ns{0};  // of the IMU: a sensor seconds ahead would make the others late
   std::thread barometer([&] {
     for (int i = 0; i < 200 && !stop; ++i) {
       while (now_ns < 1'000'000'000 + i * 50'000'000LL && !stop) std::this_thread::yield();
-      auto b = make_message<odo_barometer>(ODO_TYPE_BAROMETER, 1'000'000'000 + i * 50'000'000LL);
-      b.pressure_pa = 101325;
+      auto b = pressure_at(1'000'000'000 + i * 50'000'000LL, 101325);
       odo_session_push(live.session, &b.header);
     }
   });
@@ -99,13 +93,11 @@ TEST_CASE("a sensor that is permanently late is counted and does not affect the 
   odo_session_flush(replay.session);
   for (int i = 0; i < 1000; i += 10) {
     app.walk(i, i + 10);
-    auto b = make_message<odo_barometer>(ODO_TYPE_BAROMETER, 1'000'000'000 + (i - 300) * 10'000'000LL);
-    b.pressure_pa = 101325;
+    auto b = pressure_at(1'000'000'000 + (i - 300) * 10'000'000LL, 101325);
     odo_session_push(app.session, &b.header);
   }
   for (int i = 0; i < 200; ++i) {  // no further samples of the others
-    auto b = make_message<odo_barometer>(ODO_TYPE_BAROMETER, 8'000'000'000 + i * 1'000'000LL);
-    b.pressure_pa = 101325;
+    auto b = pressure_at(8'000'000'000 + i * 1'000'000LL, 101325);
     odo_session_push(app.session, &b.header);
   }
   odo_session_flush(app.session);
@@ -128,8 +120,7 @@ TEST_CASE("bad samples are counted, and the session recovers from them") {
   CHECK(s.invalid == 3);
   CHECK(s.late == 1);
   CHECK(s.duplicate == 1);
-  odo_error error{sizeof error, ODO_OK, {}};
-  CHECK(odo_session_last_error(app.session, &error) == ODO_OK);
+  odo_error error = app.last_error();
   CHECK(error.status != ODO_OK);
   CHECK(std::string(error.message).find("imu") != std::string::npos);
   CHECK(odo_session_last_error(app.session, &error) == ODO_OK);
@@ -140,9 +131,7 @@ TEST_CASE("bad samples are counted, and the session recovers from them") {
   s = app.statistics();
   CHECK(s.gaps == 1);
   CHECK(s.steps > steps + 14);
-  odo_pose pose{};
-  pose.header.struct_size = sizeof pose;
-  CHECK(odo_session_get_pose(app.session, ODO_TIME_LATEST, &pose) == ODO_OK);
+  odo_pose pose = app.pose(ODO_TIME_LATEST);
   CHECK(pose.state == ODO_TRACKING);
   for (const double x : pose.p_n) CHECK(std::isfinite(x));
 }
@@ -189,9 +178,7 @@ TEST_CASE("steps return within two seconds after every sensor fault") {
       if (fault == silence || fault == not_numbers) CHECK(s.gaps == 1);
       if (fault == not_numbers) CHECK(s.invalid == 400);
       if (fault == duplicated) CHECK(s.duplicate == 400);
-      odo_pose pose{};
-      pose.header.struct_size = sizeof pose;
-      CHECK(odo_session_get_pose(app.session, ODO_TIME_LATEST, &pose) == ODO_OK);
+      odo_pose pose = app.pose(ODO_TIME_LATEST);
       for (const double x : pose.p_n) CHECK(std::isfinite(x));
       CHECK(pose.state == ODO_TRACKING);
     }
@@ -220,20 +207,14 @@ TEST_CASE("a config's camera takes precedence over pushed calibrations, and need
     app.walk(0, 20);
     const std::vector<uint8_t> pixels(64 * 48, 90);
     for (int i = 0; i < 3; ++i) {
-      auto f = make_message<odo_frame>(ODO_TYPE_FRAME, 1'200'000'000 + i * 100'000'000LL);
-      f.format = ODO_FORMAT_GREY8;
-      f.width = 64, f.height = 48;
-      f.planes[0] = {pixels.data(), 64, 1, 0};
+      auto f = grey_frame_at(1'200'000'000 + i * 100'000'000LL, pixels.data(), 64, 48);
       CHECK(odo_session_push(app.session, &f.header) == ODO_OK);
     }
     app.walk(20, 50);
     odo_session_flush(app.session);
-    odo_pose pose{};
-    pose.header.struct_size = sizeof pose;
-    CHECK(odo_session_get_pose(app.session, 1'430'000'000, &pose) == ODO_OK);
+    odo_pose pose = app.pose(1'430'000'000);
     CHECK((pose.header.flags & ODO_POSE_CAMERA) != 0);
-    odo_error error{sizeof error, ODO_OK, {}};
-    odo_session_last_error(app.session, &error);
+    odo_error error = app.last_error();
     CHECK(std::string(error.message).find("calibration") == std::string::npos);  // every frame had the right size
   }
 }
@@ -246,10 +227,7 @@ TEST_CASE("too many waiting frames are rejected, not queued" * doctest::skip(!kC
   std::vector<uint8_t> pixels(64 * 48, 90);
   int refused = 0;
   for (int i = 0; i < 10; ++i) {
-    auto f = make_message<odo_frame>(ODO_TYPE_FRAME, 1'200'000'000 + i * 50'000'000LL);
-    f.format = ODO_FORMAT_GREY8;
-    f.width = 64, f.height = 48;
-    f.planes[0] = {pixels.data(), 64, 1, 0};
+    auto f = grey_frame_at(1'200'000'000 + i * 50'000'000LL, pixels.data(), 64, 48);
     if (odo_session_push(app.session, &f.header) == ODO_E_EXHAUSTED) ++refused;
   }
   CHECK(refused == 7);
@@ -258,8 +236,7 @@ TEST_CASE("too many waiting frames are rejected, not queued" * doctest::skip(!kC
 
 TEST_CASE("an estimator or a scale source is exchanged by one line of YAML" * doctest::skip(!kCameraPlugins)) {
   const auto steps_of = [](std::string yaml) {
-    App app(yaml);
-    REQUIRE_MESSAGE(app.status == ODO_OK, app.message);
+    RunningApp app(yaml);
     app.walk(0, 2000);
     odo_session_flush(app.session);
     return app.statistics();

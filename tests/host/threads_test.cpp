@@ -11,6 +11,7 @@
 #include <odograph/odograph.h>
 
 #include "tests/support/session_app.hpp"
+#include "tests/support/messages.hpp"
 
 using namespace odograph;
 
@@ -28,15 +29,11 @@ void push_and_poll(odo_session* session, int thread, int round, std::atomic<uint
     odo_session_push_imu(session, t_ns, gyro, accel);
   } else if (thread == 1) {
     static const std::vector<uint8_t> pixels(64 * 48, 90);
-    auto frame = make_message<odo_frame>(ODO_TYPE_FRAME, t_ns);
-    frame.format = ODO_FORMAT_GREY8;
-    frame.width = 64, frame.height = 48;
-    frame.planes[0] = {pixels.data(), 64, 1, 0};
+    auto frame = grey_frame_at(t_ns, pixels.data(), 64, 48);
     odo_session_push(session, &frame.header);
   } else {
-    auto barometer = make_message<odo_barometer>(ODO_TYPE_BAROMETER, t_ns);
+    auto barometer = pressure_at(t_ns, 95000);
     barometer.header.source = static_cast<uint32_t>(thread);
-    barometer.pressure_pa = 95000;
     odo_session_push(session, &barometer.header);
   }
   ++pushed;
@@ -67,8 +64,7 @@ void push_and_poll(odo_session* session, int thread, int round, std::atomic<uint
 TEST_CASE("with eight threads that push and poll, live and in replay, every sample is processed or counted") {
   for (const uint32_t run : {ODO_RUN_LIVE, ODO_RUN_REPLAY}) {
     CAPTURE(run);
-    App app((kCameraPlugins ? kCamera : kWalk) + "absolute_fixers:\n  plugin: fix/waypoint\n", run);
-    REQUIRE_MESSAGE(app.status == ODO_OK, app.message);
+    RunningApp app((kCameraPlugins ? kCamera : kWalk) + "absolute_fixers:\n  plugin: fix/waypoint\n", run);
     const auto lens = calibration(64, 48);
     odo_session_push(app.session, &lens.header);
     std::atomic<uint64_t> pushed{1};

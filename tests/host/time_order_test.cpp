@@ -6,6 +6,7 @@
 
 #include "sdk/host/core/time_order.hpp"
 #include "sdk/host/messages/imu_joiner.hpp"
+#include "tests/support/messages.hpp"
 
 using namespace odograph;
 
@@ -217,8 +218,7 @@ TEST_CASE("separate accelerometer and gyroscope samples are joined by interpolat
   ImuJoiner joiner;
   std::vector<odo_imu> whole_samples;
   const auto push = [&](uint32_t flag, int64_t t, double x) {
-    auto imu = make_message<odo_imu>(ODO_TYPE_IMU, t);
-    imu.header.flags = flag;
+    auto imu = imu_at(t, {0, 0, 0}, {0, 0, 0}, flag);
     (flag == ODO_IMU_GYRO ? imu.gyro_b : imu.accel_b)[0] = x;
     joiner.push(imu, [&](const odo_imu& w) { whole_samples.push_back(w); });
   };
@@ -239,8 +239,7 @@ TEST_CASE("samples of both sensors at one time are joined in either order of arr
     ImuJoiner joiner;
     std::vector<odo_imu> whole_samples;
     const auto push = [&](uint32_t flag, int64_t t) {
-      auto imu = make_message<odo_imu>(ODO_TYPE_IMU, t);
-      imu.header.flags = flag;
+      auto imu = imu_at(t, {0, 0, 0}, {0, 0, 0}, flag);
       (flag == ODO_IMU_GYRO ? imu.gyro_b : imu.accel_b)[0] = static_cast<double>(t);
       joiner.push(imu, [&](const odo_imu& w) { whole_samples.push_back(w); });
     };
@@ -257,8 +256,7 @@ TEST_CASE("a gyroscope without an accelerometer is passed on alone, in order, an
   ImuJoiner joiner;
   std::vector<odo_imu> taken;
   const auto push = [&](uint32_t flag, int64_t t_ns) {
-    auto imu = make_message<odo_imu>(ODO_TYPE_IMU, t_ns);
-    imu.header.flags = flag;
+    auto imu = imu_at(t_ns, {0, 0, 0}, {0, 0, 0}, flag);
     joiner.push(imu, [&](const odo_imu& x) { taken.push_back(x); });
   };
   for (int64_t t = 0; t <= 1000; t += 5) push(ODO_IMU_GYRO, t * kMs);

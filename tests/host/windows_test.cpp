@@ -159,8 +159,7 @@ TEST_CASE("two writers of one file exclude each other, and the complete file rep
   const fs::path file = write_text(folder / "out.txt", "old");
   write_text(folder / "out.txt.part", "left by a crash");
   {
-    auto out = OutputFile::create(file);
-    REQUIRE(out.ok());
+    auto out = required(OutputFile::create(file));
     CHECK(FileLock::is_held(folder / "out.txt.part"));
     out->stream() << "new\n";
     const auto other = OutputFile::create(file);

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Links of Markdown files to files and headings of the project lead somewhere, and tests that they cite exist."""
+"""Markdown: links to files and headings lead somewhere, tests that are cited exist, prose has at most 120 columns."""
 import os
 import re
 import subprocess
@@ -8,6 +8,9 @@ import sys
 
 ROOT = sys.argv[1]
 LINK = re.compile(r"\]\(([^)\s]+)\)")
+COLUMNS = 120
+# A word that no line can be broken within: links and code with their spaces, and what adjoins them.
+WORD = re.compile(r"(?:\[[^\]]*\]\([^)]*\)|`[^`]*`|\S)+")
 
 
 def anchors(path):
@@ -32,6 +35,15 @@ def cited_tests(text):
     return [" ".join(part.split()) for name in names for part in name.split("...") if part.strip()]
 
 
+def long_lines(text):
+    """Numbers of prose lines that are too long; not in tables, headings, pictures, code and equations."""
+    blank = lambda found: re.sub(r"[^\n]", "", found.group(0))
+    text = re.sub(r"(?ms)^ *```.*?^ *```", blank, text)
+    text = re.sub(r"(?m)(?<=\n\n)(?: {4,}(?![*-] |\d+\. ).*\n)+", blank, text)
+    return [number for number, line in enumerate(text.split("\n"), 1)
+            if len(line.rstrip()) > COLUMNS and not re.match(r"\s*(\||#|!\[)", line) and len(WORD.findall(line)) > 1]
+
+
 def all_tests():
     sources = subprocess.run(["git", "-C", ROOT, "grep", "-hI", "", "--", "tests/*.cpp"], capture_output=True, check=True).stdout
     return " ".join(re.sub(r'"\s*\n\s*"', "", sources.decode("utf-8", "replace")).split())
@@ -40,7 +52,10 @@ def all_tests():
 wrong, count, cited, tests = [], 0, 0, all_tests()
 for document in subprocess.run(["git", "-C", ROOT, "ls-files", "*.md"], capture_output=True, text=True, check=True).stdout.split():
     with open(f"{ROOT}/{document}", encoding="utf-8") as file:
-        whole = re.sub(r"```.*?```", "", file.read(), flags=re.S)
+        original = file.read()
+    if not re.match(r"CHANGELOG|LICENSE|docs/pictures/", document):
+        wrong += [f"{document}:{number}: more than {COLUMNS} columns" for number in long_lines(original)]
+    whole = re.sub(r"```.*?```", "", original, flags=re.S)
     text = re.sub(r"`[^`\n]*`", "", whole)
     for name in cited_tests(whole) if document != "CHANGELOG.md" else []:
         cited += 1

@@ -240,8 +240,8 @@ TEST_CASE("a late call in the app's thread is reported when it returns, and noth
   const fs::path library = folder / "cost_imu__120_ms.so";
   fs::copy_file(fs::path(ODOGRAPH_BUILD) / "tests/faulty_plugins/cost_imu__120_ms.so", library);
   REQUIRE(write_manifest_beside(library).ok());
-  App app("odograph: 1\nattitude: {plugin: test/faulty, time_limit: 0.05 s}\n", ODO_RUN_REPLAY, folder.path().string());
-  REQUIRE_MESSAGE(app.status == ODO_OK, app.message);
+  RunningApp app("odograph: 1\nattitude: {plugin: test/faulty, time_limit: 0.05 s}\n", ODO_RUN_REPLAY,
+                 folder.path().string());
   app.walk(0, 3);
   odo_session_flush(app.session);
   REQUIRE_FALSE(app.reports.empty());
@@ -254,10 +254,9 @@ TEST_CASE("a late call in the app's thread is reported when it returns, and noth
 
 TEST_CASE("an app can query a hanging call in a session's thread while it lasts") {
   const TestPlugins plugins{"obeys"};
-  const App app(
+  const RunningApp app(
       "odograph: 1\nvo_frontend: {plugin: vo/five_point}\nscale_source: {plugin: test/obeys, time_limit: 600 s}\n",
       ODO_RUN_LIVE, plugins.path());
-  REQUIRE_MESSAGE(app.status == ODO_OK, app.message);
   Order hang = order(1'000'000'000);
   hang.sleep_ms = 9000;
   const auto start = std::chrono::steady_clock::now();

@@ -18,8 +18,7 @@ namespace fs = std::filesystem;
 TEST_SUITE_BEGIN("forked");
 
 TEST_CASE("flush in a child forked beside a live session returns an error and does not wait for the missing thread") {
-  App app(kWalk, ODO_RUN_LIVE);
-  REQUIRE(app.status == ODO_OK);
+  RunningApp app(kWalk, ODO_RUN_LIVE);
   app.walk(0, 100);
   odo_session_flush(app.session);
   const pid_t child = fork();
@@ -39,8 +38,7 @@ TEST_CASE("files left by a terminated writer lock nobody out, and neither does a
   write_text(folder / "out.txt.part", "left by a crash");
   pid_t child = -1;
   {
-    auto out = OutputFile::create(file);
-    REQUIRE(out.ok());
+    auto out = required(OutputFile::create(file));
     child = fork();
     if (child == 0) {
       pause();

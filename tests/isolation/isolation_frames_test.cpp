@@ -11,6 +11,7 @@
 #include "sdk/host/core/frame_store.hpp"
 #include "tests/isolation/isolated_plugin.hpp"
 #include "tests/support/test_plugins.hpp"
+#include "tests/support/messages.hpp"
 
 using namespace odograph;
 
@@ -22,20 +23,15 @@ constexpr uint32_t kWidth = 640, kHeight = 480;
 constexpr size_t kBytes = size_t(kWidth) * kHeight;
 
 odo_frame grey_frame(const std::vector<uint8_t>& pixels, int number) {
-  auto frame = make_message<odo_frame>(ODO_TYPE_FRAME, 1'000'000'000 + number * 33'000'000LL);
-  frame.format = ODO_FORMAT_GREY8;
-  frame.width = kWidth, frame.height = kHeight;
-  frame.planes[0] = {pixels.data(), kWidth, 1, 0};
-  return frame;
+  return grey_frame_at(1'000'000'000 + number * 33'000'000LL, pixels.data(), kWidth, kHeight);
 }
 
 /// Reports of test/retaining_vo about the frames it keeps, with this many frames in the session's store.
 std::vector<odo_vo_motion> keep(const std::string& isolation, int frames) {
   const TestPlugins plugins{"retaining_vo"};
-  App app("odograph: 1\ntime_ordering: {frames: " + std::to_string(frames) +
-              "}\nvo_frontend: {plugin: test/retaining_vo, isolation: " + isolation + "}\n",
-          ODO_RUN_REPLAY, plugins.path());
-  REQUIRE_MESSAGE(app.status == ODO_OK, app.message);
+  RunningApp app("odograph: 1\ntime_ordering: {frames: " + std::to_string(frames) +
+                     "}\nvo_frontend: {plugin: test/retaining_vo, isolation: " + isolation + "}\n",
+                 ODO_RUN_REPLAY, plugins.path());
   const auto lens = calibration(kWidth, kHeight);
   odo_session_push(app.session, &lens.header);
   std::vector<uint8_t> pixels(kBytes);

@@ -63,8 +63,7 @@ Outcome walk(App& app, int from, int to) {
 
 TEST_CASE("a plugin emits identical bytes in process and isolated") {
   const auto events = [](const std::string& yaml) {
-    App app(yaml);
-    REQUIRE_MESSAGE(app.status == ODO_OK, app.message);
+    RunningApp app(yaml);
     const auto c = calibration(64, 48);
     odo_session_push(app.session, &c.header);
     for (int i = 0; i < 60; ++i) app.walk(20 * i, 20 * i + 20), app.frame(1'000'000'000 + 200'000'000LL * i);
@@ -79,8 +78,7 @@ TEST_CASE("a plugin emits identical bytes in process and isolated") {
 TEST_CASE("an isolated plugin's state is saved and loaded") {
   const std::string yaml = "odograph: 1\nattitude:\n  plugin: attitude/vqf\nstep_estimator:\n  plugin: step/odograph\n";
   const auto saved = [](const std::string& text) {
-    App app(text);
-    REQUIRE_MESSAGE(app.status == ODO_OK, app.message);
+    RunningApp app(text);
     app.walk(0, 2000);
     odo_session_flush(app.session);
     std::string blob(static_cast<size_t>(odo_session_save(app.session, nullptr, 0)), '\0');
@@ -128,9 +126,7 @@ TEST_CASE("the host continues and publishes poses with every faulty plugin isola
       }
       if (key != "scale_source") CHECK(out.poses > 0);
       ended += out.contains("restarting") ? 1 : 0;
-      odo_pose pose{};
-      pose.header.struct_size = sizeof pose;
-      CHECK(odo_session_get_pose(app.session, ODO_TIME_LATEST, &pose) == ODO_OK);
+      odo_pose pose = app.pose(ODO_TIME_LATEST);
     }
   }
   MESSAGE(run_count << " times a faulty plugin, " << ended << " of them ended their process");
@@ -212,15 +208,14 @@ TEST_CASE("a plugin that crashes repeatedly waits longer each time, and is repla
   const std::string plugins = install(folder, "entry_loads__exit_in_static", ODO_INTERFACE_ATTITUDE);
   const std::string chosen = "odograph: 1\nattitude: {plugin: test/faulty, isolation: process";
   {
-    App app(chosen + "}\n", ODO_RUN_REPLAY, plugins);
-    REQUIRE_MESSAGE(app.status == ODO_OK, app.message);
+    RunningApp app(chosen + "}\n", ODO_RUN_REPLAY, plugins);
     const Outcome out = walk(app, 0, 1000);  // ten seconds: at 0, 0.1, 0.3, 0.7, 1.5, 3.1, 6.3 s
     CHECK(app.statistics().plugin_faults >= 6);
     CHECK(app.statistics().plugin_faults <= 10);
     CHECK(out.poses == 0);
   }
-  App app(chosen + ", fallback: attitude/vqf}\nstep_estimator: {plugin: step/renaudin2012}\n", ODO_RUN_REPLAY, plugins);
-  REQUIRE_MESSAGE(app.status == ODO_OK, app.message);
+  RunningApp app(chosen + ", fallback: attitude/vqf}\nstep_estimator: {plugin: step/renaudin2012}\n", ODO_RUN_REPLAY,
+                 plugins);
   const Outcome out = walk(app, 0, 1000);
   CHECK(out.contains("attitude/vqf: replaces test/faulty"));
   CHECK(out.poses > 0);
@@ -228,11 +223,10 @@ TEST_CASE("a plugin that crashes repeatedly waits longer each time, and is repla
 
 TEST_CASE("while a plugin restarts the pose continues as degraded, then as tracking") {
   const TestPlugins plugins{"crashing_attitude"};
-  App app(
+  RunningApp app(
       "odograph: 1\nattitude: {plugin: test/crashing_attitude, isolation: process}\n"
       "step_estimator: {plugin: step/renaudin2012}\n",
       ODO_RUN_REPLAY, plugins.path());
-  REQUIRE_MESSAGE(app.status == ODO_OK, app.message);
   const Outcome out = walk(app, 0, 1500);
   CHECK(app.statistics().plugin_faults == 5);  // at 3, 6, 9, 12 and 15 s, each with an immediate restart
   CHECK(out.poses >= 15);
@@ -243,9 +237,8 @@ TEST_CASE("while a plugin restarts the pose continues as degraded, then as track
 
 TEST_CASE("a plugin that allocates without end fails alone" * doctest::skip(!kMemoryLimited)) {
   const TestPlugins plugins{"greedy"};
-  App app("odograph: 1\nattitude: {plugin: test/greedy, isolation: process, memory_limit: 256}\n", ODO_RUN_REPLAY,
-          plugins.path());
-  REQUIRE_MESSAGE(app.status == ODO_OK, app.message);
+  RunningApp app("odograph: 1\nattitude: {plugin: test/greedy, isolation: process, memory_limit: 256}\n",
+                 ODO_RUN_REPLAY, plugins.path());
   const Outcome out = walk(app, 0, 20);
   CHECK_FALSE(out.said.empty());
 }
@@ -306,9 +299,8 @@ TEST_CASE("a library that changes constantly, allowed by its hash, runs as hashe
 
 TEST_CASE("a lack of descriptors is reported, and with free descriptors the plugin starts") {
   HostServices host(0, {}, nullptr);
-  const auto config = read_pipeline_config("odograph: 1\nattitude: {plugin: attitude/vqf, isolation: process}\n",
-                                           "<text>", {plugin_folder()});
-  REQUIRE(config.ok());
+  const auto config = required(read_pipeline_config(
+      "odograph: 1\nattitude: {plugin: attitude/vqf, isolation: process}\n", "<text>", {plugin_folder()}));
   rlimit old{};
   getrlimit(RLIMIT_NOFILE, &old);
   for (const rlim_t few : {rlim_t(3), rlim_t(20)}) {
@@ -328,9 +320,8 @@ TEST_CASE("events from a plugin's own thread are rejected and reported") {
     const TemporaryFolder folder;
     fs::copy_file(fs::path(ODOGRAPH_BUILD) / "tests/faulty_plugins/life_emits_on_thread__own.so", folder / "one.so");
     REQUIRE(write_manifest_beside(folder / "one.so").ok());
-    App app("odograph: 1\nattitude: {plugin: test/faulty, isolation: " + std::string(isolation) + "}\n", ODO_RUN_REPLAY,
-            folder.path().string());
-    REQUIRE_MESSAGE(app.status == ODO_OK, app.message);
+    RunningApp app("odograph: 1\nattitude: {plugin: test/faulty, isolation: " + std::string(isolation) + "}\n",
+                   ODO_RUN_REPLAY, folder.path().string());
     app.walk(0, 60);
     odo_session_flush(app.session);
     CHECK(app.all<odo_attitude>(ODO_TYPE_ATTITUDE).size() == 60);  // without the one from the thread

@@ -146,8 +146,7 @@ TEST_CASE("manifests with a duplicate id, a changed library, a false statement o
   const auto manifest = install("one");
   {
     PluginRegistry registry({folder.path()});
-    const auto found = registry.find("test/hostile", ODO_INTERFACE_SCALE_SOURCE, {}, {});
-    REQUIRE(found.ok());
+    const auto found = required(registry.find("test/hostile", ODO_INTERFACE_SCALE_SOURCE, {}, {}));
     CHECK(PluginLibrary::load(**found, LibraryCheck::hash, &host).ok());
     CHECK_FALSE(registry.find("test/hostile", "odo.attitude/1", {}, {}).ok());
     CHECK(contains(registry.find("test/hostil", ODO_INTERFACE_SCALE_SOURCE, {}, {}).failure().text,
@@ -164,8 +163,7 @@ TEST_CASE("manifests with a duplicate id, a changed library, a false statement o
     CHECK(contains(found.failure().text, "one.odoplugin.json"));
     CHECK(contains(found.failure().text, "two.odoplugin.json"));
   }
-  auto read = read_manifest(manifest);
-  REQUIRE(read.ok());
+  auto read = required(read_manifest(manifest));
   read->id = "test/other";
   CHECK(
       contains(PluginLibrary::load(*read, LibraryCheck::hash, &host).failure().text, "the manifest says 'test/other'"));
@@ -194,8 +192,7 @@ TEST_CASE("of equal ids the first folder wins, and manifests of another major ve
   text.replace(at, text.find(',', at) - at, "2");
   write_text(later / "one.odoplugin.json", text);
   PluginRegistry registry({later.path(), second.path(), first.path()});
-  const auto found = registry.find("test/hostile", ODO_INTERFACE_SCALE_SOURCE, {"."}, {});
-  REQUIRE(found.ok());
+  const auto found = required(registry.find("test/hostile", ODO_INTERFACE_SCALE_SOURCE, {"."}, {}));
   CHECK(fs::equivalent((*found)->path, second / "one.odoplugin.json"));
   REQUIRE(registry.problems().size() == 1);
   CHECK(contains(registry.problems()[0], "it is for ABI 2, this host is 1"));
@@ -216,8 +213,7 @@ TEST_CASE("a library may have several plugins, each with its entry and manifest,
   write_text(folder / "second.odoplugin.json", text);
   PluginRegistry registry({folder.path()});
   for (const char* id : {"test/hostile", "test/second"}) {
-    const auto found = registry.find(id, ODO_INTERFACE_SCALE_SOURCE, {"."}, {});
-    REQUIRE(found.ok());
+    const auto found = required(registry.find(id, ODO_INTERFACE_SCALE_SOURCE, {"."}, {}));
     CHECK(PluginLibrary::load(**found, LibraryCheck::hash, &host).ok());
     const bool bound = PluginLibrary::load(**found, LibraryCheck::sealed, &host).ok();
     CHECK(bound == ((*found)->id == "test/hostile"));  // a seal needs a hash
@@ -237,12 +233,9 @@ TEST_CASE("a manifest states what the library states") {
     const HostServices host(0, {"."}, nullptr);
     auto path = entry.path();
     path.replace_extension();
-    const auto manifest = read_manifest(path.string() + ".odoplugin.json");
-    REQUIRE(manifest.ok());
-    const auto library = PluginLibrary::load(*manifest, LibraryCheck::hash, &host);
-    REQUIRE(library.ok());
-    const auto specs = parameter_specs((*library)->table());
-    REQUIRE(specs.ok());
+    const auto manifest = required(read_manifest(path.string() + ".odoplugin.json"));
+    const auto library = required(PluginLibrary::load(*manifest, LibraryCheck::hash, &host));
+    const auto specs = required(parameter_specs((*library)->table()));
     REQUIRE(specs->size() == manifest->parameters.size());
     for (size_t i = 0; i < specs->size(); ++i) {
       CHECK((*specs)[i].name == manifest->parameters[i].name);

@@ -51,8 +51,7 @@ std::string bytes_of_hex(const std::string& hex) {
 Manifest put_library(const TemporaryFolder& folder, const std::string& name, const std::string& mark) {
   write_text(folder / "one.so", read_text(hostile(name)) + mark);
   REQUIRE(write_manifest_beside(folder / "one.so").ok());
-  auto manifest = read_manifest(folder / "one.odoplugin.json");
-  REQUIRE(manifest.ok());
+  auto manifest = required(read_manifest(folder / "one.odoplugin.json"));
   return *manifest;
 }
 
@@ -125,8 +124,7 @@ TEST_CASE("a plugin behind a link or below a world-writable folder is rejected a
 TEST_CASE("a signature applies to the manifest as read, whatever its file contains later") {
   const TemporaryFolder folder;
   put_signed(folder);
-  auto manifest = read_manifest(folder / "one.odoplugin.json");
-  REQUIRE(manifest.ok());
+  auto manifest = required(read_manifest(folder / "one.odoplugin.json"));
   const auto verified = verify_signature(*manifest, {kSigner});
   if (!verified && verified.failure().status == ODO_E_UNSUPPORTED) {
     return skip("no OpenSSL");
@@ -198,8 +196,7 @@ TEST_CASE("a library allowed by its hash is opened as hashed, whatever its file 
   const TemporaryFolder folder, other;
   const HostServices host(0, {"."}, nullptr);
   const Manifest manifest = put_library(folder, "good", "sealed 1"), second = put_library(other, "good", "sealed 2");
-  const auto copy = sealed_copy(manifest);
-  REQUIRE_MESSAGE(copy.ok(), copy.failure().text);
+  const auto copy = required(sealed_copy(manifest));
   write_text(folder / "one.so", read_text(hostile("refuses")));  // the same file, other bytes
   CHECK(PluginLibrary::load(manifest, LibraryCheck::sealed, &host).ok());
   CHECK(contains(PluginLibrary::load(manifest, LibraryCheck::hash, &host).failure().text, "hash differs"));
@@ -222,16 +219,14 @@ TEST_CASE("a library allowed by its hash is opened as hashed, whatever its file 
 TEST_CASE("a sealed copy has all bytes of a library whose last read gives a single one") {
   const TemporaryFolder folder;
   const size_t padding = (1 << 20) + 1 - read_text(hostile("good")).size() % (1 << 20);  // it is read by MiB
-  const auto copy = sealed_copy(put_library(folder, "good", std::string(padding, 'x')));
-  REQUIRE_MESSAGE(copy.ok(), copy.failure().text);
+  const auto copy = required(sealed_copy(put_library(folder, "good", std::string(padding, 'x'))));
   CHECK(read_text(*copy) == read_text(folder / "one.so"));
 }
 
 TEST_CASE("a session runs a plugin allowed by its hash from memory, in process and isolated, with identical results") {
   const std::string hash = *sha256_of(plugin_folder() / "attitude_vqf.so");
   const auto events = [](const std::string& plugins) {
-    App app(kWalk + plugins);
-    REQUIRE_MESSAGE(app.status == ODO_OK, app.message);
+    RunningApp app(kWalk + plugins);
     app.walk(0, 500);
     odo_session_flush(app.session);
     return app.events;
@@ -272,9 +267,8 @@ TEST_CASE("a library that needs another one beside it has no sealed copy, which 
 
 TEST_CASE("a config with hashes or signers requires sealed copies, others the hash or nothing") {
   const auto check = [](const std::string& plugins) {
-    const auto config =
-        read_pipeline_config("odograph: 1\nattitude: {plugin: attitude/vqf}\n" + plugins, "test", {plugin_folder()});
-    REQUIRE_MESSAGE(config.ok(), config.failure().text);
+    const auto config = required(
+        read_pipeline_config("odograph: 1\nattitude: {plugin: attitude/vqf}\n" + plugins, "test", {plugin_folder()}));
     return config->library_check;
   };
   const std::string hash = *sha256_of(plugin_folder() / "attitude_vqf.so");
@@ -288,8 +282,7 @@ TEST_CASE("a config with hashes or signers requires sealed copies, others the ha
 TEST_CASE("pipes and folders in place of library and signature are rejected at once") {
   const TemporaryFolder folder;
   put_signed(folder);
-  const auto manifest = read_manifest(folder / "one.odoplugin.json");
-  REQUIRE(manifest.ok());
+  const auto manifest = required(read_manifest(folder / "one.odoplugin.json"));
   const HostServices host(0, {"."}, nullptr);
   for (const char* name : {"one.so", "one.odoplugin.sig"})
     for (const bool pipe : {true, false}) {

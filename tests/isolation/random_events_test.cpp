@@ -10,6 +10,7 @@
 #include "sdk/host/core/world_view.hpp"
 #include "tests/support/session_app.hpp"
 #include "tests/support/test_plugins.hpp"
+#include "tests/support/messages.hpp"
 
 using namespace odograph;
 
@@ -31,8 +32,7 @@ struct Counts {
 /// A number of samples with 20 random events each.
 Counts run(const std::string& yaml, int samples) {
   const TestPlugins plugins{"random_events"};
-  App app(yaml, ODO_RUN_REPLAY, plugins.path());
-  REQUIRE_MESSAGE(app.status == ODO_OK, app.message);
+  RunningApp app(yaml, ODO_RUN_REPLAY, plugins.path());
   const auto c = calibration(64, 48);
   odo_session_push(app.session, &c.header);
   Counts counts;
@@ -109,9 +109,7 @@ TEST_CASE("if the localizer's state becomes non-finite, no such pose is publishe
     c.q_b_c[0] = 1, c.p_b_c[0] = mounted_m;
     (*pipeline)->process(c.header);
     for (int i = 0; i < 50; ++i) {
-      auto imu = make_message<odo_imu>(ODO_TYPE_IMU, t_ns += 10'000'000);
-      imu.header.flags = ODO_IMU_GYRO | ODO_IMU_ACCEL;
-      imu.accel_b[1] = 9.81;
+      auto imu = imu_at(t_ns += 10'000'000, {0, 0, 0}, {0, 9.81, 0});
       (*pipeline)->process(imu.header);
       (*pipeline)->process(make_message<odo_frame>(ODO_TYPE_FRAME, t_ns + 1).header);
     }

@@ -150,12 +150,10 @@ TEST_CASE("a plugin's report is one line of UTF-8 without control characters") {
     const AttackTarget target("lie");
     std::vector<Report> reports;
     HostServices host{0, {"."}, [&](const Report& report) { reports.push_back(report); }};
-    const auto config = read_pipeline_config(
+    const auto config = required(read_pipeline_config(
         std::string("odograph: 1\nattitude: {plugin: test/escape, isolation: ") + isolation + "}\n", "<text>",
-        {plugins.path()});
-    REQUIRE(config.ok());
-    auto made = PluginInstance::make(config->attitudes.front(), LibraryCheck::none, 1, host);
-    REQUIRE(made.ok());
+        {plugins.path()}));
+    auto made = required(PluginInstance::make(config->attitudes.front(), LibraryCheck::none, 1, host));
     auto imu = make_message<odo_imu>(ODO_TYPE_IMU, 1'000'000'000);
     (*made)->process(imu.header);
     const auto text_of = [&](const std::string& key) {

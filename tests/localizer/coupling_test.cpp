@@ -6,6 +6,7 @@
 #include "sdk/host/base/geodesy.hpp"
 #include "sdk/host/messages/messages.hpp"
 #include "tests/localizer/paper_track.hpp"
+#include "tests/support/messages.hpp"
 
 using namespace odograph;
 using Eigen::Vector3d;
@@ -16,30 +17,12 @@ namespace {
 
 constexpr int64_t kSecond = 1'000'000'000;
 
-odo_vo_motion motion(int64_t from, int64_t to, const Vector3d& p_c0_c1) {
-  auto m = make_message<odo_vo_motion>(ODO_TYPE_VO_MOTION, to);
-  m.header.flags = ODO_VO_ROTATION | ODO_VO_TRANSLATION;
-  m.t_from_ns = from;
-  m.q_c0_c1[0] = 1.0;
-  Vector3d::Map(m.p_c0_c1) = p_c0_c1;
-  m.state = ODO_TRACKING;
-  return m;
-}
-
 odo_scale scale(double scale) {
   auto s = make_message<odo_scale>(ODO_TYPE_SCALE, 0);
   s.scale = scale;
   s.sigma = 0.1 * scale;
   s.header.flags = ODO_SCALE_HORIZONTAL;
   return s;
-}
-
-odo_fix position_fix(int64_t t, double north, double east, double sigma) {
-  auto f = make_message<odo_fix>(ODO_TYPE_FIX, t);
-  f.header.flags = ODO_FIX_NORTH | ODO_FIX_EAST | ODO_FIX_COVARIANCE;
-  f.p_n[0] = north, f.p_n[1] = east;
-  f.covariance_n[0] = f.covariance_n[4] = sigma * sigma;
-  return f;
 }
 
 }  // namespace
@@ -75,13 +58,13 @@ TEST_CASE("each displacement is scaled separately, horizontally, in NED") {
   CHECK((q * Vector3d::UnitZ() - Vector3d::UnitX()).norm() < 1e-12);
   CHECK((q * Vector3d::UnitX() - Vector3d::UnitY()).norm() < 1e-12);
   const odo_scale s = scale(2.0);
-  odo_pose pose = coupling.on_vo_motion(motion(0, kSecond, {0.1, 0.2, 0.5}), &s);
+  odo_pose pose = coupling.on_vo_motion(motion_between(0, kSecond, {0.1, 0.2, 0.5}), &s);
   CHECK(pose.p_n[0] == doctest::Approx(1.0));
   CHECK(pose.p_n[1] == doctest::Approx(0.2));
   CHECK(pose.p_n[2] == 0.0);  // the vertical displacement is ignored, as in the paper
   CHECK(pose.state == ODO_TRACKING);
   CHECK((pose.header.flags & ODO_POSE_METRIC) != 0);
-  pose = coupling.on_vo_motion(motion(kSecond, 2 * kSecond, {0, 0, 1}), nullptr);
+  pose = coupling.on_vo_motion(motion_between(kSecond, 2 * kSecond, {0, 0, 1}), nullptr);
   CHECK(pose.state == ODO_DEGRADED);
   CHECK(pose.reason == ODO_REASON_NO_SCALE);
   CHECK(pose.p_n[0] == doctest::Approx(1.0));  // unchanged
@@ -91,11 +74,11 @@ TEST_CASE("each displacement is scaled separately, horizontally, in NED") {
 TEST_CASE("rotations are composed from frame to frame") {
   PaperTrack coupling({}, {}, {true, false});
   coupling.on_first_frame(0);
-  auto rotation = motion(0, kSecond, Vector3d::Zero());
+  auto rotation = motion_between(0, kSecond, Vector3d::Zero());
   const Eigen::Quaterniond right(Eigen::AngleAxisd(EIGEN_PI / 2, Vector3d::UnitY()));  // about the camera's down axis
   rotation.q_c0_c1[0] = right.w(), rotation.q_c0_c1[2] = right.y();
   coupling.on_vo_motion(rotation, nullptr);
-  const odo_pose pose = coupling.on_vo_motion(motion(kSecond, 2 * kSecond, {0, 0, 3}), nullptr);
+  const odo_pose pose = coupling.on_vo_motion(motion_between(kSecond, 2 * kSecond, {0, 0, 3}), nullptr);
   CHECK(pose.p_n[0] == doctest::Approx(0.0));
   CHECK(pose.p_n[1] == doctest::Approx(3.0));  // facing east now; up to scale, no scale source
   CHECK((pose.header.flags & ODO_POSE_METRIC) == 0);
@@ -105,15 +88,15 @@ TEST_CASE("the first fix sets the track, later ones correct it by their weight, 
   CouplingConfig config;
   PaperTrack coupling(config, {}, {true, true});
   coupling.on_first_frame(0);
-  CHECK(coupling.on_fix(position_fix(0, 100, 50, 1.0)).accepted);
+  CHECK(coupling.on_fix(fix_at(0, {100, 50, 0}, 1.0)).accepted);
   odo_pose pose = *coupling.take_correction();
   CHECK(pose.p_n[0] == doctest::Approx(100).epsilon(1e-6));
   const odo_scale s = scale(1.0);
-  pose = coupling.on_vo_motion(motion(0, kSecond, {0, 0, 10}), &s);
+  pose = coupling.on_vo_motion(motion_between(0, kSecond, {0, 0, 10}), &s);
   CHECK(pose.p_n[0] == doctest::Approx(110));
-  CHECK_FALSE(coupling.on_fix(position_fix(kSecond, 150, 50, 1.0)).accepted);
+  CHECK_FALSE(coupling.on_fix(fix_at(kSecond, {150, 50, 0}, 1.0)).accepted);
   CHECK_FALSE(coupling.take_correction().has_value());
-  CHECK(coupling.on_fix(position_fix(kSecond, 111, 50, 1.0)).accepted);
+  CHECK(coupling.on_fix(fix_at(kSecond, {111, 50, 0}, 1.0)).accepted);
   pose = *coupling.take_correction();
   CHECK(pose.p_n[0] > 110.2);
   CHECK(pose.p_n[0] < 111.0);
@@ -124,9 +107,9 @@ TEST_CASE("the first fix sets the track, later ones correct it by their weight, 
 TEST_CASE("a wrong track finally follows the fixes") {
   PaperTrack coupling({}, {}, {true, true});
   coupling.on_first_frame(0);
-  REQUIRE(coupling.on_fix(position_fix(0, 0, 0, 0.5)).accepted);
+  REQUIRE(coupling.on_fix(fix_at(0, {0, 0, 0}, 0.5)).accepted);
   int needed = 0;
-  while (!coupling.on_fix(position_fix(0, 500, 0, 0.5)).accepted) REQUIRE(++needed < 20);
+  while (!coupling.on_fix(fix_at(0, {500, 0, 0}, 0.5)).accepted) REQUIRE(++needed < 20);
   CHECK(coupling.take_correction()->p_n[0] == doctest::Approx(500).epsilon(1e-3));
 }
 
@@ -147,7 +130,7 @@ TEST_CASE("an orientation fix rotates the track by its weight, and an absurd one
   CHECK_FALSE(coupling.on_fix(fix_of(2.5, 0.01)).accepted);
   CHECK(coupling.on_fix(fix_of(0.1, 0.002)).accepted);
   const odo_scale s = scale(1.0);
-  const odo_pose pose = coupling.on_vo_motion(motion(0, kSecond, {0, 0, 1}), &s);
+  const odo_pose pose = coupling.on_vo_motion(motion_between(0, kSecond, {0, 0, 1}), &s);
   CHECK(std::abs(std::atan2(pose.p_n[1], pose.p_n[0]) - 0.1) < 0.001);
   CHECK(coupling.on_fix(fix_of(0.102, 0.05)).accepted);  // a less accurate one hardly moves it
   CHECK(pose.covariance[14] < 0.01 * 0.01);
@@ -158,7 +141,7 @@ TEST_CASE("the fix that sets a track may rotate it to any heading, later ones ma
   const odo_pose first = coupling.on_first_frame(0);
   const Eigen::Quaterniond q_n_c(first.q_n[0], first.q_n[1], first.q_n[2], first.q_n[3]);
   const auto fix_of = [&](int64_t t, double yaw, double north) {
-    auto f = position_fix(t, north, 7, 0.5);
+    auto f = fix_at(t, {north, 7, 0}, 0.5);
     f.header.flags |= ODO_FIX_ORIENTATION | ODO_FIX_ORIENTATION_COVARIANCE;
     const Eigen::Quaterniond q = Eigen::Quaterniond(Eigen::AngleAxisd(yaw, Vector3d::UnitZ())) * q_n_c *
                                  Eigen::Quaterniond(0, 1, 0, 0).conjugate();
@@ -168,10 +151,10 @@ TEST_CASE("the fix that sets a track may rotate it to any heading, later ones ma
   };
   REQUIRE(coupling.on_fix(fix_of(0, 2.5, 100)).accepted);
   const odo_scale s = scale(1.0);
-  const odo_pose pose = coupling.on_vo_motion(motion(0, kSecond, {0, 0, 8}), &s);
+  const odo_pose pose = coupling.on_vo_motion(motion_between(0, kSecond, {0, 0, 8}), &s);
   CHECK(std::atan2(pose.p_n[1] - 7, pose.p_n[0] - 100) == doctest::Approx(2.5).epsilon(0.01));
   coupling.on_fix(fix_of(kSecond, 0.0, pose.p_n[0]));
-  const odo_pose after = coupling.on_vo_motion(motion(kSecond, 2 * kSecond, {0, 0, 8}), &s);
+  const odo_pose after = coupling.on_vo_motion(motion_between(kSecond, 2 * kSecond, {0, 0, 8}), &s);
   CHECK(std::atan2(after.p_n[1] - pose.p_n[1], after.p_n[0] - pose.p_n[0]) == doctest::Approx(2.5).epsilon(0.05));
 }
 
@@ -179,12 +162,12 @@ TEST_CASE("a late heading fix rotates the path since its time, and an older fix 
   PaperTrack coupling({}, {}, {true, true});
   coupling.on_first_frame(0);
   const odo_scale s = scale(1.0);
-  for (int k = 0; k < 10; ++k) coupling.on_vo_motion(motion(k * kSecond, (k + 1) * kSecond, {0, 0, 10}), &s);
+  for (int k = 0; k < 10; ++k) coupling.on_vo_motion(motion_between(k * kSecond, (k + 1) * kSecond, {0, 0, 10}), &s);
   odo_pose now{};
   REQUIRE(coupling.pose_at(10 * kSecond, now) == ODO_OK);
   const Eigen::Quaterniond q(now.q_n[0], now.q_n[1], now.q_n[2], now.q_n[3]);
   const Vector3d y_n = (q * Eigen::Quaterniond(0, 1, 0, 0).conjugate()) * Vector3d::UnitY();
-  auto fix = position_fix(2 * kSecond, 20, 0, 0.5);  // the true heading was 0.3 rad farther to the right
+  auto fix = fix_at(2 * kSecond, {20, 0, 0}, 0.5);  // the true heading was 0.3 rad farther to the right
   fix.header.flags |= ODO_FIX_YAW, fix.yaw_axis_b[1] = 1;
   fix.yaw_sigma_rad = 0.01;
   fix.yaw_rad = std::atan2(y_n.y(), y_n.x()) + 0.3;
@@ -195,7 +178,7 @@ TEST_CASE("a late heading fix rotates the path since its time, and an older fix 
   CHECK(yaw < 0.31);
   CHECK(std::hypot(turned.p_n[0] - 20, turned.p_n[1]) == doctest::Approx(80).epsilon(0.01));
   // A second fix at 6 s at the position of the corrected track changes nothing.
-  auto second = position_fix(6 * kSecond, 20 + 40 * std::cos(yaw), 40 * std::sin(yaw), 0.5);
+  auto second = fix_at(6 * kSecond, {20 + 40 * std::cos(yaw), 40 * std::sin(yaw), 0}, 0.5);
   REQUIRE(coupling.on_fix(second).accepted);
   const odo_pose same = coupling.take_correction().value_or(turned);
   CHECK((Vector3d(same.p_n) - Vector3d(turned.p_n)).norm() < 0.1);
@@ -206,13 +189,13 @@ TEST_CASE("without a scale the position's uncertainty grows with the maximum spe
   config.fastest_mps = 10;
   PaperTrack coupling(config, {{0, 0, 0}, 0, true}, {true, true});
   coupling.on_first_frame(0);
-  odo_pose pose = coupling.on_vo_motion(motion(0, kSecond, {0, 0, 1}), nullptr);
+  odo_pose pose = coupling.on_vo_motion(motion_between(0, kSecond, {0, 0, 1}), nullptr);
   CHECK(std::sqrt(pose.covariance[3 * 6 + 3]) == doctest::Approx(10));
   CHECK(pose.state == ODO_DEGRADED);
-  CHECK(coupling.on_fix(position_fix(kSecond, 8, 0, 0.5)).accepted);
+  CHECK(coupling.on_fix(fix_at(kSecond, {8, 0, 0}, 0.5)).accepted);
   CHECK(coupling.take_correction()->p_n[0] == doctest::Approx(8).epsilon(0.01));
   const odo_scale s = scale(2.0);
-  pose = coupling.on_vo_motion(motion(kSecond, 2 * kSecond, {0, 0, 1}), &s);
+  pose = coupling.on_vo_motion(motion_between(kSecond, 2 * kSecond, {0, 0, 1}), &s);
   CHECK(std::sqrt(pose.covariance[4 * 6 + 4]) < 1);
 }
 
@@ -225,7 +208,8 @@ TEST_CASE("a pose is flagged metric and with velocity only if valid, and the fir
     return pose.header.flags & (ODO_POSE_METRIC | ODO_POSE_VELOCITY);
   };
   CHECK(flags_after(FrameTime{0}) == 0);
-  auto first = motion(0, kSecond / 10, {0, 0, 0.1}), second = motion(kSecond / 10, kSecond / 5, {0, 0, 0.1});
+  auto first = motion_between(0, kSecond / 10, {0, 0, 0.1}),
+       second = motion_between(kSecond / 10, kSecond / 5, {0, 0, 0.1});
   CHECK(flags_after(RelativeMotion{&first, nullptr}) == 0);  // no scale yet
   auto late = scale(2.0);
   late.header.flags |= ODO_SCALE_STEADY;
@@ -238,7 +222,7 @@ TEST_CASE("a pose is flagged metric and with velocity only if valid, and the fir
   REQUIRE(composer.take_pose(pose));
   CHECK((pose.header.flags & ODO_POSE_METRIC) != 0);
   CHECK((pose.header.flags & ODO_POSE_VELOCITY) != 0);
-  auto blind = motion(kSecond / 5, kSecond * 3 / 10, {0, 0, 0});
+  auto blind = motion_between(kSecond / 5, kSecond * 3 / 10, {0, 0, 0});
   blind.header.flags = 0;
   blind.state = ODO_LOST;
   CHECK(flags_after(RelativeMotion{&blind, nullptr}) == ODO_POSE_METRIC);  // metric, but of unknown speed
@@ -246,13 +230,9 @@ TEST_CASE("a pose is flagged metric and with velocity only if valid, and the fir
 
 TEST_CASE("steps carry the position without a camera") {
   PaperTrack coupling({}, {{10, 20, 0}, EIGEN_PI / 2, true}, {false, false});
-  auto attitude = make_message<odo_attitude>(ODO_TYPE_ATTITUDE, 0);
-  attitude.q_n_b[0] = 1.0;
+  auto attitude = attitude_at(0);
   REQUIRE(coupling.on_attitude(attitude).has_value());
-  auto step = make_message<odo_step>(ODO_TYPE_STEP, kSecond);
-  step.header.flags = ODO_STEP_HEADING;
-  step.t_end_ns = kSecond / 2;
-  step.length_m = 0.7, step.sigma_m = 0.07;
+  auto step = step_between(0, kSecond / 2, kSecond, 0.7, 0.07);
   const auto pose = coupling.on_step(step);
   REQUIRE(pose.has_value());
   CHECK(pose->p_n[0] == doctest::Approx(10));
@@ -267,18 +247,14 @@ TEST_CASE("steps carry the position without a camera") {
 
 TEST_CASE("the coupling composes the gyroscope's rotations if configured") {
   PaperTrack coupling({.orientation = Orientation::gyroscope}, {}, {.vo = true, .scale = false});
-  auto attitude = make_message<odo_attitude>(ODO_TYPE_ATTITUDE, 0);
-  attitude.q_n_b[0] = 1;
+  auto attitude = attitude_at(0);
   coupling.on_attitude(attitude);
   coupling.on_first_frame(0);
   for (int k = -1; k < 200; ++k) {  // a turn of 90 degrees within a second
-    auto imu = make_message<odo_imu>(ODO_TYPE_IMU, (k + 1) * 5'000'000LL);
-    imu.header.flags = ODO_IMU_GYRO | ODO_IMU_ACCEL;
-    imu.gyro_b[2] = EIGEN_PI / 2;
-    imu.accel_b[2] = -9.81;
+    auto imu = imu_at((k + 1) * 5'000'000LL, {0, 0, EIGEN_PI / 2}, {0, 0, -9.81});
     coupling.on_imu(imu);
   }
-  auto no_picture = motion(0, kSecond, {0, 0, 0});
+  auto no_picture = motion_between(0, kSecond, {0, 0, 0});
   no_picture.header.flags = 0;
   const odo_pose pose = coupling.on_vo_motion(no_picture, nullptr);
   const Eigen::Quaterniond camera(0, 1, 0, 0);  // its default mount
@@ -293,13 +269,10 @@ TEST_CASE("a fix may turn a gyroscope heading of unknown origin around, but not 
     PaperTrack coupling({.orientation = Orientation::gyroscope},
                         {.position_m = {0, 0, 0}, .heading_rad = 0, .given = true, .heading_given = told},
                         {.vo = true, .scale = false});
-    auto attitude = make_message<odo_attitude>(ODO_TYPE_ATTITUDE, 0);
-    attitude.q_n_b[0] = 1;
+    auto attitude = attitude_at(0);
     coupling.on_attitude(attitude);
     coupling.on_first_frame(0);
-    auto fix = make_message<odo_fix>(ODO_TYPE_FIX, 0);
-    fix.header.flags = ODO_FIX_YAW, fix.yaw_axis_b[1] = 1;
-    fix.yaw_rad = -2.5, fix.yaw_sigma_rad = 0.02;
+    auto fix = yaw_fix_at(0, -2.5, 0.02);
     CHECK(coupling.on_fix(fix).accepted == !told);
   }
 }
@@ -308,9 +281,9 @@ TEST_CASE("a motion faster than the carrier's maximum is rejected") {
   PaperTrack coupling({.fastest_mps = 2}, {}, {.vo = true, .scale = true});
   coupling.on_first_frame(0);
   const odo_scale metre = scale(1.0);
-  const odo_pose walked = coupling.on_vo_motion(motion(0, kSecond / 10, {0.15, 0, 0}), &metre);
+  const odo_pose walked = coupling.on_vo_motion(motion_between(0, kSecond / 10, {0.15, 0, 0}), &metre);
   CHECK(walked.distance_m == doctest::Approx(0.15));
-  const odo_pose leapt = coupling.on_vo_motion(motion(kSecond / 10, kSecond / 5, {3.0, 0, 0}), &metre);
+  const odo_pose leapt = coupling.on_vo_motion(motion_between(kSecond / 10, kSecond / 5, {3.0, 0, 0}), &metre);
   CHECK(leapt.distance_m == doctest::Approx(0.15));
   CHECK(leapt.state == ODO_DEGRADED);
   CHECK(leapt.reason == ODO_REASON_TOO_FAST);
@@ -350,22 +323,22 @@ TEST_CASE("a steady scale also applies to earlier motions of its group, a frame'
     PaperTrack coupling({.fastest_mps = 20}, {.position_m = {0, 0, 0}, .heading_rad = 0, .given = true},
                         {.vo = true, .scale = true});
     coupling.on_first_frame(0);
-    for (int k = 0; k < 10; ++k) coupling.on_vo_motion(motion(k * kSecond, (k + 1) * kSecond, {0, 0, 0.5}), nullptr);
+    for (int k = 0; k < 10; ++k)
+      coupling.on_vo_motion(motion_between(k * kSecond, (k + 1) * kSecond, {0, 0, 0.5}), nullptr);
     odo_scale two = scale(2.0);
     if (steady) two.header.flags |= ODO_SCALE_STEADY;
-    const odo_pose pose = coupling.on_vo_motion(motion(10 * kSecond, 11 * kSecond, {0, 0, 0.5}), &two);
+    const odo_pose pose = coupling.on_vo_motion(motion_between(10 * kSecond, 11 * kSecond, {0, 0, 0.5}), &two);
     CHECK(pose.distance_m == doctest::Approx(steady ? 11.0 : 1.0));
-    const odo_pose next = coupling.on_vo_motion(motion(11 * kSecond, 12 * kSecond, {0, 0, 0.5}), &two);
+    const odo_pose next = coupling.on_vo_motion(motion_between(11 * kSecond, 12 * kSecond, {0, 0, 0.5}), &two);
     CHECK(next.distance_m == doctest::Approx(steady ? 12.0 : 2.0));
   }
 }
 
 TEST_CASE("a camera that is lost before it ever tracked is reported lost, without bridging") {
   PaperTrack coupling({}, {}, {true, true});
-  auto attitude = make_message<odo_attitude>(ODO_TYPE_ATTITUDE, 5 * kSecond);
-  attitude.q_n_b[0] = 1;
+  auto attitude = attitude_at(5 * kSecond);
   coupling.on_attitude(attitude);
-  auto blind = motion(5 * kSecond - kSecond / 10, 5 * kSecond, Vector3d::Zero());
+  auto blind = motion_between(5 * kSecond - kSecond / 10, 5 * kSecond, Vector3d::Zero());
   blind.state = ODO_LOST;
   CHECK(coupling.on_vo_motion(blind, nullptr).state == ODO_LOST);
 }

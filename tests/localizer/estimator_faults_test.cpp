@@ -10,6 +10,7 @@
 #include <Eigen/LU>
 
 #include "tests/support/measured_walk.hpp"
+#include "tests/support/messages.hpp"
 
 using namespace odograph;
 using Eigen::Vector3d;
@@ -41,8 +42,7 @@ WalkMeasurements usual() {
 
 Run run(const WalkMeasurements& what, double for_s, uint64_t seed) {
   MeasuredWalk walk(walk_scenario(150), what, seed);
-  CouplingConfig config;
-  config.type = CouplingType::localizer;
+  CouplingConfig config{.type = CouplingType::localizer};
   Composer composer(config, {}, {what.camera, false});
   Run r;
   bool has_start = false;
@@ -210,16 +210,14 @@ TEST_CASE("a step faster than any walker is rejected and reported, and one of no
   WalkMeasurements what;
   what.camera = false, what.end_s = 12;
   MeasuredWalk walk(walk_scenario(40), what, 3);
-  CouplingConfig config;
-  config.type = CouplingType::localizer;
+  CouplingConfig config{.type = CouplingType::localizer};
   config.fastest_mps = 2;
   Composer composer(config, {}, {false, false});
   walk.run(composer, [](double, const odo_pose&) {});
   while (composer.take_notice().key) continue;
-  auto step = make_message<odo_step>(ODO_TYPE_STEP, MeasuredWalk::ns(11.95));
-  step.t_start_ns = MeasuredWalk::ns(11.3), step.t_end_ns = MeasuredWalk::ns(11.9);
-  step.header.flags = ODO_STEP_HEADING;
-  step.length_m = 6.1, step.sigma_m = 0.05, step.mode = ODO_MODE_WALKING_TEXTING;  // 10 m/s are 6 m
+  auto step = step_between(MeasuredWalk::ns(11.3), MeasuredWalk::ns(11.9), MeasuredWalk::ns(11.95), 6.1,
+                           0.05);  // 10 m/s are 6 m
+  step.mode = ODO_MODE_WALKING_TEXTING;
   CHECK_FALSE(composer.update(&step).accepted);
   CHECK(std::string(composer.take_notice().key) == "fast_step");
   step.length_m = 0;

@@ -10,6 +10,7 @@
 
 #include "tests/support/measured_walk.hpp"
 #include "tests/localizer/paper_track.hpp"
+#include "tests/support/messages.hpp"
 
 using namespace odograph;
 using Eigen::Matrix3d;
@@ -38,22 +39,16 @@ void fill(Composer& composer, bool metric = true) {
   Vector3d::Map(calibration.p_b_c) = kLever_b;
   composer.on_calibration(calibration);
   for (int64_t ms = 0; ms <= kNow_ms; ms += 10) {
-    auto attitude = make_message<odo_attitude>(ODO_TYPE_ATTITUDE, ms * kMillisecond);
-    attitude.header.flags = ODO_ATTITUDE_MAGNETIC_NORTH;
-    put_quaternion(kTilted, attitude.q_n_b);
-    attitude.covariance_n[0] = attitude.covariance_n[4] = 0.05 * 0.05, attitude.covariance_n[8] = 0.3 * 0.3;
-    auto imu = make_message<odo_imu>(ODO_TYPE_IMU, ms * kMillisecond);
-    imu.header.flags = ODO_IMU_GYRO | ODO_IMU_ACCEL;
-    Vector3d::Map(imu.accel_b) = kTilted.conjugate() * Vector3d(2, -1, -9.81);
+    auto attitude = attitude_at(ms * kMillisecond, kTilted, 0.05 * 0.05);
+    attitude.header.flags = ODO_ATTITUDE_MAGNETIC_NORTH, attitude.covariance_n[8] = 0.3 * 0.3;
+    auto imu = imu_at(ms * kMillisecond, {0, 0, 0}, kTilted.conjugate() * Vector3d(2, -1, -9.81));
     composer.add_imu(imu);
     if (ms == 0) composer.update(&attitude);
     if (ms == 500) composer.update(FrameTime{ms * kMillisecond});
     if (ms <= 500 || ms % 100 != 0) continue;
-    auto motion = make_message<odo_vo_motion>(ODO_TYPE_VO_MOTION, ms * kMillisecond);
-    motion.header.flags = ODO_VO_ROTATION | ODO_VO_TRANSLATION | (metric ? ODO_VO_METRIC : 0);
-    motion.t_from_ns = (ms - 100) * kMillisecond, motion.state = ODO_TRACKING;
-    motion.q_c0_c1[0] = 1;
-    motion.p_c0_c1[0] = 0.12, motion.p_c0_c1[2] = 0.05 * std::sin(static_cast<double>(ms));
+    auto motion = motion_between((ms - 100) * kMillisecond, ms * kMillisecond,
+                                 {0.12, 0, 0.05 * std::sin(static_cast<double>(ms))},
+                                 ODO_VO_ROTATION | ODO_VO_TRANSLATION | (metric ? ODO_VO_METRIC : 0));
     motion.scale_sigma = 0.02;
     composer.update(RelativeMotion{&motion, nullptr});
   }
@@ -115,8 +110,7 @@ TEST_CASE("a fix of any kind, present or late, is the Kalman update with its mea
     for (const int64_t ago_ms : {0, 170}) {
       CAPTURE(flags);
       CAPTURE(ago_ms);
-      CouplingConfig config;
-      config.type = CouplingType::localizer;
+      CouplingConfig config{.type = CouplingType::localizer};
       Composer composer(config, {.position_m = {1, 2, 3}, .given = true, .heading_given = true}, {true, false});
       fill(composer);
       const int64_t t_ns = (kNow_ms - ago_ms) * kMillisecond;
@@ -159,13 +153,10 @@ TEST_CASE(
     "a scale that is reported repeatedly contributes the information lost by decay since its last report, and no "
     "more") {
   const ScaleUpdate::Parameters p;
-  CouplingConfig config;
-  config.type = CouplingType::localizer;
+  CouplingConfig config{.type = CouplingType::localizer};
   Composer composer(config, {}, {true, true});
   fill(composer, false);
-  auto motion = make_message<odo_vo_motion>(ODO_TYPE_VO_MOTION, kNow_ms * kMillisecond);
-  motion.header.flags = ODO_VO_ROTATION | ODO_VO_TRANSLATION;
-  motion.t_from_ns = (kNow_ms - 100) * kMillisecond, motion.q_c0_c1[0] = 1, motion.state = ODO_TRACKING;
+  auto motion = motion_between((kNow_ms - 100) * kMillisecond, kNow_ms * kMillisecond, {0, 0, 0});
   composer.update(RelativeMotion{&motion, nullptr});
   constexpr double kSigma = 0.05;
   const auto information = [&] { return 1 / std::pow(composer.localizer().sigma(kLogScale), 2); };
@@ -196,9 +187,8 @@ TEST_CASE("a late fix is compared with its position as corrected by all later fi
   coupling.on_first_frame(0);
   odo_pose pose{}, then{};
   const auto walk_to = [&](int64_t s) {
-    auto m = make_message<odo_vo_motion>(ODO_TYPE_VO_MOTION, s * 1000 * kMillisecond);
-    m.header.flags = ODO_VO_ROTATION | ODO_VO_TRANSLATION | ODO_VO_COVARIANCE;
-    m.t_from_ns = (s - 1) * 1000 * kMillisecond, m.q_c0_c1[0] = 1, m.p_c0_c1[2] = 5, m.state = ODO_TRACKING;
+    auto m = motion_between((s - 1) * 1000 * kMillisecond, s * 1000 * kMillisecond, {0, 0, 5},
+                            ODO_VO_ROTATION | ODO_VO_TRANSLATION | ODO_VO_COVARIANCE);
     for (int i = 0; i < 3; ++i) m.covariance[7 * i] = 0.1 * 0.1;
     pose = coupling.on_vo_motion(m, &scale);
   };

@@ -18,8 +18,7 @@ namespace {
 constexpr double kOff_rad = 0.45;
 
 CouplingConfig coupling() {
-  CouplingConfig config;
-  config.type = CouplingType::localizer;
+  CouplingConfig config{.type = CouplingType::localizer};
   return config;
 }
 
@@ -99,8 +98,7 @@ TEST_CASE("without a camera a walk drifts with its compass heading, consistently
     Scenario straight;
     straight.route = {{0, 0, 0}, {40, 0, 0}};
     MeasuredWalk walk(straight, what, seed);
-    CouplingConfig config;
-    config.type = CouplingType::localizer;
+    CouplingConfig config{.type = CouplingType::localizer};
     Composer composer(config, {}, {false, false});
     odo_pose last{};
     double last_s = 0, from_m = 0;

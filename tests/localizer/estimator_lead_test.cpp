@@ -8,6 +8,7 @@
 
 #include "sdk/math/atmosphere.hpp"
 #include "tests/support/measured_walk.hpp"
+#include "tests/support/messages.hpp"
 
 using namespace odograph;
 using Eigen::Quaterniond;
@@ -31,8 +32,7 @@ TEST_CASE("with an accurate visual-inertial front-end the track is the front-end
         q = q * Quaterniond(m.q_c0_c1[0], m.q_c0_c1[1], m.q_c0_c1[2], m.q_c0_c1[3]);
       };
       MeasuredWalk walk(walk_scenario(40), what, seed);
-      CouplingConfig config;
-      config.type = CouplingType::localizer;
+      CouplingConfig config{.type = CouplingType::localizer};
       Composer composer(config, {}, {true, false});
       walk.run(composer, [&](double, const odo_pose& pose) {
         if ((pose.header.flags & ODO_POSE_METRIC) == 0) return;
@@ -58,8 +58,7 @@ TEST_CASE("a first sample in free fall does not tilt the walk permanently") {
       what.odometry.position_m = 0.003, what.odometry.rotation_rad = 0.0005;
       what.first_tilt_rad = tilt_rad;
       MeasuredWalk walk(walk_scenario(40), what, seed);
-      CouplingConfig config;
-      config.type = CouplingType::localizer;
+      CouplingConfig config{.type = CouplingType::localizer};
       Composer composer(config, {}, {true, false});
       double worst_tilt_rad = 0, first_s = -1, height_m = 0, true_height_m = 0;
       walk.run(composer, [&](double t, const odo_pose& pose) {
@@ -93,8 +92,7 @@ TEST_CASE("motion before the first metric motion is part of the first position")
           m.state = ODO_DEGRADED, m.reason = ODO_REASON_INITIALISING, m.scale_group = 77;
         };
         MeasuredWalk walk(walk_scenario(20), what, 3);
-        CouplingConfig config;
-        config.type = CouplingType::localizer;
+        CouplingConfig config{.type = CouplingType::localizer};
         Composer composer(config, {}, {true, false});
         std::optional<double> off_m;
         double sigma_m = 0;
@@ -134,8 +132,7 @@ TEST_CASE("a heading drifted by the gyroscope's bias before the walk has a match
       Scenario scenario = walk_scenario(40);
       scenario.walker.stand_s = kStands_s;
       MeasuredWalk walk(scenario, what, seed);
-      CouplingConfig config;
-      config.type = CouplingType::localizer;
+      CouplingConfig config{.type = CouplingType::localizer};
       Composer composer(config, {}, {true, false});
       double error_rad = 0, sigma_rad = 0;
       walk.run(composer, [&](double t, const odo_pose& pose) {
@@ -157,8 +154,7 @@ TEST_CASE("neither barometer readings nor a front-end's gravity shows in the hei
     what.odometry.inverse_scale = 1, what.odometry.scale_sigma = 0.02;
     what.odometry.position_m = 0.001, what.odometry.rotation_rad = 0.0003, what.odometry.rotation_walk = 3e-4;
     what.odometry.drift_per_root_m = 0;
-    CouplingConfig config;
-    config.type = CouplingType::localizer;
+    CouplingConfig config{.type = CouplingType::localizer};
     Composer composer(config, {}, {true, false});
     MeasuredWalk* running = nullptr;
     int frame = 0;
@@ -213,8 +209,7 @@ TEST_CASE(
       };
       MeasuredWalk walk(walk_scenario(40), what, 3);
       made = &walk;
-      CouplingConfig config;
-      config.type = CouplingType::localizer;
+      CouplingConfig config{.type = CouplingType::localizer};
       Composer composer(config, {}, {true, false});
       double worst_m = 0, worst_rad = 0, seen = 0;
       walk.run(composer, [&](double t, const odo_pose& pose) {
@@ -233,12 +228,9 @@ TEST_CASE(
 }
 
 TEST_CASE("a first fix of the height alone gives no information about north and east, and no known position") {
-  CouplingConfig config;
-  config.type = CouplingType::localizer;
+  CouplingConfig config{.type = CouplingType::localizer};
   Composer composer(config, {}, {true, false});
-  auto imu = make_message<odo_imu>(ODO_TYPE_IMU, 0);
-  imu.header.flags = ODO_IMU_GYRO | ODO_IMU_ACCEL;
-  imu.accel_b[2] = -9.81;
+  auto imu = imu_at(0, {0, 0, 0}, {0, 0, -9.81});
   for (imu.header.t_ns = 0; imu.header.t_ns <= 1'000'000'000; imu.header.t_ns += 5'000'000) composer.add_imu(imu);
   composer.update(FrameTime{1'000'000'000});
   Estimate before, after;

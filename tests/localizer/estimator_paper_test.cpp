@@ -9,6 +9,7 @@
 #include "sdk/host/messages/messages.hpp"
 #include "sdk/math/rotation.hpp"
 #include "tests/localizer/paper_track.hpp"
+#include "tests/support/messages.hpp"
 
 using namespace odograph;
 using Eigen::Quaterniond;
@@ -19,22 +20,6 @@ TEST_SUITE_BEGIN("estimator_paper");
 namespace {
 
 constexpr int64_t kSecond = 1'000'000'000;
-
-odo_vo_motion standing(int64_t from, int64_t to) {
-  auto m = make_message<odo_vo_motion>(ODO_TYPE_VO_MOTION, to);
-  m.header.flags = ODO_VO_ROTATION | ODO_VO_TRANSLATION;
-  m.t_from_ns = from;
-  m.q_c0_c1[0] = 1;
-  m.state = ODO_TRACKING;
-  return m;
-}
-
-odo_fix yaw_fix(int64_t t, double yaw, double sigma) {
-  auto f = make_message<odo_fix>(ODO_TYPE_FIX, t);
-  f.header.flags = ODO_FIX_YAW, f.yaw_axis_b[1] = 1;
-  f.yaw_rad = yaw, f.yaw_sigma_rad = sigma;
-  return f;
-}
 
 Quaterniond orientation(const odo_pose& pose) {
   return Quaterniond(pose.q_n[0], pose.q_n[1], pose.q_n[2], pose.q_n[3]);
@@ -61,14 +46,14 @@ TEST_CASE("uncertainty about the camera's down axis is heading uncertainty, whic
     coupling.on_calibration(forward_mount());
     coupling.on_first_frame(0);  // horizontal, facing north: y is down
     // The 0.2 rad of an uninformed start would hide the effect.
-    coupling.on_fix(yaw_fix(0, 0, 0.001));
-    auto m = standing(0, kSecond);
+    coupling.on_fix(yaw_fix_at(0, 0, 0.001));
+    auto m = motion_between(0, kSecond, {0, 0, 0});
     m.header.flags |= ODO_VO_COVARIANCE;
     m.covariance[7 * axis] = 0.2 * 0.2;
     const odo_pose before = coupling.on_vo_motion(m, nullptr);
     const double yaw = body_yaw(before);
-    CHECK(coupling.on_fix(yaw_fix(kSecond, yaw + 0.15, 0.02)).accepted == (axis == 1));
-    const odo_pose after = coupling.on_vo_motion(standing(kSecond, 2 * kSecond), nullptr);
+    CHECK(coupling.on_fix(yaw_fix_at(kSecond, yaw + 0.15, 0.02)).accepted == (axis == 1));
+    const odo_pose after = coupling.on_vo_motion(motion_between(kSecond, 2 * kSecond, {0, 0, 0}), nullptr);
     const double turned = std::remainder(body_yaw(after) - yaw, 2 * EIGEN_PI);
     if (axis == 1)
       CHECK(std::abs(turned - 0.15) < 0.003);
@@ -81,11 +66,11 @@ TEST_CASE("covariances without their valid flag are not read") {
   for (const auto orientation_by : {Orientation::vo, Orientation::gyroscope}) {
     PaperTrack coupling({.orientation = orientation_by}, {}, {true, true});
     coupling.on_first_frame(0);
-    auto m = standing(0, kSecond);
+    auto m = motion_between(0, kSecond, {0, 0, 0});
     for (double& c : m.covariance) c = std::numeric_limits<double>::quiet_NaN();
     coupling.on_vo_motion(m, nullptr);
-    coupling.on_fix(yaw_fix(kSecond, 0, 0.1));
-    const odo_pose pose = coupling.on_vo_motion(standing(kSecond, 2 * kSecond), nullptr);
+    coupling.on_fix(yaw_fix_at(kSecond, 0, 0.1));
+    const odo_pose pose = coupling.on_vo_motion(motion_between(kSecond, 2 * kSecond, {0, 0, 0}), nullptr);
     CHECK(orientation(pose).coeffs().allFinite());
     CHECK(std::isfinite(pose.covariance[14]));
   }
@@ -95,12 +80,12 @@ TEST_CASE("a fix whose position is rejected does not rotate the heading either")
   PaperTrack coupling({}, {{0, 0, 0}, 0, true}, {true, true});
   coupling.on_calibration(forward_mount());
   const double before = body_yaw(coupling.on_first_frame(0));
-  auto fix = yaw_fix(0, before + 0.1, 0.01);
+  auto fix = yaw_fix_at(0, before + 0.1, 0.01);
   fix.header.flags |= ODO_FIX_NORTH | ODO_FIX_EAST | ODO_FIX_COVARIANCE;
   fix.p_n[0] = 500;
   fix.covariance_n[0] = fix.covariance_n[4] = 1;
   CHECK_FALSE(coupling.on_fix(fix).accepted);
-  CHECK(body_yaw(coupling.on_vo_motion(standing(0, kSecond), nullptr)) == doctest::Approx(before));
+  CHECK(body_yaw(coupling.on_vo_motion(motion_between(0, kSecond, {0, 0, 0}), nullptr)) == doctest::Approx(before));
 }
 
 TEST_CASE("a fix of the heading alone is published, with the state of the pose that it corrects") {
@@ -109,7 +94,7 @@ TEST_CASE("a fix of the heading alone is published, with the state of the pose t
   composer.update(FrameTime{0});
   odo_pose first, corrected;
   REQUIRE(composer.take_pose(first));
-  const auto fix = yaw_fix(0, body_yaw(first) + 0.1, 0.01);
+  const auto fix = yaw_fix_at(0, body_yaw(first) + 0.1, 0.01);
   CHECK(composer.update(&fix).accepted);
   Correction correction;
   REQUIRE(composer.take_correction(correction, corrected));
@@ -130,8 +115,7 @@ TEST_CASE("a clock that is set back before the first frame does not change the c
     calibration.q_b_c[0] = 1;
     composer.on_calibration(calibration);
     composer.reset();
-    auto attitude = make_message<odo_attitude>(ODO_TYPE_ATTITUDE, 0);
-    attitude.q_n_b[0] = 1;
+    auto attitude = attitude_at(0);
     composer.update(&attitude);
     composer.update(FrameTime{0});
     odo_pose pose;
@@ -150,7 +134,7 @@ TEST_CASE("a pose that stays behind is lost until its displacement or its positi
   fix.covariance_n[0] = fix.covariance_n[4] = 1;
   int64_t t = 0;
   const auto then = [&](uint32_t state, uint32_t reason, const odo_scale* scale = nullptr) {
-    odo_vo_motion m = standing(t, t + kSecond / 2);
+    odo_vo_motion m = motion_between(t, t + kSecond / 2, {0, 0, 0});
     if (state == ODO_TRACKING) m.p_c0_c1[2] = 1;
     if (state != ODO_TRACKING) m.header.flags &= ~ODO_VO_TRANSLATION;
     m.state = state, m.reason = reason, t += kSecond / 2;

@@ -3,11 +3,13 @@
 // The localizer on simulated measurements: consistency and robustness.
 #include <doctest/doctest.h>
 
+#include <cmath>
 #include <limits>
 
 #include <Eigen/LU>
 
 #include "tests/support/measured_walk.hpp"
+#include "tests/support/messages.hpp"
 
 using namespace odograph;
 using Eigen::Quaterniond;
@@ -27,8 +29,7 @@ struct Outcome {
 
 Outcome run_walk(const WalkMeasurements& what, uint64_t seed, double length_m = 40) {
   MeasuredWalk walk(walk_scenario(length_m), what, seed);
-  CouplingConfig config;
-  config.type = CouplingType::localizer;
+  CouplingConfig config{.type = CouplingType::localizer};
   Composer composer(config, {}, {what.camera, false});
   Outcome o;
   bool has_start = false;
@@ -167,8 +168,7 @@ TEST_CASE(
     "steps reported late after a stop are applied fully and do not change the walker's factor, with or without a "
     "camera") {
   for (const bool vo : {false, true}) {
-    CouplingConfig config;
-    config.type = CouplingType::localizer;
+    CouplingConfig config{.type = CouplingType::localizer};
     Composer composer(config, {}, {vo, false});
     const auto ns = [](double t_s) { return 1'000'000'000 + static_cast<int64_t>(std::llround(t_s * 1e9)); };
     // Stands for 8 s, walks eight steps that are reported together 0.4 s after the last, and continues; repeatedly.
@@ -176,15 +176,11 @@ TEST_CASE(
     double walked = 0, path = 0, last = 0;
     int told = 0;
     for (double t = 0; t < 80; t += 0.01) {
-      auto imu = make_message<odo_imu>(ODO_TYPE_IMU, ns(t));
-      imu.header.flags = ODO_IMU_GYRO | ODO_IMU_ACCEL;
-      imu.accel_b[2] = -9.81;
+      auto imu = imu_at(ns(t), {0, 0, 0}, {0, 0, -9.81});
       const double in_cycle = std::fmod(t, kCycle_s);
       if (in_cycle > 8) imu.accel_b[0] = 2 * std::sin(4 * EIGEN_PI * t);
       composer.add_imu(imu);
-      auto attitude = make_message<odo_attitude>(ODO_TYPE_ATTITUDE, ns(t));
-      attitude.q_n_b[0] = 1;
-      attitude.covariance_n[0] = attitude.covariance_n[4] = 4e-4;
+      auto attitude = attitude_at(ns(t), Eigen::Quaterniond::Identity(), 4e-4);
       composer.update(&attitude);
       odo_pose pose;
       const auto drain = [&] {
@@ -196,11 +192,8 @@ TEST_CASE(
       const int cycle = static_cast<int>(t / kCycle_s);
       const int done = static_cast<int>((in_cycle - 8 - 0.4) / kStep_s);  // ends of steps at least 0.4 s ago
       for (int k = told - cycle * 14; done >= 8 && k < std::min(done, 14); ++k, ++told) {
-        auto step = make_message<odo_step>(ODO_TYPE_STEP, ns(t));
-        step.header.flags = ODO_STEP_HEADING;
-        step.t_start_ns = ns(cycle * kCycle_s + 8 + k * kStep_s),
-        step.t_end_ns = ns(cycle * kCycle_s + 8 + (k + 1) * kStep_s);
-        step.length_m = kStep_m, step.sigma_m = 0.07;
+        auto step = step_between(ns(cycle * kCycle_s + 8 + k * kStep_s), ns(cycle * kCycle_s + 8 + (k + 1) * kStep_s),
+                                 ns(t), kStep_m, 0.07);
         step.mode = ODO_MODE_WALKING_TEXTING;
         CHECK(composer.update(&step).accepted);
         walked += kStep_m;
@@ -265,6 +258,77 @@ TEST_CASE("a faulty fix, an odometry jump and an unannounced change of scale do 
   const Outcome o = run_walk(unit, 2, 60);
   CHECK(o.finite);
   CHECK(o.worst_error_m < 12);
+}
+
+TEST_CASE("with steps alone, height fixes on a slope are applied fully, and the climb continues between them") {
+  CouplingConfig config{.type = CouplingType::localizer};
+  Composer composer(config, {}, {false, false});
+  Random random(3, 7);
+  const auto ns = [](double t_s) { return 1'000'000'000 + static_cast<int64_t>(std::llround(t_s * 1e9)); };
+  const auto down_at = [](double t_s) { return -0.24 * std::clamp(t_s - 20, 0.0, 30.0); };  // flat, a slope, flat
+  constexpr double kStep_s = 0.5, kTold_s = 0.4;
+  double squares = 0, normalised = 0, n = 0;
+  for (int i = 0; i < 7000; ++i) {
+    const double t = 0.01 * i;
+    auto imu = imu_at(ns(t), {0, 0, 0}, {0, 0, -9.81});
+    composer.add_imu(imu);
+    auto attitude = attitude_at(ns(t), Eigen::Quaterniond::Identity(), 4e-4);
+    composer.update(&attitude);
+    if (i % 50 == 40 && t > 1) {
+      auto step = step_between(ns(t - kTold_s - kStep_s), ns(t - kTold_s), ns(t), 0.7, 0.07);
+      step.mode = ODO_MODE_WALKING_TEXTING;
+      composer.update(&step);
+    }
+    if (i % 100 == 41) {
+      auto fix = make_message<odo_fix>(ODO_TYPE_FIX, ns(t - kTold_s));
+      fix.header.flags = ODO_FIX_DOWN | ODO_FIX_COVARIANCE;
+      fix.p_n[2] = down_at(t - kTold_s) + 0.25 * random.normal();
+      fix.covariance_n[8] = 0.25 * 0.25;
+      CHECK(composer.update(&fix).accepted);
+    }
+    Estimate now;
+    if (t < 10 || i % 10 != 0 || composer.at(INT64_MIN, now) != ODO_OK) continue;
+    const double error_m = now.pose.p_n[2] - down_at(t);
+    squares += error_m * error_m, normalised += error_m * error_m / now.pose.covariance[35], n += 1;
+  }
+  CHECK(std::sqrt(squares / n) < 0.31);
+  CHECK(normalised / n < 2);
+  MESSAGE("heights now: " << std::sqrt(squares / n) << " m rms, normalised error squared " << normalised / n);
+}
+
+TEST_CASE("a pressure that arrives late refers to the height at its time") {
+  CouplingConfig config{.type = CouplingType::localizer};
+  StartPose start;
+  start.given = start.heading_given = true;
+  Composer composer(config, start, {true, false});
+  const auto ns = [](int frame) { return 1'000'000'000 + int64_t(100'000'000) * frame; };
+  const auto ascend = [&](int from, int to) {  // by 0.1 m per frame, with a camera that looks ahead
+    for (int k = from; k <= to; ++k) {
+      auto motion =
+          motion_between(ns(k - 1), ns(k), {0, -0.1, 0}, ODO_VO_ROTATION | ODO_VO_TRANSLATION | ODO_VO_METRIC);
+      motion.scale_sigma = 0.01;
+      composer.update(FrameTime{ns(k)});
+      composer.update(RelativeMotion{&motion, nullptr});
+    }
+  };
+  const auto read = [&](int frame) {
+    double low = 90'000, high = 100'000;  // Pa; the height at frame 0 is that of 100 kPa
+    while (high - low > 1e-6) {
+      const double middle = 0.5 * (low + high);
+      (pressure_height_m(middle) - pressure_height_m(100'000) > 0.1 * frame ? low : high) = middle;
+    }
+    auto barometer = pressure_at(ns(frame), low);
+    return composer.update(&barometer);
+  };
+  const auto down_m = [&] { return composer.localizer().x[kDown]; };
+  composer.update(FrameTime{ns(0)});
+  ascend(1, 10);
+  CHECK(read(10).accepted);
+  ascend(11, 60);
+  const double before_m = down_m();
+  CHECK(before_m == doctest::Approx(-6));
+  CHECK(read(40).accepted);
+  CHECK(std::abs(down_m() - before_m) < 1e-3);
 }
 
 TEST_SUITE_END();

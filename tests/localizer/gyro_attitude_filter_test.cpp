@@ -3,6 +3,7 @@
 
 #include "sdk/host/localizer/gyro_attitude_filter.hpp"
 #include "sdk/host/messages/messages.hpp"
+#include "tests/support/messages.hpp"
 
 using namespace odograph;
 using Eigen::Vector3d;
@@ -20,10 +21,7 @@ void add_imu(GyroAttitudeFilter& filter, Eigen::Quaterniond q, int64_t from, int
   for (int64_t t = from + kStep; t <= to; t += kStep) {
     const double angle = rate_b.norm() * 0.005;
     if (angle > 0) q = q * Eigen::Quaterniond(Eigen::AngleAxisd(angle, rate_b.normalized()));
-    auto imu = make_message<odo_imu>(ODO_TYPE_IMU, t);
-    imu.header.flags = ODO_IMU_GYRO | ODO_IMU_ACCEL;
-    Vector3d::Map(imu.gyro_b) = rate_b + bias;
-    Vector3d::Map(imu.accel_b) = q.conjugate() * (accel_n - Vector3d(0, 0, 9.81));
+    auto imu = imu_at(t, rate_b + bias, q.conjugate() * (accel_n - Vector3d(0, 0, 9.81)));
     filter.add_imu(imu);
   }
 }

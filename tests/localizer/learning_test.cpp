@@ -2,6 +2,7 @@
 //
 // Estimation of the walker's parameters in a session: from fixes, from a camera, and from the previous session.
 #include "tests/support/session_app.hpp"
+#include "tests/support/messages.hpp"
 
 using namespace odograph;
 
@@ -71,10 +72,7 @@ TEST_CASE("a metric camera calibrates the step estimator too") {
   for (int i = 0; i < 15000; ++i) {
     app.walk(i, i + 1);
     if (i % 10 != 5) continue;
-    auto f = make_message<odo_frame>(ODO_TYPE_FRAME, i * 10'000'000LL + 1'000'000'000);
-    f.format = ODO_FORMAT_GREY8;
-    f.width = 64, f.height = 48;
-    f.planes[0] = {pixels.data(), 64, 1, 0};
+    auto f = grey_frame_at(i * 10'000'000LL + 1'000'000'000, pixels.data(), 64, 48);
     odo_session_push(app.session, &f.header);
   }
   odo_session_flush(app.session);

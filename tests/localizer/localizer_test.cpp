@@ -9,6 +9,7 @@
 #include "sdk/host/localizer/composer.hpp"
 #include "sdk/host/messages/messages.hpp"
 #include "sdk/math/rotation.hpp"
+#include "tests/support/messages.hpp"
 
 namespace odograph {
 namespace {
@@ -17,23 +18,11 @@ using Eigen::Vector3d;
 
 constexpr int64_t kStart_ns = 1'000'000'000, kFrame_ns = 100'000'000;
 
-odo_fix north_east(int64_t t_ns, const Vector3d& p_n, double sigma_m) {
-  auto fix = make_message<odo_fix>(ODO_TYPE_FIX, t_ns);
-  fix.header.flags = ODO_FIX_NORTH | ODO_FIX_EAST | ODO_FIX_COVARIANCE;
-  Vector3d::Map(fix.p_n) = p_n;
-  for (const int i : {0, 4, 8}) fix.covariance_n[i] = sigma_m * sigma_m;
-  return fix;
-}
-
 /// A metric front-end that moves 0.1 m forward per frame.
 odo_vo_motion forward(int frame, uint32_t flags = ODO_VO_ROTATION | ODO_VO_TRANSLATION | ODO_VO_METRIC) {
-  auto motion = make_message<odo_vo_motion>(ODO_TYPE_VO_MOTION, kStart_ns + frame * kFrame_ns);
-  motion.header.flags = flags;
-  motion.t_from_ns = motion.header.t_ns - kFrame_ns;
-  motion.q_c0_c1[0] = 1;
-  motion.p_c0_c1[2] = 0.1;
+  const int64_t t_ns = kStart_ns + frame * kFrame_ns;
+  auto motion = motion_between(t_ns - kFrame_ns, t_ns, {0, 0, 0.1}, flags);
   motion.scale_sigma = 0.01;
-  motion.state = ODO_TRACKING;
   return motion;
 }
 
@@ -60,11 +49,7 @@ void walk(Composer& composer, int from, int to) {
 
 /// A phone with a horizontal rear camera: the body axes of the first frame without an attitude.
 odo_imu sample(int64_t t_ns, const Vector3d& gyro_b) {
-  auto imu = make_message<odo_imu>(ODO_TYPE_IMU, t_ns);
-  imu.header.flags = ODO_IMU_GYRO | ODO_IMU_ACCEL;
-  Vector3d::Map(imu.gyro_b) = gyro_b;
-  imu.accel_b[1] = 9.80665;  // upright: the top of the phone is up
-  return imu;
+  return imu_at(t_ns, gyro_b, {0, 9.80665, 0});  // upright: the top of the phone is up
 }
 
 void still(Composer& composer, int64_t from_ns, int64_t to_ns) {
@@ -80,10 +65,7 @@ odo_attitude upright(int64_t t_ns, double heading_rad) {
 }
 
 odo_step step_of(int64_t from_ns, int64_t to_ns, double length_m) {
-  auto step = make_message<odo_step>(ODO_TYPE_STEP, to_ns + 360'000'000);
-  step.header.flags = ODO_STEP_HEADING;
-  step.t_start_ns = from_ns, step.t_end_ns = to_ns;
-  step.length_m = length_m, step.sigma_m = 0.05 * length_m;
+  auto step = step_between(from_ns, to_ns, to_ns + 360'000'000, length_m, 0.05 * length_m);
   step.mode = ODO_MODE_WALKING_TEXTING;
   return step;
 }
@@ -145,7 +127,7 @@ TEST_SUITE("localizer") {
     Composer in_time(coupling(CouplingType::localizer), given_start(), {true, false});
     Composer late(coupling(CouplingType::localizer), given_start(), {true, false});
     walk(in_time, 1, 100);
-    const odo_fix fix = north_east(kStart_ns + 100 * kFrame_ns, position(in_time) + Vector3d(0.3, 0.2, 0), 0.5);
+    const odo_fix fix = fix_at(kStart_ns + 100 * kFrame_ns, position(in_time) + Vector3d(0.3, 0.2, 0), 0.5);
     CHECK(in_time.update(&fix).accepted);
     walk(in_time, 101, 150);
     walk(late, 1, 150);
@@ -156,7 +138,7 @@ TEST_SUITE("localizer") {
   TEST_CASE("A fix older than the stored track is rejected with a reason") {
     Composer composer(coupling(CouplingType::localizer), given_start(), {true, false});
     walk(composer, 1, 1200);
-    const odo_fix fix = north_east(kStart_ns + 10 * kFrame_ns, Vector3d(1, 0, 0), 0.5);
+    const odo_fix fix = fix_at(kStart_ns + 10 * kFrame_ns, Vector3d(1, 0, 0), 0.5);
     composer.take_notice();
     CHECK_FALSE(composer.update(&fix).accepted);
     CHECK(std::string(composer.take_notice().key) == "late_fix");
@@ -167,8 +149,7 @@ TEST_SUITE("localizer") {
     walk(composer, 1, 20);
     const Vector3d before = position(composer);
     constexpr int64_t kYear_ns = 31'557'600'000'000'000;
-    auto attitude = make_message<odo_attitude>(ODO_TYPE_ATTITUDE, kStart_ns + 100 * kYear_ns);
-    attitude.q_n_b[0] = 1;
+    auto attitude = attitude_at(kStart_ns + 100 * kYear_ns);
     composer.update(&attitude);
     Estimate after;
     REQUIRE(composer.at(INT64_MIN, after) == ODO_OK);
@@ -183,7 +164,7 @@ TEST_SUITE("localizer") {
     RetainedPose before, after;
     REQUIRE(composer.retained_pose(id, before));
     walk(composer, 101, 150);
-    const odo_fix fix = north_east(kStart_ns + 150 * kFrame_ns, position(composer) + Vector3d(0.2, 0.1, 0), 0.1);
+    const odo_fix fix = fix_at(kStart_ns + 150 * kFrame_ns, position(composer) + Vector3d(0.2, 0.1, 0), 0.1);
     const Vector3d now = position(composer);
     REQUIRE(composer.update(&fix).accepted);
     REQUIRE(composer.retained_pose(id, after));
@@ -307,7 +288,7 @@ TEST_SUITE("localizer") {
     walk(composer, 1, 50);
     Estimate before;
     REQUIRE(composer.at(INT64_MIN, before) == ODO_OK);
-    odo_fix fix = north_east(kStart_ns + 50 * kFrame_ns, position(composer) + Vector3d(50, 0, 0), 0.5);
+    odo_fix fix = fix_at(kStart_ns + 50 * kFrame_ns, position(composer) + Vector3d(50, 0, 0), 0.5);
     fix.header.flags |= ODO_FIX_ORIENTATION | ODO_FIX_ORIENTATION_COVARIANCE;
     put_quaternion(exp_rotation(Vector3d(0, 0, 0.06)) * before.q_n_b, fix.q_n_b);
     for (const int i : {0, 4, 8}) fix.orientation_cov_n[i] = 0.01;
@@ -333,7 +314,7 @@ TEST_SUITE("localizer") {
     Correction correction;
     for (const double off_m : {0.02, 0.3}) {
       const Vector3d was = position(composer);
-      const odo_fix fix = north_east(kStart_ns + 100 * kFrame_ns, was + Vector3d(off_m, 0, 0), 0.1);
+      const odo_fix fix = fix_at(kStart_ns + 100 * kFrame_ns, was + Vector3d(off_m, 0, 0), 0.1);
       REQUIRE(composer.update(&fix).accepted);
       CHECK(composer.take_correction(correction, pose) == (off_m > 0.1));
       CHECK((position(composer) - was).norm() > 0.3 * off_m);

@@ -10,6 +10,7 @@
 #include "sdk/host/core/smooth_pose.hpp"
 #include "sdk/host/messages/messages.hpp"
 #include "sdk/math/rotation.hpp"
+#include "tests/support/messages.hpp"
 
 using namespace odograph;
 using Eigen::Quaterniond;
@@ -20,13 +21,6 @@ TEST_SUITE_BEGIN("motion_ahead");
 namespace {
 
 constexpr int64_t kMs = 1'000'000;
-
-odo_imu imu(int64_t t_ns, const Vector3d& gyro, const Vector3d& accel, uint32_t flags = ODO_IMU_GYRO | ODO_IMU_ACCEL) {
-  auto m = make_message<odo_imu>(ODO_TYPE_IMU, t_ns);
-  m.header.flags = flags;
-  Vector3d::Map(m.gyro_b) = gyro, Vector3d::Map(m.accel_b) = accel;
-  return m;
-}
 
 double away(const Vector3d& a, const Vector3d& b) { return (a - b).norm(); }
 double away(const Quaterniond& a, const Quaterniond& b) { return log_rotation(a.conjugate() * b).norm(); }
@@ -39,7 +33,7 @@ TEST_CASE("a linearly growing force is integrated exactly, between, at and beyon
   InertialTrack track;
   track.set_biases(kRate, kForce);  // subtracted: only the force remains
   const auto force = [](double t) { return Vector3d(2 * t, 1 - t, 0.5); };
-  for (int i = 0; i <= 10; ++i) track.add(imu(i * 10 * kMs, kRate, kForce + force(0.01 * i)));
+  for (int i = 0; i <= 10; ++i) track.add(imu_at(i * 10 * kMs, kRate, kForce + force(0.01 * i)));
   const auto first = *track.at(0, 0.1);
   for (const double t : {0.0, 0.004, 0.01, 0.0437, 0.1}) {
     CAPTURE(t);
@@ -63,28 +57,28 @@ TEST_CASE("a linearly growing force is integrated exactly, between, at and beyon
 
 TEST_CASE("a rotation of constant rate is integrated exactly, and a changing rate by its mean") {
   InertialTrack track;
-  for (int i = 0; i <= 10; ++i) track.add(imu(i * 10 * kMs, kRate, kZero));
+  for (int i = 0; i <= 10; ++i) track.add(imu_at(i * 10 * kMs, kRate, kZero));
   const auto first = *track.at(0, 0.1);
   for (const double t : {0.003, 0.05, 0.1, 0.17})
     CHECK(away(first.q_e_b * exp_rotation(t * kRate), track.at(std::llround(t * 1e9), 0.1)->q_e_b) < 1e-12);
-  track.add(imu(120 * kMs, 3 * kRate, kZero));
+  track.add(imu_at(120 * kMs, 3 * kRate, kZero));
   CHECK(away(first.q_e_b * exp_rotation((0.1 + 0.02 * 2) * kRate), track.at(120 * kMs, 0.1)->q_e_b) < 1e-12);
 }
 
 TEST_CASE("gaps of either sensor are bridged up to 0.1 s, and samples that are not newer are ignored") {
   for (const int64_t gap : {100 * kMs, 100 * kMs + 1}) {
     InertialTrack track;
-    track.add(imu(0, kRate, kForce));
-    track.add(imu(gap, kRate, kForce));
+    track.add(imu_at(0, kRate, kForce));
+    track.add(imu_at(gap, kRate, kForce));
     CHECK(track.at(1, 0.1).has_value() == (gap == 100 * kMs));
     CHECK(track.at(gap, 0.1).has_value());
-    track.add(imu(gap, -5 * kRate, 5 * kForce)), track.add(imu(gap - 1, kRate, kForce));
+    track.add(imu_at(gap, -5 * kRate, 5 * kForce)), track.add(imu_at(gap - 1, kRate, kForce));
     CHECK(away(track.at(gap, 0.1)->rate_b, kRate) < 1e-12);
     CHECK(away(track.at(gap, 0.1)->force_b, kForce) < 1e-12);
     InertialTrack silent;
-    silent.add(imu(0, kRate, kForce));
+    silent.add(imu_at(0, kRate, kForce));
     CHECK(silent.has_force());
-    silent.add(imu(gap, kRate, kZero, ODO_IMU_GYRO));
+    silent.add(imu_at(gap, kRate, kZero, ODO_IMU_GYRO));
     CHECK(silent.has_force() == (gap == 100 * kMs));
   }
   CHECK_FALSE(InertialTrack().has_force());
@@ -93,11 +87,11 @@ TEST_CASE("gaps of either sensor are bridged up to 0.1 s, and samples that are n
 TEST_CASE("separate and late accelerometer samples are interpolated between their neighbours") {
   InertialTrack apart, whole;
   const auto force = [](int64_t t) { return Vector3d(1e-9 * static_cast<double>(t) * Vector3d(30, 10, -20)); };
-  for (int64_t t = 0; t <= 60 * kMs; t += 5 * kMs) whole.add(imu(t, kRate, force(t)));
-  apart.add(imu(0, kZero, force(0), ODO_IMU_ACCEL));
+  for (int64_t t = 0; t <= 60 * kMs; t += 5 * kMs) whole.add(imu_at(t, kRate, force(t)));
+  apart.add(imu_at(0, kZero, force(0), ODO_IMU_ACCEL));
   for (int64_t t = 0; t <= 60 * kMs; t += 5 * kMs) {
-    apart.add(imu(t, kRate, kZero, ODO_IMU_GYRO));
-    if (t % (20 * kMs) == 0) apart.add(imu(t, kZero, force(t), ODO_IMU_ACCEL));
+    apart.add(imu_at(t, kRate, kZero, ODO_IMU_GYRO));
+    if (t % (20 * kMs) == 0) apart.add(imu_at(t, kZero, force(t), ODO_IMU_ACCEL));
   }
   for (const int64_t t : {0, 13, 20, 35, 59, 60}) {
     const auto a = *apart.at(t * kMs, 0.1), b = *whole.at(t * kMs, 0.1);
@@ -141,7 +135,7 @@ struct Still {
   const Vector3d p_b_c{0.03, 0.05, -0.02}, velocity{0.5, 0, 0};
 
   explicit Still(bool moves, bool camera = true) {
-    for (int i = 0; i <= 200; ++i) predictor.add_imu(imu(i * 5 * kMs, {0, 0, moves ? 0.4 : 0}, {0, 0, -9.80665}));
+    for (int i = 0; i <= 200; ++i) predictor.add_imu(imu_at(i * 5 * kMs, {0, 0, moves ? 0.4 : 0}, {0, 0, -9.80665}));
     auto pose = make_message<odo_pose>(ODO_TYPE_POSE, 1000 * kMs);
     pose.header.flags = ODO_POSE_ORIENTATION | ODO_POSE_POSITION | ODO_POSE_METRIC | (camera ? ODO_POSE_CAMERA : 0);
     put_quaternion(q_b_c, pose.q_n);
@@ -169,7 +163,7 @@ TEST_CASE("a pose is predicted up to half a second ahead and not a nanosecond mo
   still.at(1500 * kMs + 1, ODO_E_NOT_FOUND);
   CHECK(still.at(INT64_MIN).header.t_ns == 1000 * kMs);
   Still longer(false);
-  for (int i = 1; i <= 100; ++i) longer.predictor.add_imu(imu((1000 + 5 * i) * kMs, kZero, {0, 0, -9.80665}));
+  for (int i = 1; i <= 100; ++i) longer.predictor.add_imu(imu_at((1000 + 5 * i) * kMs, kZero, {0, 0, -9.80665}));
   CHECK((longer.at(1500 * kMs).header.flags & ODO_POSE_POSITION) != 0);
   const odo_pose late = longer.at(1500 * kMs + 1);
   CHECK((late.header.flags & (ODO_POSE_POSITION | ODO_POSE_METRIC | ODO_POSE_VELOCITY)) == 0);
@@ -229,8 +223,7 @@ TEST_CASE("a correction moves the pose at once but not the smooth one, and clear
 TEST_CASE("a walker's attitude alone gives the orientation at its own newer time") {
   PosePredictor predictor;
   const auto add = [&](int64_t t_ns, const Quaterniond& q) {
-    auto a = make_message<odo_attitude>(ODO_TYPE_ATTITUDE, t_ns);
-    put_quaternion(q, a.q_n_b);
+    auto a = attitude_at(t_ns, q);
     predictor.add_attitude(a);
   };
   odo_pose pose{};

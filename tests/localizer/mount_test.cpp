@@ -8,6 +8,7 @@
 #include "sdk/host/base/pose_frame.hpp"
 #include "tests/support/measured_walk.hpp"
 #include "tests/localizer/paper_track.hpp"
+#include "tests/support/messages.hpp"
 
 using namespace odograph;
 using Eigen::Quaterniond;
@@ -31,8 +32,7 @@ struct BodyTrack {
 BodyTrack track_of(WalkMeasurements what, const Quaterniond& mount) {
   what.q_b_c = mount;
   MeasuredWalk walk(walk_scenario(25), what, 3);
-  CouplingConfig config;
-  config.type = CouplingType::localizer;
+  CouplingConfig config{.type = CouplingType::localizer};
   Composer composer(config, {}, {.vo = true, .scale = false});
   BodyTrack track;
   walk.run(composer, [&](double, const odo_pose& pose) {
@@ -41,12 +41,6 @@ BodyTrack track_of(WalkMeasurements what, const Quaterniond& mount) {
     track.p_n_c.push_back(Vector3d(pose.p_n));
   });
   return track;
-}
-
-odo_attitude attitude(int64_t t_ns, const Quaterniond& q) {
-  auto a = make_message<odo_attitude>(ODO_TYPE_ATTITUDE, t_ns);
-  a.q_n_b[0] = q.w(), a.q_n_b[1] = q.x(), a.q_n_b[2] = q.y(), a.q_n_b[3] = q.z();
-  return a;
 }
 
 }  // namespace
@@ -74,8 +68,7 @@ TEST_CASE("the inertial estimator's track of the body is independent of the came
 TEST_CASE("the camera's covariance is the body's, propagated over the lever arm") {
   WalkMeasurements what;
   MeasuredWalk walk(walk_scenario(15), what, 4);
-  CouplingConfig config;
-  config.type = CouplingType::localizer;
+  CouplingConfig config{.type = CouplingType::localizer};
   Composer composer(config, {}, {.vo = true, .scale = false});
   int compared = 0;
   double worst = 0, told = 0;
@@ -104,8 +97,7 @@ TEST_CASE("the camera's pose has the camera's velocity, and the estimate the bod
   WalkMeasurements what;
   what.odometry.scale_sigma = 0.02, what.odometry.inverse_scale = 1;
   MeasuredWalk walk(walk_scenario(15), what, 4);
-  CouplingConfig config;
-  config.type = CouplingType::localizer;
+  CouplingConfig config{.type = CouplingType::localizer};
   Composer composer(config, {}, {.vo = true, .scale = false});
   int compared = 0;
   double worst = 0, largest = 0;
@@ -133,9 +125,9 @@ TEST_CASE("while the camera is blind the attitude rotates it through its mount")
   coupling.on_calibration(lens);
   const Quaterniond q0 = Quaterniond(0.7, -0.2, 0.5, 0.4).normalized();
   const Quaterniond q1(Eigen::AngleAxisd(0.8, Vector3d(0.3, -0.2, 0.9).normalized()) * q0);
-  coupling.on_attitude(attitude(0, q0));
+  coupling.on_attitude(attitude_at(0, q0));
   CHECK(q_of(coupling.on_first_frame(0)).angularDistance(q0 * kAskew) < 1e-7);
-  coupling.on_attitude(attitude(kSecond, q1));
+  coupling.on_attitude(attitude_at(kSecond, q1));
   auto blind = make_message<odo_vo_motion>(ODO_TYPE_VO_MOTION, kSecond);
   blind.t_from_ns = 0, blind.q_c0_c1[0] = 1, blind.state = ODO_LOST;
   CHECK(q_of(coupling.on_vo_motion(blind, nullptr)).angularDistance(q1 * kAskew) < 1e-7);
@@ -146,7 +138,7 @@ TEST_CASE("heading uncertainty gives position uncertainty across the path, in pr
   config.orientation = Orientation::attitude;
   PaperTrack coupling(config, {}, {true, true});
   const auto add_attitude = [&](int64_t t_ns) {
-    odo_attitude a = attitude(t_ns, Quaterniond::Identity());
+    odo_attitude a = attitude_at(t_ns, Quaterniond::Identity());
     a.header.flags |= ODO_ATTITUDE_MAGNETIC_NORTH;
     a.covariance_n[8] = 0.01;  // of the heading, rad^2
     coupling.on_attitude(a);
@@ -159,12 +151,7 @@ TEST_CASE("heading uncertainty gives position uncertainty across the path, in pr
   odo_pose pose{};
   for (int64_t k = 1; k <= 2; ++k) {
     add_attitude(k * kSecond);
-    auto motion = make_message<odo_vo_motion>(ODO_TYPE_VO_MOTION, k * kSecond);
-    motion.header.flags = ODO_VO_ROTATION | ODO_VO_TRANSLATION;
-    motion.t_from_ns = (k - 1) * kSecond;
-    motion.q_c0_c1[0] = 1;
-    motion.p_c0_c1[0] = 10;
-    motion.state = ODO_TRACKING;
+    auto motion = motion_between((k - 1) * kSecond, k * kSecond, {10, 0, 0});
     pose = coupling.on_vo_motion(motion, &scale);
   }
   const Eigen::Vector2d moved(pose.p_n[0], pose.p_n[1]), along = moved.normalized(), across(-along.y(), along.x());

@@ -14,6 +14,7 @@
 #include "sdk/host/messages/messages.hpp"
 #include "sdk/math/rotation.hpp"
 #include "tests/support/plain_walk.hpp"
+#include "tests/support/messages.hpp"
 
 using namespace odograph;
 using Eigen::Quaterniond;
@@ -46,10 +47,9 @@ struct Replay {
   }
   void push_imu(double t_s, uint32_t flags) {
     const auto state = walk.phone.at(t_s);
-    auto imu = make_message<odo_imu>(ODO_TYPE_IMU, ns(t_s));
-    imu.header.flags = flags;
-    Vector3d::Map(imu.gyro_b) = state.angular_velocity_b + gyro_bias + 0.002 * Vector3d{noise(1), noise(1), noise(1)};
-    Vector3d::Map(imu.accel_b) = state.specific_force_b() + accel_bias + 0.02 * Vector3d{noise(1), noise(1), noise(1)};
+    const Vector3d gyro_b = state.angular_velocity_b + gyro_bias + 0.002 * Vector3d{noise(1), noise(1), noise(1)};
+    const Vector3d accel_b = state.specific_force_b() + accel_bias + 0.02 * Vector3d{noise(1), noise(1), noise(1)};
+    const odo_imu imu = imu_at(ns(t_s), gyro_b, accel_b, flags);
     poses.add_imu(imu);
   }
   odo_pose truth(double t_s) const {

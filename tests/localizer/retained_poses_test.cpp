@@ -21,8 +21,7 @@ TEST_CASE("holding a pose does not change the filter, bit for bit") {
     WalkMeasurements what;
     what.fix_every_s = 5;
     MeasuredWalk walk(walk_scenario(25), what, 3);
-    CouplingConfig config;
-    config.type = CouplingType::localizer;
+    CouplingConfig config{.type = CouplingType::localizer};
     Composer composer(config, {}, {true, false});
     std::vector<odo_pose> poses;
     walk.run(composer, [&](double, const odo_pose& pose) {
@@ -44,8 +43,7 @@ TEST_CASE("later fixes improve a held pose, consistently with its covariance") {
     what.fix_every_s = 12;
     what.fix_sigma_m = 0.1;
     MeasuredWalk walk(walk_scenario(60), what, seed);
-    CouplingConfig config;
-    config.type = CouplingType::localizer;
+    CouplingConfig config{.type = CouplingType::localizer};
     Composer composer(config, {}, {true, false});
     struct Kept {
       uint64_t id;

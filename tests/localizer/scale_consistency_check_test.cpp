@@ -97,8 +97,7 @@ TEST_CASE("an estimator rejects the scale of a front-end that returns from darkn
         for (double& p : m.p_c0_c1) p *= 2;
     };
     MeasuredWalk walk(walk_scenario(100), what, 3);
-    CouplingConfig config;
-    config.type = CouplingType::localizer;
+    CouplingConfig config{.type = CouplingType::localizer};
     Composer composer(config, {}, {true, false});
     double told_s = 0;
     walk.run(composer, [&](double t, const odo_pose&) {
@@ -135,8 +134,7 @@ TEST_CASE("the scale sigma is never below the front-end's smallest reported sigm
   what.odometry.position_m = 0.003, what.odometry.rotation_rad = 0.0005;
   what.change = [](double t, odo_vo_motion& m) { m.scale_sigma = t < 10 ? 0.05 : 0.02; };
   MeasuredWalk walk(walk_scenario(40), what, 1);
-  CouplingConfig config;
-  config.type = CouplingType::localizer;
+  CouplingConfig config{.type = CouplingType::localizer};
   Composer composer(config, {}, {true, false});
   double min_before = 1, min_after = 1;
   walk.run(composer, [&](double t, const odo_pose& pose) {
@@ -169,8 +167,7 @@ TEST_CASE("correlated step errors of a walker limit the accuracy of his estimate
       step.sigma_m = step.length_m * std::hypot(assumed.factor_sigma, assumed.own_sigma);
     };
     MeasuredWalk walk(walk_scenario(100), what, seed);
-    CouplingConfig config;
-    config.type = CouplingType::localizer;
+    CouplingConfig config{.type = CouplingType::localizer};
     Composer composer(config, {}, {true, false});
     walk.run(composer, [&](double t, const odo_pose&) {
       if (t < 20) return;

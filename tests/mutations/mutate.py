@@ -1,169 +1,214 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Mutation testing: small changes at places that a seed chooses, and whether a test notices each. Needs python3-clang.
+"""Mutation test: small changes at lines that a seed draws, one at a time, and which test notices each.
 
-    mutate.py BUILD COPY [--count 110] [--seed 1] [--budget 60] [--headers] [--programs NAME,...] [--again]
+    git worktree add ../mutants && cd ../mutants && cmake --preset release -DODOGRAPH_TESTS=ON && cmake --build --preset release
+    python3 tests/mutations/mutate.py build [--count 30] [--seed 1] [--budget 600] [--jobs 2] [--again]
 
-Everything happens in COPY, a copy of the tree that is built once with all mutants in it: ODO_MUTANT chooses the one that runs.
-A first run of every test case records which mutants it reaches. Each mutant then runs against the cases that reach it, the
-quickest first, until one fails, crashes or takes too long, or --budget seconds are used. Kept results are left out: they
-show that something changed, not what is right. A stopped run continues where it was; --again repeats the survivors, with
-the tests as they are now. --headers: mutates headers too, so that nearly everything is built again. BUILD is a configured folder; nothing in it is changed."""
+BUILD is a Ninja build of a tree that may be changed: each mutant is written into it, built and tested, and the file restored. The tests are
+those whose command has a program or library that ninja builds of the mutated file; they run by `ctest --stop-on-failure`, quick ones first,
+for at most --budget seconds after the build. Kept results take no part: they show that something changed, not what is right. Nor do tests
+that fail without a mutant: the first run executes all tests once. A stopped run continues where it was (BUILD/mutants.json); --again
+repeats the survivors with the tests as they are now, on the same lines."""
 import argparse
 import json
-import os
 import pathlib
+import random
 import re
 import subprocess
-import tempfile
+import sys
 import time
 
-from places import HEADER, ROOT, choose, mutated
-
-PROGRAMS = ["odograph-host-tests", "odograph-plugin-tests", "odograph-tests", "odograph-isolation-tests"]
-# Suites of kept results, of real recordings, and of tools and plugins that are not mutated.
-LEFT_OUT = "kept_*,*_data,calibration,camera_imu*,city,degrade,documents,evaluation*,known_object*,magyq,phone_*,simulation,skyline,terrain,vit,vo_figures,world"
-SLOW_S = 15  # a case that takes longer is left out
-
-
-def write(path, content):
-    """Leaves a file alone that has this content, so that it is not built again."""
-    if not path.exists() or path.read_bytes() != content:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_bytes(content)
+# Drawn in turn, so that each top-level folder has its part.
+FOLDERS = ["sdk", "plugins", "sdk", "plugins", "sdk", "plugins", "abi/include", "samples"]
+LEFT_OUT = re.compile(r"^kept_")
+BATCHES_S = [1, 10, 60, 1e9]  # tests of up to this long run together, so that quick ones come first
+SWAPS = {"<": "<=", "<=": "<", ">": ">=", ">=": ">", "==": "!=", "!=": "==", "+": "-", "-": "+", "*": "/", "/": "*", "&&": "||", "||": "&&",
+         "+=": "-=", "-=": "+="}
+OPERATOR = re.compile(r"(?<= )(" + "|".join(re.escape(key) for key in sorted(SWAPS, key=len, reverse=True)) + r")(?= )")
+CONSTANT = re.compile(r"(?<![\w.'<])\d[\d']*(\.\d*(?:e[-+]?\d+)?|e[-+]?\d+)?(?![\w.'>])")
+CONDITION = re.compile(r"(?<=\b(?:if|or) )\((?!const |auto |int )[^;()]*(?:\([^()]*\)[^;()]*)*\)(?= |$)|(?<=while )\([^;()]*(?:\([^()]*\)[^;()]*)*\)(?= |$)")
+STATEMENT = re.compile(r"^\s+(?!return\b|throw\b|delete\b|using\b|typedef\b|break\b|continue\b|goto\b)[\w.:\[\]>*-]+(?:\(.*\)| [-+*/|&]?= .*);$")
+NOT_CODE = re.compile(r"^\s*(#|//|\*|/\*|using\b|template\b|static_assert|extern\b|typedef\b|enum\b|namespace\b)|\bconstexpr\b|\boperator\b")
 
 
-def prepare(tree, mutants):
-    """The tree as it is now, with all mutants."""
-    for name in subprocess.run(["git", "-C", str(ROOT), "ls-files", "-z"], capture_output=True, text=True, check=True).stdout.split("\0")[:-1]:
-        original = ROOT / name
-        edits = [(mutant["number"], *mutant["edit"]) for mutant in mutants if mutant["file"] == name]
-        if not original.is_file():
-            continue
-        content = original.read_bytes()
-        if any(content[start:end].decode() != mutant["before"] for mutant in mutants if mutant["file"] == name for start, end, _ in [mutant["edit"]]):
-            raise SystemExit(f"{name} changed since its mutants were chosen: use a new COPY")
-        if edits:
-            content = f'#include "{tree}/mutant.hpp"\n'.encode() + mutated(content, edits)
-        write(tree / name, content)
-        (tree / name).chmod(original.stat().st_mode)
-    write(tree / "mutant.hpp", HEADER.read_bytes())
+def run(*command, **options):
+    return subprocess.run(command, capture_output=True, text=True, check=False, **options)
 
 
-def build(tree, mutants, programs):
-    """Builds all, without the mutants that a compiler refuses; those are returned."""
-    file = tree / "refused.json"
-    refused = set(json.loads(file.read_text())) if file.exists() else set()
+def blanked(line):
+    """A line with spaces in place of its texts and comment."""
+    return re.sub(r'"(\\.|[^"\\])*"|\'(\\.|[^\'\\])\'|//.*|/\*.*?\*/', lambda found: " " * len(found.group(0)), line)
+
+
+def changes(line):
+    """What can be done to a line of code: (kind, new line)."""
+    code, found = blanked(line), []
+    if NOT_CODE.search(code):
+        return found
+    for match in OPERATOR.finditer(code):
+        found.append((f"{match.group(1)} to {SWAPS[match.group(1)]}", line[:match.start()] + SWAPS[match.group(1)] + line[match.end():]))
+    for match in CONSTANT.finditer(code):
+        new = f"({match.group(0)} * 2)" if match.group(1) and re.search("[1-9]", match.group(0)) else f"({match.group(0)} + 1)"
+        found.append(("constant", line[:match.start()] + new + line[match.end():]))
+    for match in CONDITION.finditer(code):
+        found.append(("condition negated", line[:match.start()] + f"(!{line[match.start():match.end()]})" + line[match.end():]))
+    if STATEMENT.match(code.rstrip()) and code.count("(") == code.count(")") and line.strip() == code.strip():
+        found.append(("statement removed", re.match(r"\s*", line).group(0) + ";"))
+    return found
+
+
+class Build:
+    """What ninja and ctest say about a build folder."""
+
+    def __init__(self, folder):
+        self.folder = folder.resolve()
+        cache = (self.folder / "CMakeCache.txt").read_text()
+        self.root = pathlib.Path(re.search(r"CMAKE_HOME_DIRECTORY:INTERNAL=(.*)", cache).group(1))
+        self.objects = {}  # of each file of the tree
+        built = None
+        for line in run("ninja", "-C", str(self.folder), "-t", "deps").stdout.splitlines():
+            if not line.startswith(" "):
+                built = line.split(": ")[0]
+            elif line:
+                path = (self.folder / line.strip()).resolve() if "../" in line else pathlib.Path(line.strip())
+                if path.is_relative_to(self.root) and not path.is_relative_to(self.folder):
+                    self.objects.setdefault(str(path.relative_to(self.root)), []).append(built)
+        listed = json.loads(run("ctest", "--show-only=json-v1", cwd=self.folder).stdout)["tests"]
+        self.commands = {test["name"]: test["command"] for test in listed if "command" in test and not LEFT_OUT.search(test["name"])}
+
+    def local(self, name):
+        path = pathlib.Path(name)
+        return str(path.relative_to(self.folder)) if path.is_relative_to(self.folder) else name
+
+    def outputs_of(self, name):
+        """All that is built again after a change of the file."""
+        seen, new = set(self.objects[name]), list(self.objects[name])
+        while new:
+            lines = run("ninja", "-C", str(self.folder), "-t", "query", *new[:500]).stdout.splitlines()
+            new, is_output = new[500:], False
+            for line in lines:
+                if line.startswith("  ") and not line.startswith("   "):
+                    is_output = line.strip() == "outputs:"
+                elif is_output and line.startswith("    ") and (output := line.strip()) not in seen:
+                    seen.add(output)
+                    new.append(output)
+        return seen
+
+    def tests_of(self, name):
+        """Test -> the programs and libraries in its command that depend on the file."""
+        outputs = self.outputs_of(name)
+        needed = {test: [self.local(word) for word in command if self.local(word) in outputs] for test, command in self.commands.items()}
+        return {test: words for test, words in needed.items() if words}
+
+    def measured(self):
+        """Seconds of each test, and those that failed in the last run."""
+        costs, _, failed = (self.folder / "Testing/Temporary/CTestCostData.txt").read_text().partition("---\n")
+        return {line.split()[0]: float(line.split()[2]) for line in costs.splitlines()}, failed.split()
+
+    def compile(self, targets, jobs):
+        return run("ninja", "-C", str(self.folder), f"-j{jobs}", *sorted(targets)).returncode == 0
+
+    def first_failure(self, tests, seconds, jobs, budget_s):
+        """The test that fails, or None; and how many were started."""
+        start, started, slower_than = time.monotonic(), 0, -1
+        for limit in BATCHES_S:
+            batch = [test for test in tests if slower_than < seconds.get(test, 5) <= limit]
+            slower_than, left_s = limit, budget_s - (time.monotonic() - start)
+            if not batch or left_s <= 0:
+                continue
+            names = "^(" + "|".join(re.escape(test) for test in batch) + ")$"
+            command = ["ctest", "--stop-on-failure", f"-j{jobs}", "--timeout", str(int(10 + 5 * max(seconds.get(test, 5) for test in batch))), "-R", names]
+            try:
+                text = run(*command, cwd=self.folder, timeout=left_s).stdout
+            except subprocess.TimeoutExpired as stopped:
+                text = (stopped.stdout or b"").decode()
+            started += len(re.findall(r"Test +#\d+:", text))
+            if found := re.search(r"Test +#\d+: (\S+) .*\*\*\*(?!Skipped|Not Run)", text):
+                return found.group(1), started
+        return None, started
+
+
+def draw(build, seed, number):
+    """The mutant of that number: (file, index of its line, kind, new line)."""
+    chance = random.Random(f"{seed} {number}")
+    folder = FOLDERS[number % len(FOLDERS)] + "/"
+    endings = (".hpp",) if folder.startswith("abi") else (".c", ".cpp", ".hpp")
+    files = sorted(name for name in build.objects if name.startswith(folder) and name.endswith(endings))
+    lines = {name: (build.root / name).read_text().splitlines() for name in files}
     while True:
-        prepare(tree, [mutant for mutant in mutants if mutant["number"] not in refused])
-        if not (tree / "build/build.ninja").exists():
-            subprocess.run(["cmake", "--preset", "release", "-DODOGRAPH_TESTS=ON", "-DODOGRAPH_DATA=/nowhere", "-DODOGRAPH_REQUIRE_DATA=OFF"], cwd=tree, check=True)
-        targets = [*programs, "odograph-plugins"] if "odograph-tests" in programs else programs
-        done = subprocess.run(["ninja", "-j1", "-k0", "-C", str(tree / "build"), *targets], capture_output=True, text=True, check=False)
-        (tree / "build.log").write_text(done.stdout + done.stderr)
-        if done.returncode == 0:
-            return refused
-        errors = re.findall(r"error: .*\n.*odo_mutant\((\d+)\)", done.stdout)
-        if not errors:
-            raise SystemExit(f"the build failed, see {tree}/build.log")
-        refused |= {int(number) for number in errors}
-        file.write_text(json.dumps(sorted(refused)))
+        name = chance.choices(files, [len(lines[file]) for file in files])[0]
+        at = chance.randrange(len(lines[name]))
+        if found := changes(lines[name][at]):
+            kinds = sorted({kind for kind, _ in found})
+            kind = chance.choice(kinds)
+            return name, at, kind, chance.choice([new for one, new in found if one == kind])
 
 
-def run(tree, case, limit_s, **environment):
-    """The reason for which a test case fails, or None."""
-    program, number = case["program"], case["number"]
-    command = [str(tree / "build/bin" / program), f"--test-suite-exclude={LEFT_OUT}", f"--first={number}", f"--last={number}", "--abort-after=1"]
-    with tempfile.TemporaryDirectory() as folder:
-        process = subprocess.Popen(command, cwd=tree / "build/tests", env={**os.environ, "TMPDIR": folder, **environment}, stdout=subprocess.DEVNULL,
-                                   stderr=subprocess.DEVNULL, start_new_session=True)
-        try:
-            status = process.wait(limit_s)
-        except subprocess.TimeoutExpired:
-            os.killpg(process.pid, 9)
-            process.wait()
-            return "takes too long"
-    return None if status in (0, 77) else "crashes" if status < 0 else "fails"
-
-
-def list_cases(tree, programs):
-    for program in programs:
-        command = [str(tree / "build/bin" / program), f"--test-suite-exclude={LEFT_OUT}", "--list-test-cases", "--no-colors"]
-        lines = subprocess.run(command, capture_output=True, text=True, check=True).stdout.splitlines()
-        names = [line for line in lines if not line.startswith(("[doctest]", "===="))]
-        yield from ({"program": program, "number": number + 1, "name": name} for number, name in enumerate(names))
-
-
-def measure(tree, file, programs):
-    """Every case without a mutant: its time and the mutants that it reaches. Known ones are not run again."""
-    known = {(case["program"], case["name"]): case for case in json.loads(file.read_text())} if file.exists() else {}
-    cases, reached = [], tree / "reached"
-    for case in list_cases(tree, programs):
-        old = known.get((case["program"], case["name"]))
-        if old is None:
-            reached.write_bytes(bytes(4096))
-            start = time.monotonic()
-            failure = run(tree, case, SLOW_S, ODO_MUTANTS_REACHED=str(reached))
-            old = {"seconds": time.monotonic() - start, "failure": failure, "reaches": [number for number, byte in enumerate(reached.read_bytes()) if byte]}
-            if failure:
-                print(f"left out: {case['name']} ({failure} without a mutant)", flush=True)
-        cases.append({**old, **case})
-        known[case["program"], case["name"]] = cases[-1]
-        if len(cases) % 50 == 0:
-            file.write_text(json.dumps(list(known.values())))
-    file.write_text(json.dumps(list(known.values())))
-    return [case for case in cases if not case["failure"]]
-
-
-def hunt(tree, mutant, cases, budget_s):
-    """What catches a mutant: (verdict, reason, case)."""
-    able = sorted((case for case in cases if mutant["number"] in case["reaches"]), key=lambda case: case["seconds"])
-    start = time.monotonic()
-    for tried, case in enumerate(able):
-        if time.monotonic() - start > budget_s:
-            return "survived", f"{tried} of {len(able)} cases in {budget_s} s", ""
-        failure = run(tree, case, 5 + 5 * case["seconds"], ODO_MUTANT=str(mutant["number"]))
-        if failure:
-            return "caught", failure, case["name"]
-    return "survived", f"all {len(able)} cases that reach it pass", ""
+def verdict_of(build, mutant, options, measured):
+    name, at, _, new = mutant
+    seconds, failing = measured
+    tests = {test: words for test, words in build.tests_of(name).items() if test not in failing}
+    if not tests:
+        return {"verdict": "survived", "by": "no test links the file"}
+    lines = (build.root / name).read_text().splitlines()
+    lines[at] = new
+    (build.root / name).write_text("\n".join(lines) + "\n")
+    if not build.compile({word for words in tests.values() for word in words}, options.jobs):
+        return {"verdict": "does not compile", "by": ""}
+    failed, started = build.first_failure(sorted(tests), seconds, options.jobs, options.budget)
+    return {"verdict": "caught", "by": failed} if failed else {"verdict": "survived", "by": f"{started} of {len(tests)} tests"}
 
 
 def main():
     options = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     options.add_argument("build", type=pathlib.Path)
-    options.add_argument("copy", type=pathlib.Path)
-    options.add_argument("--count", type=int, default=110)
+    options.add_argument("--count", type=int, default=30)
     options.add_argument("--seed", type=int, default=1)
-    options.add_argument("--budget", type=float, default=60)
-    options.add_argument("--headers", action="store_true")
-    options.add_argument("--programs", default=",".join(PROGRAMS))
+    options.add_argument("--budget", type=float, default=600)
+    options.add_argument("--jobs", type=int, default=2)
     options.add_argument("--again", action="store_true")
     options = options.parse_args()
-    tree = options.copy.resolve()
-    tree.mkdir(parents=True, exist_ok=True)
-    chosen, results = tree / "mutants.json", tree / "results.json"
-    if not chosen.exists():
-        chosen.write_text(json.dumps(choose(options.build, options.seed, options.count, options.headers), indent=1))
-    mutants = json.loads(chosen.read_text())
-    programs = options.programs.split(",")
-    refused = build(tree, mutants, programs)
-    mutants = [mutant for mutant in mutants if mutant["number"] not in refused]
-    cases = measure(tree, tree / "cases.json", programs)
-    verdicts = json.loads(results.read_text()) if results.exists() else {}
-    for mutant in mutants:
-        old = verdicts.get(str(mutant["number"]))
-        if old and not (options.again and old[0] == "survived"):
-            continue
-        verdicts[str(mutant["number"])] = verdict = hunt(tree, mutant, cases, options.budget)
-        results.write_text(json.dumps(verdicts))
-        print(mutant["number"], f"{mutant['file']}:{mutant['line']}", mutant["kind"], *verdict, sep=" | ", flush=True)
-    with open(tree / "table.md", "w", encoding="utf-8") as table:
-        table.write("| place | change | before | verdict | how | test |\n|---|---|---|---|---|---|\n")
-        for mutant in mutants:
-            before = " ".join(mutant["before"].split()).replace("|", "\\|")
-            table.write(f"| {mutant['file']}:{mutant['line']} | {mutant['kind']} | `{before}` | " + " | ".join(verdicts[str(mutant["number"])]) + " |\n")
-    caught = sum(verdict[0] == "caught" for number, verdict in verdicts.items())
-    print(f"{len(mutants)} mutants, {len(refused)} more did not compile: {caught} caught, {len(mutants) - caught} survived ({tree}/table.md)")
+    build, file = Build(options.build), options.build / "mutants.json"
+    state = json.loads(file.read_text()) if file.exists() else {}
+    if "original" in state:  # stopped within a mutant
+        (build.root / state["original"][0]).write_text(state["original"][1])
+    if state.get("seed") != options.seed:
+        state = {"seed": options.seed, "mutants": {}, "measured": state.get("measured")}
+    if not state["measured"]:
+        print("all tests without a mutant", flush=True)
+        run("ctest", f"-j{options.jobs}", "-E", LEFT_OUT.pattern, cwd=build.folder)
+        state["measured"] = build.measured()
+    measured = state["measured"]
+    print(f"seed {options.seed}; not used, as they fail without a mutant: {' '.join(measured[1]) or 'none'}", flush=True)
+    number, rows = 0, []
+    while len(rows) < options.count:
+        row = state["mutants"].get(str(number))
+        if not row or (options.again and row["verdict"] == "survived"):
+            mutant = row["mutant"] if row else draw(build, options.seed, number)
+            text = (build.root / mutant[0]).read_text()
+            before = row["before"] if row else text.splitlines()[mutant[1]]
+            state["original"] = [mutant[0], text]
+            file.write_text(json.dumps(state))
+            try:
+                if text.splitlines()[mutant[1]] != before:
+                    sys.exit(f"{mutant[0]}:{mutant[1] + 1} has changed since it was drawn")
+                row = {"mutant": mutant, "before": before, **verdict_of(build, mutant, options, measured)}
+            finally:
+                (build.root / mutant[0]).write_text(text)
+            state["mutants"][str(number)] = row
+            del state["original"]
+            file.write_text(json.dumps(state))
+            print(number, f"{mutant[0]}:{mutant[1] + 1}", mutant[2], row["verdict"], row["by"], sep=" | ", flush=True)
+        if row["verdict"] != "does not compile":
+            rows.append(row)
+        number += 1
+    print("\n| place | change | line | verdict | test |\n|---|---|---|---|---|")
+    for row in rows:
+        line = row["before"].strip().replace("|", "\\|")
+        print(f"| {row['mutant'][0]}:{row['mutant'][1] + 1} | {row['mutant'][2]} | `{line}` | {row['verdict']} | {row['by']} |".replace("||", "\\|\\|"))
+    caught = sum(row["verdict"] == "caught" for row in rows)
+    print(f"\n{caught} of {len(rows)} mutants caught; {number - len(rows)} more do not compile")
 
 
 if __name__ == "__main__":

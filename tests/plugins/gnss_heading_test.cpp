@@ -11,6 +11,7 @@
 #include "sdk/math/rotation.hpp"
 #include "sdk/tools/simulation/random.hpp"
 #include "tests/support/support.hpp"
+#include "tests/support/messages.hpp"
 
 using namespace odograph;
 using namespace odograph::gnss;
@@ -166,17 +167,13 @@ TEST_CASE(
   for (int k = 0; k < 1200; ++k) {
     const double t_s = 0.1 * k, compass_rad = std::sin(2 * M_PI * t_s / 40);
     const int64_t t_ns = 1'000'000'000 + k * 100'000'000LL;
-    auto imu = make_message<odo_imu>(ODO_TYPE_IMU, t_ns);
-    imu.header.flags = ODO_IMU_GYRO;
+    auto imu = imu_at(t_ns, {0, 0, 0}, {0, 0, 0}, ODO_IMU_GYRO);
     (*plugin)->process(imu.header);
-    auto attitude = make_message<odo_attitude>(ODO_TYPE_ATTITUDE, t_ns);
-    put_quaternion(Eigen::AngleAxisd(compass_rad, Eigen::Vector3d::UnitZ()) * true_n_b, attitude.q_n_b);
+    auto attitude = attitude_at(t_ns, Eigen::AngleAxisd(compass_rad, Eigen::Vector3d::UnitZ()) * true_n_b);
     (*plugin)->process(attitude.header);
     if (k % 5 == 0) {
-      auto step = make_message<odo_step>(ODO_TYPE_STEP, t_ns);
-      step.header.flags = ODO_STEP_HEADING;
-      step.t_start_ns = t_ns - 500'000'000, step.t_end_ns = t_ns;
-      step.length_m = 0.7, step.sigma_m = 0.05, step.heading_rad = compass_rad;
+      auto step = step_between(t_ns - 500'000'000, t_ns, t_ns, 0.7, 0.05);
+      step.heading_rad = compass_rad;
       (*plugin)->process(step.header);
     }
     if (k % 10 != 0) continue;

@@ -8,6 +8,7 @@
 #include "sdk/host/plugin_host/instance.hpp"
 #include "sdk/math/rotation.hpp"
 #include "tests/support/support.hpp"
+#include "tests/support/messages.hpp"
 
 using namespace odograph;
 using namespace odograph::vo;
@@ -98,9 +99,7 @@ TEST_CASE(
     REQUIRE_MESSAGE(plugin.ok(), (plugin.ok() ? "" : plugin.failure().text));
     int64_t t_ns = 0;
     const auto is_discarded = [&](double rate_radps, double force_mps2) {
-      auto imu = make_message<odo_imu>(ODO_TYPE_IMU, t_ns += 10 * kMilli);
-      imu.header.flags = ODO_IMU_GYRO | ODO_IMU_ACCEL;
-      imu.gyro_b[1] = rate_radps, imu.accel_b[2] = force_mps2;
+      auto imu = imu_at(t_ns += 10 * kMilli, {0, rate_radps, 0}, {0, 0, force_mps2});
       const uint64_t before = (*plugin)->faults();
       (*plugin)->process(imu.header);
       return (*plugin)->faults() != before;

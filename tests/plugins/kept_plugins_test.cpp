@@ -59,72 +59,53 @@ struct Choice {
   size_t at_least = 5;  ///< min events for a valid test
 };
 
-/// Events of each choice on the walk; they must be the same after a reset.
-std::string digest_of(const std::vector<Choice>& choices) {
+}  // namespace
+
+TEST_CASE("every plugin gives the kept events on a walk with many faults, and each choice the same after a reset") {
+  const bool compared = kept_for_this_machine();
   Digest digest;
-  int number = 0;
-  for (const Choice& choice : choices) {
+  for (const Choice& choice : std::vector<Choice>{
+           {"attitude_vqf", {}},
+           {"attitude_vqf", {{"magnetometer", "true"}, {"tau_mag", "2"}, {"tau_acc", "1"}}},
+           {"attitude_vqf", {{"forward_axis", "[1, 0.2, 0]"}}},
+           {"attitude_magyq", {}},
+           {"attitude_magyq", {{"magnetometer", "false"}}},
+           {"step_odograph", {}},
+           {"step_odograph", {{"learn", "false"}, {"factor", "1.1"}, {"factor_sigma", "0.03"}}},
+           {"step_odograph", {{"forward_axis", "[1, 0, 0]"}}},
+           {"step_renaudin2012", {}},
+           {"step_weinberg2002", {}},
+           {"step_kim2004", {}},
+           {"step_scarlett2007", {}},
+           {"step_tian2016", {{"forward_axis", "[1, 0, 0]"}}},
+           {"scale_step_length", {}},
+           {"scale_step_length", {{"hold", "1"}}},
+           {"scale_step_fit", {}},
+           {"scale_step_fit", {{"drift", "0.03"}, {"common", "0"}}},
+           {"scale_fixed_step", {}},
+           {"scale_slant_distance", {}},
+           {"scale_slant_distance", {{"window", "5"}, {"min_displacement", "3"}, {"initial_scale", "3"}}},
+           {"scale_slant_distance", {{"formula", "gakne2018"}}},
+           {"scale_inertial", {}},
+           {"fix_gnss", {}},
+           {"fix_gnss", {{"height", "true"}, {"heading", "false"}, {"correlation", "0"}, {"min_satellites", "3"}}},
+           {"fix_gnss", {{"correlation", "5"}, {"bias_time", "20"}, {"sigma", "3"}, {"min_sigma", "6"}}},
+           {"fix_barometer", {}},
+           {"fix_barometer", {{"from_start", "false"}, {"interval", "1"}}},
+           {"fix_waypoint", {}, 1},
+           {"fix_waypoint", {{"use", "all"}}}}) {
     CAPTURE(std::string(choice.plugin));
     PluginRun run(choice.plugin, choice.settings);
     const auto events = run(disturbed_walk());
     CHECK(events.size() >= choice.at_least);
-    const std::string of = std::to_string(10 + number++) + "_" + choice.plugin;
-    for (const auto& event : events)
-      add(digest, of + "." + message_name(event.header().type), event.header(), disturbed_walk().front().header().t_ns);
+    if (choice.settings.empty() || std::string(choice.plugin) == "step_tian2016")
+      for (const auto& event : events)
+        add(digest, std::string(choice.plugin) + "." + message_name(event.header().type), event.header(),
+            disturbed_walk().front().header().t_ns);
     run.reset();
     CHECK(same_events(events, run(disturbed_walk())));
   }
-  return digest.text();
-}
-
-void check(const char* name, const std::vector<Choice>& choices) {
-  if (!kept_for_this_machine()) return;
-  compare_kept(name, digest_of(choices), kSame);
-}
-
-}  // namespace
-
-TEST_CASE("attitudes are as kept on a walk with many faults") {
-  check("troubled_attitude", {{"attitude_vqf", {}},
-                              {"attitude_vqf", {{"magnetometer", "true"}, {"tau_mag", "2"}, {"tau_acc", "1"}}},
-                              {"attitude_vqf", {{"forward_axis", "[1, 0.2, 0]"}}},
-                              {"attitude_magyq", {}},
-                              {"attitude_magyq", {{"magnetometer", "false"}}}});
-}
-
-TEST_CASE("steps are as kept on a walk with many faults") {
-  check("troubled_step", {{"step_odograph", {}},
-                          {"step_odograph", {{"learn", "false"}, {"factor", "1.1"}, {"factor_sigma", "0.03"}}},
-                          {"step_odograph", {{"forward_axis", "[1, 0, 0]"}}},
-                          {"step_renaudin2012", {}},
-                          {"step_weinberg2002", {}},
-                          {"step_kim2004", {}},
-                          {"step_scarlett2007", {}},
-                          {"step_tian2016", {{"forward_axis", "[1, 0, 0]"}}}});
-}
-
-TEST_CASE("scales are as kept on a walk with many faults") {
-  check("troubled_scale",
-        {{"scale_step_length", {}},
-         {"scale_step_length", {{"hold", "1"}}},
-         {"scale_step_fit", {}},
-         {"scale_step_fit", {{"drift", "0.03"}, {"common", "0"}}},
-         {"scale_fixed_step", {}},
-         {"scale_slant_distance", {}},
-         {"scale_slant_distance", {{"window", "5"}, {"min_displacement", "3"}, {"initial_scale", "3"}}},
-         {"scale_slant_distance", {{"formula", "gakne2018"}}},
-         {"scale_inertial", {}}});
-}
-
-TEST_CASE("fixes are as kept on a walk with many faults") {
-  check("troubled_fix",
-        {{"fix_gnss", {}},
-         {"fix_gnss", {{"height", "true"}, {"heading", "false"}, {"correlation", "0"}, {"min_satellites", "3"}}},
-         {"fix_gnss", {{"correlation", "5"}, {"bias_time", "20"}, {"sigma", "3"}, {"min_sigma", "6"}}},
-         {"fix_barometer", {}},
-         {"fix_barometer", {{"from_start", "false"}, {"interval", "1"}}},
-         {"fix_waypoint", {}, 1},
-         {"fix_waypoint", {{"use", "all"}}}});
+  if (compared) compare_kept("plugins", digest.text(), kSame);
 }
 
 TEST_SUITE_END();

@@ -9,6 +9,7 @@
 #include <random>
 
 #include "tests/support/session_app.hpp"
+#include "tests/support/messages.hpp"
 
 using namespace odograph;
 
@@ -85,10 +86,7 @@ class Walk {
     const double accel[3] = {std::sin(phase), 9.8 + 3.5 * std::sin(phase), std::cos(phase)};
     timed([&] { odo_session_push_imu(app.session, t_ns_, gyro, accel); });
     if (!has_camera || count_ % 10 != 0) return;
-    auto f = make_message<odo_frame>(ODO_TYPE_FRAME, t_ns_ + 1);
-    f.format = ODO_FORMAT_GREY8;
-    f.width = kWidth, f.height = kHeight;
-    f.planes[0] = {wall_ + (count_ / 5) % 1000, kWidth, 1, 0};
+    auto f = grey_frame_at(t_ns_ + 1, wall_ + (count_ / 5) % 1000, kWidth, kHeight);
     timed([&] { odo_session_push(app.session, &f.header); });
   }
   inline static uint8_t wall_[kWidth * kHeight + 1000];

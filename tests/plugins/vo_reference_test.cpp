@@ -3,6 +3,7 @@
 
 #include "sdk/tools/evaluation/reference_poses.hpp"
 #include "tests/support/support.hpp"
+#include "tests/support/messages.hpp"
 
 using namespace odograph;
 using Eigen::Quaterniond;
@@ -39,9 +40,7 @@ Recording recording(bool mounted) {
   r.add(c.header);
   for (int64_t i = 0; i < 200; ++i) {
     const Eigen::AngleAxisd turned(body_at(i).q.conjugate() * body_at(i + 1).q);
-    auto imu = make_message<odo_imu>(ODO_TYPE_IMU, i * kFrame_ns + kFrame_ns / 2);
-    imu.header.flags = ODO_IMU_GYRO;
-    Vector3d::Map(imu.gyro_b) = turned.angle() / 0.05 * turned.axis();
+    auto imu = imu_at(i * kFrame_ns + kFrame_ns / 2, turned.angle() / 0.05 * turned.axis(), {0, 0, 0}, ODO_IMU_GYRO);
     r.add(imu.header);
   }
   return r;

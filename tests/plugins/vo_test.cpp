@@ -248,8 +248,7 @@ TEST_CASE("the error of the real clips after Sim(3) stays below the plain baseli
   for (const auto& clip : {std::pair("kitti_clip_b", 2.0), std::pair("tsukuba_90", 1.0)}) {
     const auto folder = data_or_skip(clip.first);
     if (folder.empty()) continue;
-    const auto recording = read_recording(folder);
-    REQUIRE(recording.ok());
+    const auto recording = required(read_recording(folder));
     RunOptions options;
     options.config = source("samples/configs/monocular.yaml").string();
     options.plugin_path = plugin_folder().string();

@@ -244,8 +244,7 @@ TEST_CASE("table rows are matched to frames if some are missing at the start, bu
   for (int64_t i = 0; i < 50; ++i) video.push_back(i * 33'000'000 + (i % 7) * 1'500'000);
   for (const int64_t t : video) rows.push_back(t + 77);
   const std::vector<int64_t> fewer(rows.begin() + 3, rows.end());
-  const auto matched = phone::match_rows(video, fewer);
-  REQUIRE(matched.ok());
+  const auto matched = required(phone::match_rows(video, fewer));
   CHECK((*matched)[2] == SIZE_MAX);
   CHECK((*matched)[3] == 0);
   std::vector<int64_t> other = rows;
@@ -272,8 +271,7 @@ TEST_CASE("a picture is read in sensor orientation, whatever its EXIF orientatio
     RecordedMessage message;
     message.message.assign(make_message<odo_frame>(ODO_TYPE_FRAME, 1).header);
     message.picture.file = std::make_shared<const fs::path>(folder / "a.jpg");
-    const auto frame = load_frame(message);
-    REQUIRE(frame.ok());
+    const auto frame = required(load_frame(message));
     CHECK(frame->width == 32);
     CHECK(frame->height == 16);
     frame->loan.release(frame->loan.owner);

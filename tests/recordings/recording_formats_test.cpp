@@ -12,6 +12,7 @@
 
 #include "sdk/tools/recording/odo_file.hpp"
 #include "tests/support/support.hpp"
+#include "tests/support/messages.hpp"
 
 using namespace odograph;
 namespace fs = std::filesystem;
@@ -59,8 +60,7 @@ TrueState a_state() {
 TEST_CASE("all ground truth of a simulator is read back from an Odograph recording number by number") {
   const TemporaryFolder folder;
   const auto path = folder / "a.odo";
-  auto writer = OdoWriter::create(path, 0);
-  REQUIRE(writer.ok());
+  auto writer = required(OdoWriter::create(path, 0));
   REQUIRE((*writer)->write(make_message<odo_imu>(ODO_TYPE_IMU, 1).header).ok());
   auto step = make_message<odo_step>(ODO_TYPE_STEP, 55);
   step.t_start_ns = 33, step.length_m = 0.7;
@@ -92,8 +92,7 @@ TEST_CASE("all ground truth of a simulator is read back from an Odograph recordi
 
 TEST_CASE("colours are read in their order, and a grey picture row by row") {
   const TemporaryFolder folder;
-  auto writer = OdoWriter::create(folder / "a.odo", 0);
-  REQUIRE(writer.ok());
+  auto writer = required(OdoWriter::create(folder / "a.odo", 0));
   std::vector<uint8_t> pixels(2 * 16);
   for (size_t i = 0; i < pixels.size(); ++i) pixels[i] = static_cast<uint8_t>(3 * i + 1);
   const std::pair<uint32_t, uint32_t> formats[] = {
@@ -107,8 +106,7 @@ TEST_CASE("colours are read in their order, and a grey picture row by row") {
   const Recording r = read(folder / "a.odo");
   REQUIRE(r.messages.size() == 4);
   for (const auto& m : r.messages) {
-    const auto frame = load_frame(m);
-    REQUIRE(frame.ok());
+    const auto frame = required(load_frame(m));
     CHECK((frame->width == 3 && frame->height == 2));
     const uint32_t given = m.message.header().t_ns == ODO_FORMAT_GREY8 + 1  ? 1
                            : m.message.header().t_ns == ODO_FORMAT_RGB8 + 1 ? 3
@@ -275,15 +273,13 @@ TEST_CASE("an EuRoC folder's truth has the states' numbers, is converted to the 
   const TemporaryFolder folder;
   Recording r{.format = "test", .path = "x"};
   for (int64_t i = 0; i < 5; ++i) {
-    auto imu = make_message<odo_imu>(ODO_TYPE_IMU, 1'000'000'000 + i * 4'000'000);
-    imu.header.flags = ODO_IMU_GYRO | ODO_IMU_ACCEL;
+    auto imu = imu_at(1'000'000'000 + i * 4'000'000, {0, 0, 0}, {0, 0, 0});
     r.add(imu.header);
   }
   for (int64_t i = 0; i < 3; ++i) r.add(make_message<odo_gnss>(ODO_TYPE_GNSS, 1'000'000'000 + i).header);
   r.sort();
   r.true_states = {a_state()};
-  const auto written = write_euroc(r, folder / "a", nullptr);
-  REQUIRE(written.ok());
+  const auto written = required(write_euroc(r, folder / "a", nullptr));
   CHECK(written->messages == 5);
   CHECK(written->true_states == 1);
   CHECK(written->left_out == "3 gnss");

@@ -15,6 +15,7 @@
 #include "sdk/tools/recording/odo_file.hpp"
 #include "sdk/tools/simulation/random.hpp"
 #include "tests/support/support.hpp"
+#include "tests/support/messages.hpp"
 
 using namespace odograph;
 namespace fs = std::filesystem;
@@ -152,8 +153,7 @@ TEST_CASE("a recording within a damaged record's payload is not read as one") {
   REQUIRE(writer.finish().ok());
   std::string bytes = read_text(folder / "outer.odo");
   bytes[16 + 16 + sizeof(odo_imu) + 12] = static_cast<char>(bytes[16 + 16 + sizeof(odo_imu) + 12] ^ 1);  // its checksum
-  const auto recording = read_odo(write_text(folder / "outer.odo", bytes));
-  REQUIRE(recording.ok());
+  const auto recording = required(read_odo(write_text(folder / "outer.odo", bytes)));
   CHECK(recording->messages.size() == 2);
   CHECK(recording->loss.file.records_lost == 1);
 }
@@ -237,8 +237,7 @@ TEST_CASE("a picture's name that leads out of the recording is rejected unless a
 TEST_CASE("times near the ends of int64 are skipped and counted") {
   Euroc euroc;
   euroc.frames = "#t,file\n150,a.png\n9223372036854775807,b.png\n-9223372036854775808,c.png\n";
-  const auto recording = euroc.read();
-  REQUIRE(recording.ok());
+  const auto recording = required(euroc.read());
   CHECK(recording->messages.size() == 2);
   CHECK(recording->loss.times_out_of_range == 2);
   CHECK(recording->loss.any());
@@ -249,8 +248,7 @@ TEST_CASE("times near the ends of int64 are skipped and counted") {
 
 TEST_CASE("messages with impossible numbers are skipped, counted and the first one reported") {
   Recording recording;
-  auto imu = make_message<odo_imu>(ODO_TYPE_IMU, 7);
-  imu.header.flags = ODO_IMU_GYRO;
+  auto imu = imu_at(7, {0, 0, 0}, {0, 0, 0}, ODO_IMU_GYRO);
   for (const double rate : {0.1, std::nan(""), HUGE_VAL}) {
     imu.gyro_b[1] = rate;
     recording.add(imu.header);
@@ -271,8 +269,7 @@ TEST_CASE("a pipe is rejected with a reason, without waiting") {
   Euroc euroc;
   fs::create_directories(euroc.folder / "mav0/cam0/data");
   REQUIRE(mkfifo((euroc.folder / "mav0/cam0/data/150.png").c_str(), 0600) == 0);
-  const auto recording = euroc.read();
-  REQUIRE(recording.ok());
+  const auto recording = required(euroc.read());
   CHECK_FALSE(load_frame(recording->messages.back()).ok());
 }
 
@@ -291,8 +288,7 @@ TEST_CASE("the next record is found behind damage of any length, also if its mar
     std::string garbage(length, 'x');
     for (size_t i = 0; i + 4 < length; i += 97) garbage.replace(i, 4, "ODOD");  // half a mark
     const auto path = write_text(folder / "damaged.odo", bytes.substr(0, kHeader) + garbage + bytes.substr(kHeader));
-    auto reader = RecordReader::open(path);
-    REQUIRE(reader.ok());
+    auto reader = required(RecordReader::open(path));
     size_t records = 0;
     while (reader->next()) ++records;
     const RecordLoss& loss = reader->loss();
@@ -314,8 +310,7 @@ TEST_CASE("a file that another program still writes is read as it was when it wa
   const std::string bytes = read_text(recording_of(folder, 20));
   for (const size_t at : {bytes.size() / 2, bytes.size() - 28}) {  // within a record; before the end mark
     const auto path = write_text(folder / "growing.odo", bytes.substr(0, at));
-    auto reader = RecordReader::open(path);
-    REQUIRE(reader.ok());
+    auto reader = required(RecordReader::open(path));
     write_text(path, bytes);
     size_t records = 0;
     while (reader->next() && records < 1000) ++records;

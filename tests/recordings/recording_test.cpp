@@ -13,6 +13,7 @@
 #include "sdk/tools/recording/odo_file.hpp"
 #include "sdk/tools/recording/text_rows.hpp"
 #include "tests/support/support.hpp"
+#include "tests/support/messages.hpp"
 
 using namespace odograph;
 namespace fs = std::filesystem;
@@ -53,16 +54,14 @@ void picture(const fs::path& path) { cv::imwrite(path.string(), cv::Mat(48, 64, 
 
 TEST_CASE("an Odograph recording is read back bit for bit") {
   const TemporaryFolder folder;
-  const auto recording = read_recording(small_recording(folder, 5));
-  REQUIRE(recording.ok());
+  const auto recording = required(read_recording(small_recording(folder, 5)));
   CHECK(recording->messages.size() == 11);
   CHECK(recording->truth.size() == 5);
   CHECK(recording->warnings.empty());
   int frames = 0;
   for (const auto& m : recording->messages) {
     if (m.message.header().type != ODO_TYPE_FRAME) continue;
-    const auto frame = load_frame(m);
-    REQUIRE(frame.ok());
+    const auto frame = required(load_frame(m));
     CHECK(frame->planes[0].data[7] == frames++);
     frame->loan.release(frame->loan.owner);
   }
@@ -148,19 +147,16 @@ TEST_CASE("pictures of a folder are in the order of their numbers, and an error 
 TEST_CASE("the real recordings are read" * doctest::test_suite("recording_data")) {
   const auto folder = data_or_skip("");
   if (folder.empty()) return;
-  const auto kitti = read_recording(folder / "kitti_clip_b");
-  REQUIRE(kitti.ok());
+  const auto kitti = required(read_recording(folder / "kitti_clip_b"));
   CHECK(kitti->format == "KITTI odometry");
   CHECK(kitti->truth.size() == 51);
   CHECK(path_length(kitti->truth) == doctest::Approx(51.8).epsilon(0.01));
-  const auto tsukuba = read_recording(folder / "tsukuba_90");
-  REQUIRE(tsukuba.ok());
+  const auto tsukuba = required(read_recording(folder / "tsukuba_90"));
   CHECK(tsukuba->truth.size() == 90);
   int walks = 0;
   for (const auto& entry : fs::directory_iterator(folder / "phone_walks")) {
     if (entry.path().extension() != ".txt") continue;
-    const auto walk = read_recording(entry.path());
-    REQUIRE(walk.ok());
+    const auto walk = required(read_recording(entry.path()));
     CHECK(walk->has(ODO_TYPE_WAYPOINT));
     ++walks;
   }
@@ -180,8 +176,7 @@ TEST_CASE("a recording in memory has the size of its messages, and ground truth 
   CHECK(as<odo_imu>(recording.messages[0].message.header()).accel_b[2] == 9.81);
 
   const auto path = folder / "states.odo";
-  auto created = OdoWriter::create(path, 0);
-  REQUIRE(created.ok());
+  auto created = required(OdoWriter::create(path, 0));
   REQUIRE((*created)->write(imu.header).ok());
   TrueState state{.t_ns = 1};
   state.p = state.v = state.gyro_bias = state.accel_bias = Eigen::Vector3d::Zero();
@@ -223,8 +218,7 @@ Recording one_frame(const odo_calibration& lens, const fs::path& png) {
   auto noise = make_message<odo_imu_noise>(ODO_TYPE_IMU_NOISE, 0);
   noise.gyro_noise = 1e-3, noise.gyro_walk = 2e-5, noise.accel_noise = 3e-3, noise.accel_walk = 4e-4;
   r.add(noise.header);
-  auto imu = make_message<odo_imu>(ODO_TYPE_IMU, 1'000'000'001);
-  imu.header.flags = ODO_IMU_GYRO | ODO_IMU_ACCEL;
+  auto imu = imu_at(1'000'000'001, {0, 0, 0}, {0, 0, 0});
   for (int i = 0; i < 3; ++i) imu.gyro_b[i] = 0.1 * (i + 1), imu.accel_b[i] = 9 - i;
   r.add(imu.header);
   auto frame = make_message<odo_frame>(ODO_TYPE_FRAME, 1'000'000'002);
@@ -268,8 +262,7 @@ TEST_CASE("the camera of a written EuRoC folder is read back, and Kalibr's file 
         CHECK(std::ranges::equal(m.message.bytes(), found->message.bytes()));
       if (a->type == ODO_TYPE_FRAME) CHECK(as<odo_frame>(*b).line_time_ns == 31'000);
     }
-    const auto kalibr = read_yaml((folder / "asl/camchain-imucam.yaml").string());
-    REQUIRE(kalibr.ok());
+    const auto kalibr = required(read_yaml((folder / "asl/camchain-imucam.yaml").string()));
     // T_cam_imu maps points of the IMU to the camera; t_imu = t_cam + timeshift_cam_imu.
     const auto rows = numbers_at(*kalibr, "cam0.T_cam_imu");
     REQUIRE(rows.size() == 16);

@@ -11,6 +11,7 @@
 #include "sdk/tools/validator/check.hpp"
 #include "samples/vendor_message/message.h"
 #include "tests/samples/corridor_walk.hpp"
+#include "tests/support/support.hpp"
 
 using namespace odograph;
 
@@ -62,8 +63,7 @@ std::filesystem::path record_ranges(const TemporaryFolder& folder) {
 
 TEST_CASE("a fixer by range gives fixes on a recording with ranges and poses, and they are checked") {
   const TemporaryFolder folder;
-  const auto recording = read_recording(record_ranges(folder), {.events = true});
-  REQUIRE(recording.ok());
+  const auto recording = required(read_recording(record_ranges(folder), {.events = true}));
   const auto checks = check("fix_range", [&](const auto& give) {
     for (const RecordedMessage& message : recording->messages) give(message.message.header());
   });

@@ -28,8 +28,7 @@ Recording walk() {
   s.route = {{0, 0, 0}, {45, 0, 0}, {45, 30, 0}, {65, 30, 11}, {90, 30, 11}};
   s.events = {{.at_m = 20, .what = "stand", .for_s = 6}, {.at_m = 108, .what = "speed", .for_s = 10, .speed_mps = 0.5}};
   s.imu.rate_hz = 100;
-  auto recording = simulated(s, 21);
-  REQUIRE(recording.ok());
+  auto recording = required(simulated(s, 21));
   return std::move(*recording);
 }
 

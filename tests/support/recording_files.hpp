@@ -19,14 +19,11 @@ inline odo_recorder* recorder(const std::filesystem::path& path) {
   return made;
 }
 
-inline odo_recording* recording(const std::filesystem::path& path, int32_t expected = ODO_OK,
-                                std::string* why = nullptr) {
+inline odo_recording* recording(const std::filesystem::path& path, int32_t expected = ODO_OK) {
   odo_recording* made = nullptr;
   const std::string name = path.string();
   const odo_string file = text(name);
-  odo_error error{sizeof error, ODO_OK, {}};
-  CHECK(odo_recording_open(&file, &made, &error) == expected);
-  if (why) *why = error.message;
+  CHECK(odo_recording_open(&file, &made, nullptr) == expected);
   return made;
 }
 

@@ -14,15 +14,13 @@ namespace odograph {
 
 /// A recording of the scenario without a camera; a failure ends the case.
 inline Recording recorded_sensors(const Scenario& scenario, uint64_t seed) {
-  auto recording = simulated(scenario, seed);
-  REQUIRE_MESSAGE(recording.ok(), recording.failure().text);
+  auto recording = required(simulated(scenario, seed));
   return std::move(*recording);
 }
 
 /// A recording that is read from a file or folder; a failure ends the case.
 inline Recording recorded(const std::filesystem::path& path) {
-  auto recording = read_recording(path);
-  REQUIRE_MESSAGE(recording.ok(), recording.failure().text);
+  auto recording = required(read_recording(path));
   return std::move(*recording);
 }
 
@@ -43,8 +41,7 @@ std::vector<Message> messages_of(const Recording& recording, uint32_t type) {
 }
 
 inline RunResult run_of(const Recording& recording, const RunOptions& options) {
-  auto result = replay(recording, options);
-  REQUIRE_MESSAGE(result.ok(), result.failure().text);
+  auto result = required(replay(recording, options));
   return std::move(*result);
 }
 

@@ -74,6 +74,11 @@ class App {
     CHECK((smooth ? odo_session_get_smooth_pose : odo_session_get_pose)(session, t_ns, &p) == ODO_OK);
     return p;
   }
+  odo_error last_error() const {
+    odo_error error{sizeof error, ODO_OK, {}};
+    CHECK(odo_session_last_error(session, &error) == ODO_OK);
+    return error;
+  }
   /// All events of a type so far.
   template <class Event>
   std::vector<Event> all(uint32_t type) const {
@@ -113,6 +118,15 @@ class App {
       odo_session_get_pose(self.session, ODO_TIME_LATEST, &pose);
       self.statistics();
     }
+  }
+};
+
+/// A session that must have been created.
+class RunningApp : public App {
+ public:
+  explicit RunningApp(const std::string& yaml, uint32_t run = ODO_RUN_REPLAY, const std::string& plugins = {})
+      : App(yaml, run, plugins) {
+    REQUIRE_MESSAGE(status == ODO_OK, message);
   }
 };
 

@@ -3,9 +3,13 @@
 
 #include <filesystem>
 #include <fstream>
+#include <source_location>
 #include <sstream>
 #include <string>
 
+#include <doctest/doctest.h>
+
+#include "sdk/host/base/result.hpp"
 #include "sdk/host/platform/temporary_folder.hpp"
 
 using odograph::TemporaryFolder;
@@ -20,6 +24,13 @@ inline std::string read_text(const std::filesystem::path& path) {
   std::stringstream text;
   text << file.rdbuf();
   return text.str();
+}
+
+/// The result, which must be good: a failure ends the case.
+template <class T>
+odograph::Result<T> required(odograph::Result<T> result, std::source_location from = std::source_location::current()) {
+  if (!result.ok()) ADD_FAIL_AT(from.file_name(), static_cast<int>(from.line()), result.failure().text);
+  return result;
 }
 
 inline std::filesystem::path source(const std::string& name) { return std::filesystem::path(ODOGRAPH_SOURCE) / name; }

@@ -33,8 +33,7 @@ struct Squares : Benchmark {
   BenchReport report(const Rows&) const override { return {}; }
 
   Rows rows() {
-    const auto found = rows_of(*this, *cases());
-    REQUIRE_MESSAGE(found, found.failure().text);
+    const auto found = required(rows_of(*this, *cases()));
     return *found;
   }
   size_t measured() const {
@@ -170,8 +169,7 @@ TEST_CASE("values replace those of a config, and those of list items by number o
   const auto plain = config_of(options);
   REQUIRE(plain);
   options.overrides = {{"walker.height", "180 cm"}, {"absolute_fixers.fix/gnss.parameters.correlation", "7 s"}};
-  const auto changed = config_of(options);
-  REQUIRE_MESSAGE(changed, changed.failure().text);
+  const auto changed = required(config_of(options));
   const auto parameter = [](const PluginChoice& plugin, const std::string& name) {
     for (const auto& [spec, value] : plugin.parameters)
       if (spec.name == name) return value.real;
@@ -182,8 +180,7 @@ TEST_CASE("values replace those of a config, and those of list items by number o
   options.overrides = {{"absolute_fixers.0.parameters.correlation", "7 s"}};
   CHECK(parameter(config_of(options)->fixers.at(0), "correlation") == 7);
   options.overrides = {{"coupling.fastest", "4 m/s"}, {"navigation.start.position", "[1 m, 2 m, 3 m]"}};
-  const auto made = config_of(options);  // missing in the file
-  REQUIRE_MESSAGE(made, made.failure().text);
+  const auto made = required(config_of(options));  // missing in the file
   CHECK(made->coupling.fastest_mps == 4);
   CHECK(made->start.position_m[2] == 3);
 }
@@ -210,8 +207,7 @@ TEST_CASE("a document that is written again parses to the same values") {
       "\"q\\\"uote\"\n";
   const auto first = parse_yaml(text, "first");
   REQUIRE(first);
-  const auto again = parse_yaml(yaml_text(*first), "again");
-  REQUIRE_MESSAGE(again, again.failure().text);
+  const auto again = required(parse_yaml(yaml_text(*first), "again"));
   CHECK(yaml_text(*again) == yaml_text(*first));
   CHECK(node_at(*again, "c.2")->text == "three, four");
   CHECK(node_at(*again, "d.e")->kind == YamlNode::Kind::null);

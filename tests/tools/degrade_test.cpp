@@ -7,6 +7,7 @@
 #include "sdk/tools/evaluation/degrade.hpp"
 #include "sdk/tools/evaluation/evaluation.hpp"
 #include "tests/support/runs.hpp"
+#include "tests/support/messages.hpp"
 
 using namespace odograph;
 
@@ -25,9 +26,7 @@ Recording recording(bool apart = false) {
   calibration.line_time_ns = 30'000;
   r.add(calibration.header);
   for (int64_t i = 0; i < 120'000; ++i) {
-    auto imu = make_message<odo_imu>(ODO_TYPE_IMU, kBegin_ns + i * 5'000'000);
-    imu.header.flags = ODO_IMU_GYRO | ODO_IMU_ACCEL;
-    imu.gyro_b[0] = 0.1, imu.accel_b[2] = 9.81;
+    auto imu = imu_at(kBegin_ns + i * 5'000'000, {0.1, 0, 0}, {0, 0, 9.81});
     if (apart) imu.header.flags = i % 2 ? ODO_IMU_GYRO : ODO_IMU_ACCEL;
     r.add(imu.header);
   }

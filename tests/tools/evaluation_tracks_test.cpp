@@ -8,6 +8,7 @@
 #include "sdk/tools/evaluation/fix_figures.hpp"
 #include "sdk/tools/evaluation/pose_consistency.hpp"
 #include "sdk/tools/evaluation/vo_consistency.hpp"
+#include "tests/support/messages.hpp"
 
 using namespace odograph;
 using Eigen::AngleAxisd;

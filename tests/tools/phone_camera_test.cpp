@@ -110,8 +110,7 @@ TEST_CASE("the clean profile has none of a phone's errors, and a static lens cha
   double grey = 0;
   for (const auto& m : recording->messages)
     if (m.message.header().type == ODO_TYPE_FRAME && grey == 0) {
-      const auto frame = load_frame(m);
-      REQUIRE(frame.ok());
+      const auto frame = required(load_frame(m));
       for (int y = 0; y < 64; ++y)
         for (int x = 0; x < 96; ++x) grey += frame->planes[0].data[y * frame->planes[0].row_stride + x] / (96.0 * 64);
       frame->loan.release(frame->loan.owner);
@@ -163,8 +162,7 @@ TEST_CASE("pixels rendered through a moving lens match the truth") {
   for (const auto& m : recording.messages) {
     if (m.message.header().type != ODO_TYPE_FRAME) continue;
     const int64_t t = recording.truth[index++].t_ns;
-    const auto frame = load_frame(m);
-    REQUIRE(frame.ok());
+    const auto frame = required(load_frame(m));
     image_u8_t image{640, 480, static_cast<int32_t>(frame->planes[0].row_stride),
                      const_cast<uint8_t*>(frame->planes[0].data)};
     zarray_t* found = apriltag_detector_detect(detector, &image);

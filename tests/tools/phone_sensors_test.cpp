@@ -141,13 +141,11 @@ TEST_CASE("two seconds of darkness are two seconds of dark frames") {
   s.events = {{4, "dark", 2.0, 0, false}};
   const TemporaryFolder folder;
   REQUIRE(simulate(s, 3, folder / "x.odo", {.threads = 1}).ok());
-  const auto recording = read_recording(folder / "x.odo");
-  REQUIRE(recording.ok());
+  const auto recording = required(read_recording(folder / "x.odo"));
   size_t dark = 0, bright = 0;
   for (const auto& m : recording->messages) {
     if (m.message.header().type != ODO_TYPE_FRAME) continue;
-    const auto frame = load_frame(m);
-    REQUIRE(frame.ok());
+    const auto frame = required(load_frame(m));
     double grey = 0;
     for (int y = 0; y < 64; ++y)
       for (int x = 0; x < 96; ++x) grey += frame->planes[0].data[y * frame->planes[0].row_stride + x] / (96.0 * 64);
@@ -213,8 +211,7 @@ TEST_CASE(
   CHECK(s->route.size() == 2);
   REQUIRE(s->events.size() == 1);
   CHECK(s->events[0].what == "turn");
-  const auto text = scenario_text((folder / "own.yaml").string());
-  REQUIRE(text.ok());
+  const auto text = required(scenario_text((folder / "own.yaml").string()));
   CHECK(text->find("height: 1.9 m") != std::string::npos);
   write_text(folder / "base.yaml", "odograph_scenario: 1\nwalker:\n  hight: 1.9 m\n");
   const auto wrong = read_scenario((folder / "own.yaml").string());
@@ -239,8 +236,7 @@ TEST_CASE("a phone profile sets camera and IMU, and keys of the file and options
   CHECK(s->camera.stabiliser.travel_rad == doctest::Approx(0.9 * kPi / 180));
   CHECK(s->imu.accel_bias == 0.3);
   CHECK(s->imu.gyro_bias == doctest::Approx(0.5 * kPi / 180));
-  const auto old = read_scenario(file.string(), "phone_old");
-  REQUIRE(old.ok());
+  const auto old = required(read_scenario(file.string(), "phone_old"));
   CHECK(old->camera.row_time_s * 480 == doctest::Approx(31e-3));
   CHECK(old->camera.exposure_s == 4e-3);
   CHECK(old->camera.stabiliser.travel_rad == 0);
@@ -248,11 +244,10 @@ TEST_CASE("a phone profile sets camera and IMU, and keys of the file and options
   const auto unknown = read_scenario(file.string(), "phone_odl");
   REQUIRE_FALSE(unknown.ok());
   CHECK(unknown.failure().text.find("nearest: 'phone_old'") != std::string::npos);
-  const auto own = read_scenario(write_text(folder / "t.yaml",
-                                            "odograph_scenario: 1\ncamera: {profile: phone}\n"
-                                            "imu: {profile: clean}\n")
-                                     .string());
-  REQUIRE(own.ok());
+  const auto own = required(read_scenario(write_text(folder / "t.yaml",
+                                                     "odograph_scenario: 1\ncamera: {profile: phone}\n"
+                                                     "imu: {profile: clean}\n")
+                                              .string()));
   CHECK(own->imu.gyro_noise == Scenario::Imu().gyro_noise);
 }
 

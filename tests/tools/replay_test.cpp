@@ -30,8 +30,7 @@ const Recording& walk() {
     s.camera.width = 160, s.camera.height = 120, s.camera.focal_px = 120;
     s.walker.height_m = 1.7;
     s.route = {{0, 0, 0}, {10, 0, 0}, {10, 6, 0}};
-    const auto made = simulate(s, 5, folder / "walk.odo", {.threads = 1});
-    REQUIRE_MESSAGE(made.ok(), made.failure().text);
+    const auto made = required(simulate(s, 5, folder / "walk.odo", {.threads = 1}));
     return recorded(folder / "walk.odo");
   }();
   return recording;

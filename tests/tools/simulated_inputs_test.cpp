@@ -50,8 +50,7 @@ TEST_CASE("frame times are converted to the IMU's clock") {
 TEST_CASE("a simulated board is found in its pictures, which are stored if a folder is named") {
   const TemporaryFolder folder;
   const odo_calibration lens = random_lens(false, 3);
-  const auto views = simulated_views({}, lens, 3, 3, folder / "kept", {});
-  REQUIRE_MESSAGE(views.ok(), views.failure().text);
+  const auto views = required(simulated_views({}, lens, 3, 3, folder / "kept", {}));
   CHECK(views->size() >= 2);
   CHECK(std::distance(std::filesystem::directory_iterator(folder / "kept"), {}) == 3);
   write_text(folder / "file", "");
@@ -81,8 +80,7 @@ TEST_CASE("GNSS positions are shifted east for a time, and added velocities are 
 TEST_CASE("a scenario is simulated without a camera, identically for the same seed") {
   Scenario s;
   s.walk_m = 10;
-  const auto one = simulated(s, 3), again = simulated(s, 3);
-  REQUIRE_MESSAGE(one.ok(), one.failure().text);
+  const auto one = required(simulated(s, 3), again = simulated(s, 3));
   CHECK(one->has(ODO_TYPE_IMU));
   CHECK_FALSE(one->has(ODO_TYPE_FRAME));
   CHECK(one->true_states.back().p == again->true_states.back().p);

@@ -122,8 +122,7 @@ TEST_CASE("the paper's pipeline tracks a simulated walk") {
   Scenario s = small();
   s.camera = Scenario().camera;  // the resolution that the configs are made for
   REQUIRE(simulate(s, 11, folder / "walk.odo").ok());
-  const auto recording = read_recording(folder / "walk.odo");
-  REQUIRE(recording.ok());
+  const auto recording = required(read_recording(folder / "walk.odo"));
   RunOptions options;
   options.config = source("samples/configs/antigny2019.yaml").string();
   options.plugin_path = plugin_folder().string();
@@ -152,8 +151,7 @@ TEST_CASE("an exported EuRoC folder is read back and gives the identical run") {
   scenario.camera.distortion = {-0.1, 0.02, 0.0005, -0.001};
   scenario.route = {{0, 0, 0}, {5, 0, 0}};
   REQUIRE(simulate(scenario, 9, folder / "walk.odo").ok());
-  const auto original = read_recording(folder / "walk.odo");
-  REQUIRE(original.ok());
+  const auto original = required(read_recording(folder / "walk.odo"));
   REQUIRE(write_euroc(*original, folder / "asl", nullptr).ok());
   const auto copy = read_recording(folder / "asl");
   REQUIRE_MESSAGE(copy.ok(), (copy.ok() ? "" : copy.failure().text));
@@ -162,8 +160,7 @@ TEST_CASE("an exported EuRoC folder is read back and gives the identical run") {
   options.plugin_path = plugin_folder().string();
   for (const char* config : {"antigny2019", "phone_walk_camera"}) {  // the second models the rolling shutter
     options.config = source("samples/configs/" + std::string(config) + ".yaml").string();
-    const auto a = replay(*original, options), b = replay(*copy, options);
-    REQUIRE(a.ok());
+    const auto a = required(replay(*original, options), b = replay(*copy, options));
     REQUIRE(b.ok());
     REQUIRE(a->track.size() == b->track.size());
     CHECK(a->track.size() > 40);

@@ -7,10 +7,16 @@
 
 #include "plugins/step/odograph/length_model.hpp"
 #include "sdk/tools/evaluation/evaluation.hpp"
+#include "sdk/tools/replay/runner.hpp"
 #include "sdk/tools/simulation/random.hpp"
+#include "sdk/tools/simulation/reconstruct_walk.hpp"
+#include "sdk/tools/simulation/simulate.hpp"
+#include "sdk/tools/simulation/walker.hpp"
+#include "tests/support/support.hpp"
 
 using namespace odograph;
 using namespace odograph::steps;
+using Eigen::Vector3d;
 
 TEST_SUITE_BEGIN("steps");
 
@@ -104,6 +110,94 @@ TEST_CASE("the estimate is saved, and invalid data is not loaded") {
   std::vector<uint8_t> wrong(bytes.size(), 0xff);
   CHECK_FALSE(other.load(wrong.data(), wrong.size()));
   CHECK(other.factor() == 1.07);
+}
+
+TEST_SUITE_END();
+
+TEST_SUITE_BEGIN("world");
+
+TEST_CASE("a real walk is retraced with its waypoints, its orientation and the bounce of its steps" *
+          doctest::test_suite("world_data")) {
+  const auto folder = data_or_skip("phone_walks");
+  if (folder.empty()) return;
+  const auto walk = required(read_recording(folder / "site2_F1_5dd35c7327889b0006b76850.txt"));
+  const auto traced = required(reconstruct_walk(*walk));
+  const auto marks = traced->journey.waypoints;
+  REQUIRE(marks.size() == walk->waypoints().size());
+  const Motion& phone = traced->journey.phone;
+  for (const auto& mark : marks) CHECK((phone.pose(mark.t_s).translation() - mark.p_n).head<2>().norm() < 1e-6);
+  // The phone points in the walking direction.
+  double ahead = 0, length = 0;
+  for (double t = marks.front().t_s; t < marks.back().t_s; t += 0.1) {
+    const auto k = phone.at(t);
+    const Vector3d f = k.T_n_b.linear() * Vector3d(0, 1, -1);
+    ahead += k.velocity_n.head<2>().dot(f.head<2>().normalized()), length += k.velocity_n.head<2>().norm();
+  }
+  CHECK(ahead > 0.8 * length);
+  // Ideal sensors on the retraced motion against the real ones: equal second by second up to a constant, since pictures
+  // and samples must not contradict each other.
+  struct Second {
+    Vector3d accel = Vector3d::Zero(), gyro = Vector3d::Zero();
+    int n = 0;
+  };
+  std::map<int, Second> seconds;
+  double error = 0, signal = 0;
+  size_t n = 0;
+  for (const auto& m : walk->messages) {
+    if (m.message.header().type != ODO_TYPE_IMU) continue;
+    const auto& imu = as<odo_imu>(m.message.header());
+    const double t = static_cast<double>(imu.header.t_ns - traced->start_ns) * 1e-9;
+    if (t < 2 || t > phone.duration_s() - 2) continue;
+    const auto felt = phone.at(t);
+    Second& second = seconds[static_cast<int>(t)];
+    if (imu.header.flags & ODO_IMU_GYRO) second.gyro += felt.angular_velocity_b - Vector3d(imu.gyro_b);
+    if (!(imu.header.flags & ODO_IMU_ACCEL)) continue;
+    const Vector3d real(imu.accel_b), off = felt.specific_force_b() - real;
+    second.accel += off, ++second.n;
+    error += off.squaredNorm(), signal += std::pow(real.norm() - 9.81, 2), ++n;
+  }
+  REQUIRE(n > 1000);
+  MESSAGE(std::sqrt(error / static_cast<double>(n)), " of ", std::sqrt(signal / static_cast<double>(n)), " m/s^2");
+  CHECK(std::sqrt(error / static_cast<double>(n)) < 0.5 * std::sqrt(signal / static_cast<double>(n)));
+  double accel = 0, gyro = 0;
+  Vector3d mean_accel = Vector3d::Zero(), mean_gyro = Vector3d::Zero();
+  for (auto& [_, s] : seconds) {
+    s.accel /= s.n, s.gyro /= s.n;
+    mean_accel += s.accel / static_cast<double>(seconds.size()),
+        mean_gyro += s.gyro / static_cast<double>(seconds.size());
+  }
+  for (const auto& [_, s] : seconds)
+    accel += (s.accel - mean_accel).squaredNorm(), gyro += (s.gyro - mean_gyro).squaredNorm();
+  const double count = 3 * static_cast<double>(seconds.size());
+  MESSAGE(std::sqrt(accel / count), " m/s^2, ", std::sqrt(gyro / count), " rad/s from second to second");
+  CHECK(std::sqrt(accel / count) < 0.05);
+  CHECK(std::sqrt(gyro / count) < 0.005);
+}
+
+TEST_CASE("pictures rendered along a real walk come with that walk's own samples" * doctest::test_suite("world_data")) {
+  const auto folder = data_or_skip("phone_walks");
+  if (folder.empty()) return;
+  const TemporaryFolder out;
+  auto walk = required(read_recording(folder / "site2_B1_5dd506abd48f840006f14812.txt"));
+  Scenario s;
+  s.world.type = "room";
+  s.camera.width = 160, s.camera.height = 120, s.camera.focal_px = 120, s.camera.rate_hz = 5;
+  REQUIRE(simulate(s, 1, out / "h.odo", {.walk = &*walk}).ok());
+  const auto made = required(read_recording(out / "h.odo"));
+  size_t real = 0, same = 0, frames = 0;
+  for (const auto& m : walk->messages) real += m.message.header().type == ODO_TYPE_IMU;
+  for (const auto& m : made->messages) {
+    same += m.message.header().type == ODO_TYPE_IMU;
+    frames += m.message.header().type == ODO_TYPE_FRAME;
+  }
+  CHECK(same == real);
+  CHECK(frames > 90);
+  CHECK(made->truth.size() == frames);
+  CHECK(made->waypoints().size() == walk->waypoints().size());
+  walk->phone_attitudes.clear();
+  const auto without = simulate(s, 1, out / "x.odo", {.walk = &*walk});
+  REQUIRE_FALSE(without.ok());
+  CHECK(without.failure().text.find("rotation vector") != std::string::npos);
 }
 
 TEST_SUITE_END();

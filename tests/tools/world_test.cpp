@@ -44,8 +44,7 @@ double area_of(const CityModel& city, CityModel::Kind kind) {
 }  // namespace
 
 TEST_CASE("a CityJSON model becomes faces with a meaning, without holes, about its south-west corner") {
-  const auto city = parse_city_json(kHouse, "house.city.json");
-  REQUIRE(city.ok());
+  const auto city = required(parse_city_json(kHouse, "house.city.json"));
   CHECK(city->origin == Vector3d(1000, 2000, 5));
   CHECK(area_of(*city, CityModel::Kind::wall) == doctest::Approx(2 * (10 + 8) * 6));
   CHECK(area_of(*city, CityModel::Kind::roof) == doctest::Approx(80));
@@ -83,8 +82,7 @@ TEST_CASE("an OBJ model is read as a city with its ground separate") {
   const auto file = write_text(folder / "town.obj",
                                "v 0 0 0\nv 10 0 0\nv 10 10 0\nv 0 10 0\nv 0 0 7\nv 10 0 7\nv 10 10 7\nv 0 10 7\n"
                                "g house\nf 1 2 6 5\nf 5 6 7 8\ng terrain\nf 1 2 3 4\n");
-  const auto city = read_city_model(file);
-  REQUIRE(city.ok());
+  const auto city = required(read_city_model(file));
   CHECK(area_of(*city, CityModel::Kind::wall) == doctest::Approx(70));
   CHECK(area_of(*city, CityModel::Kind::roof) == doctest::Approx(100));
   CHECK(area_of(*city, CityModel::Kind::paved) == doctest::Approx(100));
@@ -103,8 +101,7 @@ TEST_CASE("a generated town's model is read back, without buildings newer than t
   for (const Building& b : world.buildings()) (b.surveyed ? surveyed : newer) += 1;
   CHECK(newer > 0);
   REQUIRE(write_city_json(folder / "t.city.json", world.buildings(), world.known_objects()).ok());
-  const auto city = read_city_model(folder / "t.city.json", Vector3d(0, 0, 0));
-  REQUIRE(city.ok());
+  const auto city = required(read_city_model(folder / "t.city.json", Vector3d(0, 0, 0)));
   size_t read = 0;
   for (const auto& o : city->objects) read += o.is_building;
   CHECK(read == surveyed);
@@ -120,8 +117,7 @@ TEST_CASE("the model of a real town loads, and a route follows its terrain" * do
   if (folder.empty()) return;
   Scenario s;
   s.world.type = "city", s.world.model = (folder / "delft.city.json").string();
-  const auto city = read_city_model(s.world.model);
-  REQUIRE(city.ok());
+  const auto city = required(read_city_model(s.world.model));
   size_t buildings = 0;
   double highest = 0;
   for (const auto& o : city->objects)
@@ -152,8 +148,7 @@ TEST_CASE("AprilTag's own detector finds a tag in a frame at its true position")
   s.world.pedestrians = 0, s.world.cars = 0;
   s.camera.rate_hz = 4;
   REQUIRE(simulate(s, 2, folder / "tag.odo").ok());
-  const auto recording = read_recording(folder / "tag.odo");
-  REQUIRE(recording.ok());
+  const auto recording = required(read_recording(folder / "tag.odo"));
   REQUIRE(recording->true_sightings.size() > 5);
   apriltag_family_t* family = tag36h11_create();
   apriltag_detector_t* detector = apriltag_detector_create();
@@ -163,8 +158,7 @@ TEST_CASE("AprilTag's own detector finds a tag in a frame at its true position")
   for (const auto& m : recording->messages) {
     if (m.message.header().type != ODO_TYPE_FRAME) continue;
     const int64_t t = recording->truth[frame_index++].t_ns;
-    const auto frame = load_frame(m);
-    REQUIRE(frame.ok());
+    const auto frame = required(load_frame(m));
     image_u8_t image{640, 480, static_cast<int32_t>(frame->planes[0].row_stride),
                      const_cast<uint8_t*>(frame->planes[0].data)};
     zarray_t* found = apriltag_detector_detect(detector, &image);
@@ -223,8 +217,7 @@ TEST_CASE("the skyline is that of the buildings along a street") {
 }
 
 TEST_CASE("a car observes its limits, stops, dives and shakes, and its camera looks up") {
-  auto s = read_scenario(source("samples/scenarios/drive_short.yaml").string());
-  REQUIRE(s.ok());
+  auto s = required(read_scenario(source("samples/scenarios/drive_short.yaml").string()));
   const Route route(s->route, s->corner_m);
   const Journey drive = make_drive(*s, route, 4);
   const SimCamera camera(s->camera, 1, 1);
@@ -271,8 +264,7 @@ TEST_CASE("in the pocket the lens sees nothing, and a crowd fills the picture") 
   s.route = {{0, 0, 0}, {20, 0, 0}};
   s.events = {{5, "pocket"}, {12, "texting"}};
   s.world.street_width_m = 7, s.world.pedestrians = 200, s.world.cars = 0;
-  const auto made = simulate(s, 3, folder / "p.odo");
-  REQUIRE(made.ok());
+  const auto made = required(simulate(s, 3, folder / "p.odo"));
   const auto recording = read_recording(folder / "p.odo");
   size_t dark = 0, bright = 0;
   for (const auto& m : recording->messages) {

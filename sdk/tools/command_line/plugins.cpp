@@ -106,14 +106,26 @@ int check(const CheckWish& wish) {
     if (!*recording) return print_failure(recording->failure());
     options.recording = [&](const auto& give) { for_each_message(**recording, give); };
   }
+  const bool as_it_goes = wish.format == "text" && wish.output.empty();
+  std::string text;
+  options.ended = [&](const std::vector<PluginCheck>& checks) {
+    if (wish.format != "text") return;
+    const std::string line = last_as_text(checks, wish.times);
+    text += line;
+    if (!as_it_goes) return;
+    std::fputs(line.c_str(), stdout);
+    std::fflush(stdout);
+  };
   const auto checks = check_plugin(wish.file, options);
   if (checks.empty())
     return print_failure(
         {ODO_E_ARGUMENT, "--only: no case has this prefix; `odograph plugin check --list` names them"});
-  const std::string text = wish.format == "json"    ? check_as_json(wish.file, checks)
-                           : wish.format == "junit" ? check_as_junit(wish.file, checks)
-                                                    : check_as_text(checks, wish.times);
-  if (wish.output.empty()) {
+  text += wish.format == "json"    ? check_as_json(wish.file, checks)
+          : wish.format == "junit" ? check_as_junit(wish.file, checks)
+                                   : counts_as_text(checks);
+  if (as_it_goes) {
+    std::fputs(counts_as_text(checks).c_str(), stdout);
+  } else if (wish.output.empty()) {
     std::fputs(text.c_str(), stdout);
   } else {
     std::ofstream out(wish.output, std::ios::binary);

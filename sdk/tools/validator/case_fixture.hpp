@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <iterator>
 #include <memory>
 #include <string>
 #include <vector>
@@ -18,7 +19,7 @@ namespace odograph {
 /// Outcome of a case. Cases return it; helpers throw one that ends the case.
 struct Verdict {
   PluginCheck::Outcome outcome = PluginCheck::Outcome::passed;
-  std::string detail;  ///< the fault, or why the case does not apply
+  std::string detail;  ///< the fault, or why the case does not apply or was not run
   Verdict() = default;
   Verdict(PluginCheck::Outcome o, std::string d) : outcome(o), detail(std::move(d)) {}
   /// The case failed with this fault; it passed if the text is empty.
@@ -86,6 +87,11 @@ struct Case {
   /// The returned or thrown verdict.
   Verdict run(CaseFixture& fixture) const;
 };
+
+/// Number of entries of a folder, as of /proc/self/fd.
+inline size_t entries_of(const char* folder) {
+  return static_cast<size_t>(std::distance(std::filesystem::directory_iterator(folder), {}));
+}
 
 std::vector<Case> entry_cases();
 std::vector<Case> parameter_cases();

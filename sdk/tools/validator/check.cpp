@@ -3,9 +3,9 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <map>
 
 #include "sdk/host/base/json_text.hpp"
-#include "sdk/host/base/nearest.hpp"
 #include "sdk/host/plugin_host/instance.hpp"
 #include "sdk/tools/validator/case_fixture.hpp"
 #include "sdk/tools/validator/child.hpp"
@@ -23,6 +23,7 @@ CaseFixture::CaseFixture(std::filesystem::path library_path, std::vector<std::pa
 std::string CaseFixture::load() {
   note_phase("loading");
   const auto loaded = PluginLibrary::load(path, &host);
+  note_phase("");
   if (!loaded) return loaded.failure().text;
   library = *loaded;
   const odo_plugin& t = table();
@@ -109,16 +110,19 @@ std::string encoded(const Verdict& verdict) {
 
 Verdict decoded(const std::string& text) {
   const int outcome = text.empty() ? -1 : text[0] - 1;
-  if (outcome < 0 || outcome > static_cast<int>(PluginCheck::Outcome::not_applicable))
+  if (outcome < 0 || outcome > static_cast<int>(PluginCheck::Outcome::not_run))
     return {PluginCheck::Outcome::failed, text};
   return {static_cast<PluginCheck::Outcome>(outcome), text.substr(1)};
 }
 
 namespace {
 
-PluginCheck run_case(const Case& one, const std::filesystem::path& library, const CheckOptions& options) {
+/// `hung` collects the calls that did not return, each with the reason not to make it again.
+PluginCheck run_case(const Case& one, const std::filesystem::path& library, const CheckOptions& options,
+                     std::map<std::string, std::string>& hung) {
   const ChildResult result =
       run_in_child(options.limit_s > 0 ? std::min(options.limit_s, one.limit_s) : one.limit_s, [&]() -> std::string {
+        for (const auto& [call, reason] : hung) avoid_call(call, encoded({PluginCheck::Outcome::not_run, reason}));
         CaseFixture fixture(library, options.settings, one.input_s);
         fixture.signer = options.signer;
         if (one.loaded)
@@ -126,11 +130,13 @@ PluginCheck run_case(const Case& one, const std::filesystem::path& library, cons
         return encoded(one.run(fixture));
       });
   const Verdict verdict = result.finished ? decoded(result.text) : Verdict(PluginCheck::Outcome::failed, result.text);
+  if (!result.hung_call.empty()) hung.emplace(result.hung_call, result.hung_call + " hangs, see " + one.id);
   return {one.id, one.what, verdict.outcome, verdict.detail, result.seconds};
 }
 
 const char* word(PluginCheck::Outcome outcome) {
-  return outcome == PluginCheck::Outcome::passed ? "ok" : outcome == PluginCheck::Outcome::failed ? "FAIL" : "n/a";
+  constexpr const char* words[] = {"ok", "FAIL", "n/a", "not run"};
+  return words[static_cast<int>(outcome)];
 }
 
 size_t count(const std::vector<PluginCheck>& checks, PluginCheck::Outcome outcome) {
@@ -173,20 +179,27 @@ std::vector<PluginCheck> check_plugin(const std::filesystem::path& library, cons
       cases.push_back(one);
   }
   const auto path = std::filesystem::absolute(library);
+  const auto add = [&](PluginCheck check) {
+    checks.push_back(std::move(check));
+    if (options.ended) options.ended(checks);
+  };
   bool loads = true;
-  for (size_t i = 0; i < cases.size(); ++i) {
-    if (options.progress) options.progress(i, cases.size(), cases[i].id);
-    if (cases[i].loaded && !loads) {
-      checks.push_back({cases[i].id, cases[i].what, PluginCheck::Outcome::not_applicable, "it does not load", 0});
-      continue;
-    }
-    checks.push_back(run_case(cases[i], path, options));
+  std::map<std::string, std::string> hung;
+  for (const Case& one : cases) {
+    if (one.loaded && !loads)
+      add({one.id, one.what, PluginCheck::Outcome::not_applicable, "it does not load", 0});
+    else
+      add(run_case(one, path, options, hung));
     if (checks.back().id == "entry.fills_table") loads = checks.back().outcome == PluginCheck::Outcome::passed;
   }
   const bool wanted =
       options.only.empty() || std::find(options.only.begin(), options.only.end(), "recording") != options.only.end();
-  if (options.recording && loads && wanted)
-    for (PluginCheck& check : check_on_recording(path, options)) checks.push_back(std::move(check));
+  if (!options.recording || !loads || !wanted) return checks;
+  if (hung.empty())
+    for (PluginCheck& check : check_on_recording(path, options)) add(std::move(check));
+  else
+    add({"recording.given", "receives messages that it accepts", PluginCheck::Outcome::not_run, hung.begin()->second,
+         0});
   return checks;
 }
 
@@ -205,33 +218,26 @@ std::vector<std::string> cases_with_fault_of(const std::vector<PluginCheck>& che
   return ids;
 }
 
-std::string further_cases(const std::vector<std::string>& same, const std::string& indent) {
-  if (same.size() < 2) return "";
-  constexpr size_t kNamed = 6;  // fits on a line
-  const size_t more = same.size() - 1, named = std::min(more, kNamed);
-  return indent + "the same fault in " + std::to_string(more) + (more == 1 ? " further case: " : " further cases: ") +
-         join({same.begin() + 1, same.begin() + 1 + static_cast<std::ptrdiff_t>(named)}) +
-         (more > named ? ", ... (--format json lists them)" : "") + "\n";
+std::string last_as_text(const std::vector<PluginCheck>& checks, bool with_time) {
+  const PluginCheck& check = checks.back();
+  const std::string first = cases_with_fault_of(checks, check).front();
+  char line[160];
+  std::snprintf(line, sizeof line, "%-4s %-30s ", word(check.outcome), check.id.c_str());
+  std::string text = line + (with_time ? seconds_text(check.seconds) + " s  " : std::string()) + check.what;
+  if (first != check.id)
+    text += ": the same fault as " + first;
+  else if (!check.detail.empty())
+    text += ": " + check.detail;
+  return text + '\n';
 }
 
-std::string check_as_text(const std::vector<PluginCheck>& checks, bool with_times) {
-  std::string text;
+std::string counts_as_text(const std::vector<PluginCheck>& checks) {
   double seconds = 0;
-  for (const PluginCheck& check : checks) {
-    char line[160];
-    seconds += check.seconds;
-    const auto same = cases_with_fault_of(checks, check);
-    if (same.front() != check.id) continue;
-    std::snprintf(line, sizeof line, "%-4s %-30s ", word(check.outcome), check.id.c_str());
-    text += line + (with_times ? seconds_text(check.seconds) + " s  " : std::string()) + check.what;
-    if (!check.detail.empty()) text += ": " + check.detail;
-    text += '\n' + further_cases(same, "     ");
-  }
-  return text + std::to_string(checks.size()) +
-         " cases: " + std::to_string(count(checks, PluginCheck::Outcome::passed)) + " passed, " +
-         std::to_string(count(checks, PluginCheck::Outcome::failed)) + " failed, " +
-         std::to_string(count(checks, PluginCheck::Outcome::not_applicable)) + " do not apply; " +
-         seconds_text(seconds) + " s\n";
+  for (const PluginCheck& check : checks) seconds += check.seconds;
+  const auto counted = [&](PluginCheck::Outcome outcome) { return std::to_string(count(checks, outcome)); };
+  return std::to_string(checks.size()) + " cases: " + counted(PluginCheck::Outcome::passed) + " passed, " +
+         counted(PluginCheck::Outcome::failed) + " failed, " + counted(PluginCheck::Outcome::not_applicable) +
+         " do not apply, " + counted(PluginCheck::Outcome::not_run) + " not run; " + seconds_text(seconds) + " s\n";
 }
 
 std::string check_as_json(const std::string& library, const std::vector<PluginCheck>& checks) {
@@ -239,6 +245,7 @@ std::string check_as_json(const std::string& library, const std::vector<PluginCh
   json.open('{').key("library").string(library);
   json.key("passed").number(static_cast<double>(count(checks, PluginCheck::Outcome::passed)));
   json.key("failed").number(static_cast<double>(count(checks, PluginCheck::Outcome::failed)));
+  json.key("not_run").number(static_cast<double>(count(checks, PluginCheck::Outcome::not_run)));
   json.key("cases").open('[');
   for (const PluginCheck& check : checks)
     json.open('{')
@@ -260,14 +267,16 @@ std::string check_as_junit(const std::string& library, const std::vector<PluginC
   std::string text = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuite name=\"" + xml(library) + "\" tests=\"" +
                      std::to_string(checks.size()) + "\" failures=\"" +
                      std::to_string(count(checks, PluginCheck::Outcome::failed)) + "\" skipped=\"" +
-                     std::to_string(count(checks, PluginCheck::Outcome::not_applicable)) + "\">\n";
+                     std::to_string(count(checks, PluginCheck::Outcome::not_applicable) +
+                                    count(checks, PluginCheck::Outcome::not_run)) +
+                     "\">\n";
   for (const PluginCheck& check : checks) {
     const auto dot = check.id.find('.');
     text += "  <testcase classname=\"" + check.id.substr(0, dot) + "\" name=\"" + check.id.substr(dot + 1) +
             "\" time=\"" + seconds_text(check.seconds) + "\">";
     if (check.outcome == PluginCheck::Outcome::failed)
       text += "<failure message=\"" + xml(check.what + ": " + check.detail) + "\"/>";
-    if (check.outcome == PluginCheck::Outcome::not_applicable)
+    if (check.outcome == PluginCheck::Outcome::not_applicable || check.outcome == PluginCheck::Outcome::not_run)
       text += "<skipped message=\"" + xml(check.detail) + "\"/>";
     text += "</testcase>\n";
   }

@@ -13,11 +13,11 @@ namespace odograph {
 
 /// Result of one validator case.
 struct PluginCheck {
-  enum class Outcome { passed, failed, not_applicable };
+  enum class Outcome { passed, failed, not_applicable, not_run };
   std::string id;    ///< "events.step_length"; stable, because scripts and tests refer to it
   std::string what;  ///< the required behaviour
   Outcome outcome = Outcome::passed;
-  std::string detail;  ///< the fault, or why the case does not apply
+  std::string detail;  ///< the fault, or why the case does not apply or was not run
   double seconds = 0;
 };
 
@@ -35,13 +35,14 @@ struct CheckOptions {
   double limit_s = 0;
   /// A recording that is passed to the plugin in the recording cases; may be empty.
   Messages recording;
-  /// Called before each case with its index, the number of cases and its id.
-  std::function<void(size_t, size_t, const std::string&)> progress;
+  /// Called after each case with the results so far.
+  std::function<void(const std::vector<PluginCheck>&)> ended;
 };
 
 /// Tests a plugin library. Each case runs in its own child process with a time limit, so that a crash, an exit or an
-/// endless loop counts as a failure of that case. If the library does not load, the first cases fail and the others are
-/// skipped. [control] Forks: call only while single-threaded.
+/// endless loop counts as a failure of that case. Later cases end as not run where they would make a call that did not
+/// return. If the library does not load, the first cases fail and the others are skipped. [control] Forks: call only
+/// while single-threaded.
 std::vector<PluginCheck> check_plugin(const std::filesystem::path& library, const CheckOptions& options);
 
 /// All cases in order of execution: id and required behaviour.
@@ -50,11 +51,11 @@ std::vector<std::pair<std::string, std::string>> plugin_check_cases();
 /// The ids of all cases that failed with the same fault as `check`, in order; of a case that did not fail its own
 /// alone.
 std::vector<std::string> cases_with_fault_of(const std::vector<PluginCheck>& checks, const PluginCheck& check);
-/// A line with the number and names of all of them but the first; empty if there is one.
-std::string further_cases(const std::vector<std::string>& same, const std::string& indent);
 
-/// The results as text, in which each fault is printed once, as JSON, and as a JUnit test suite for CI systems.
-std::string check_as_text(const std::vector<PluginCheck>& checks, bool with_times);
+/// The last result as a line of text; a fault that an earlier one has refers to it.
+std::string last_as_text(const std::vector<PluginCheck>& checks, bool with_time);
+/// The numbers of results as a line of text, the results as JSON, and as a JUnit test suite for CI systems.
+std::string counts_as_text(const std::vector<PluginCheck>& checks);
 std::string check_as_json(const std::string& library, const std::vector<PluginCheck>& checks);
 std::string check_as_junit(const std::string& library, const std::vector<PluginCheck>& checks);
 

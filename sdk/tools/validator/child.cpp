@@ -2,11 +2,13 @@
 #include "sdk/tools/validator/child.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <csignal>
 #include <cstdio>
 #include <cstring>
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include <poll.h>
@@ -17,19 +19,28 @@
 namespace odograph {
 namespace {
 
-constexpr size_t kPhaseSize = 128;
+using Clock = std::chrono::steady_clock;
+
+constexpr double kCall_s = 20;  // a call that takes longer hangs
+constexpr double kHangs =
+    0.5;  // of the child's limit: it also hangs if the limit passed with so much of it in one call
 constexpr char kEnd[] =
     "\x04"
-    "end";              // sent last: a premature exit cannot send it
-char* phase = nullptr;  // shared with the child
+    "end";  // sent last: a premature exit cannot send it
+
+struct Phase {
+  std::atomic<Clock::rep> began;
+  char call[16], where[112];
+};
+Phase* phase = nullptr;  // shared with the child
+int result_pipe = -1;    // of the child
+std::vector<std::pair<std::string, std::string>> avoided;
 
 std::string number(double value) {
   char text[32];
   std::snprintf(text, sizeof text, "%g", value);
   return text;
 }
-
-using Clock = std::chrono::steady_clock;
 
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
@@ -38,7 +49,17 @@ std::string how_it_ended(int status) {
   return "the plugin ended the process with status " + std::to_string(WEXITSTATUS(status));
 }
 
-[[noreturn]] void run_and_exit(int fd, const std::function<std::string()>& work) {
+[[noreturn]] void exit_with(std::string text) {
+  text += kEnd;
+  for (size_t done = 0; done < text.size();) {
+    const ssize_t count = write(result_pipe, text.data() + done, text.size() - done);
+    if (count <= 0) break;
+    done += static_cast<size_t>(count);
+  }
+  _exit(0);  // skip destructors, including the plugin's
+}
+
+[[noreturn]] void run_and_exit(const std::function<std::string()>& work) {
   std::string text;
   try {
     text = work();
@@ -47,13 +68,12 @@ std::string how_it_ended(int status) {
   } catch (...) {
     text = "the plugin threw an exception other than std::exception";
   }
-  text += kEnd;
-  for (size_t done = 0; done < text.size();) {
-    const ssize_t count = write(fd, text.data() + done, text.size() - done);
-    if (count <= 0) break;
-    done += static_cast<size_t>(count);
-  }
-  _exit(0);  // skip destructors, including the plugin's
+  exit_with(std::move(text));
+}
+
+/// How long the current call has taken, s; 0 without one.
+double call_s() {
+  return phase && phase->call[0] ? seconds_since(Clock::time_point(Clock::duration(phase->began))) : 0;
 }
 
 /// A child process and the reading end of its pipe.
@@ -72,8 +92,8 @@ Child begin(size_t number, const std::function<std::string(size_t)>& work) {
   int ends[2];
   if (pipe(ends) != 0) return child;
   if (!phase) {
-    void* shared = mmap(nullptr, kPhaseSize, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
-    if (shared != MAP_FAILED) phase = static_cast<char*>(shared);
+    void* shared = mmap(nullptr, sizeof(Phase), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+    if (shared != MAP_FAILED) phase = static_cast<Phase*>(shared);
   }
   note_phase("");
   std::fflush(nullptr);
@@ -81,7 +101,8 @@ Child begin(size_t number, const std::function<std::string(size_t)>& work) {
   if (child.pid == 0) {
     for (const int fatal : {SIGABRT, SIGBUS, SIGFPE, SIGILL, SIGSEGV, SIGTERM}) signal(fatal, SIG_DFL);
     close(ends[0]);
-    run_and_exit(ends[1], [&] { return work(number); });
+    result_pipe = ends[1];
+    run_and_exit([&] { return work(number); });
   }
   close(ends[1]);
   child.pipe = ends[0];
@@ -98,38 +119,46 @@ bool read_some(Child& child) {
 
 ChildResult finish(Child& child, double limit_s, bool in_time) {
   int status = 0;
+  const double in_call_s = call_s();
   if (child.pipe >= 0) close(child.pipe);
   if (child.pid > 0 && (!in_time || child.ended()))
     kill(child.pid, SIGKILL);  // its threads may continue after its last message
   if (child.pid > 0) waitpid(child.pid, &status, 0);
-  ChildResult result{child.ended(), child.text, seconds_since(child.started)};
-  const std::string where = phase && *phase ? std::string(" in ") + phase : "";
-  if (child.pid < 0)
+  ChildResult result{child.ended(), child.text, seconds_since(child.started), ""};
+  if (child.pid < 0) {
     result.text = "no child process";
-  else if (result.finished)
+  } else if (result.finished) {
     result.text.resize(result.text.size() - (sizeof kEnd - 1));
-  else
+  } else {
+    std::string where;
+    for (const char* part : {phase ? phase->call : "", phase ? phase->where : ""})
+      if (*part) where += (where.empty() ? " in " : " ") + std::string(part);
     result.text = (in_time ? how_it_ended(status) : "took longer than " + number(limit_s) + " s") + where;
+    if (!in_time && in_call_s >= kHangs * limit_s) result.hung_call = phase->call;
+  }
   return result;
 }
 
 /// Waits until one of them ends or times out, and moves it to the end.
 ChildResult finish_one(std::vector<Child>& running, double limit_s) {
+  const bool limited = limit_s < std::numeric_limits<double>::infinity();
   for (;;) {
     std::vector<pollfd> pipes;
-    double left_s = limit_s;
+    double left_s = limited ? kCall_s : limit_s;
     for (const Child& child : running) {
       pipes.push_back({child.pipe, POLLIN, 0});
       left_s = std::min(left_s, limit_s - seconds_since(child.started));
     }
+    if (limited) left_s = std::min(left_s, kCall_s - call_s());
     const bool all_there = std::all_of(running.begin(), running.end(), [](const Child& c) { return c.pid > 0; });
     const int wait_ms = !all_there || left_s <= 0 ? 0 : left_s < 1e6 ? static_cast<int>(left_s * 1e3) + 1 : -1;
     if (poll(pipes.data(), pipes.size(), wait_ms) < 0) continue;
     for (size_t i = 0; i < running.size(); ++i) {
-      const bool in_time = running[i].pid < 0 || seconds_since(running[i].started) < limit_s;
+      const bool hangs = limited && call_s() >= kCall_s;
+      const bool in_time = running[i].pid < 0 || (!hangs && seconds_since(running[i].started) < limit_s);
       if (running[i].pid > 0 && in_time && (!pipes[i].revents || read_some(running[i]))) continue;
       std::swap(running[i], running.back());
-      return finish(running.back(), limit_s, in_time);
+      return finish(running.back(), hangs ? kCall_s : limit_s, in_time);
     }
   }
 }
@@ -148,9 +177,16 @@ void run_all(size_t count, size_t side_by_side, double limit_s, const std::funct
 
 }  // namespace
 
-void note_phase(const std::string& what) {
-  if (phase) std::snprintf(phase, kPhaseSize, "%s", what.c_str());
+void note_phase(const std::string& call, const std::string& where) {
+  for (const auto& [name, text] : avoided)
+    if (name == call) exit_with(text);
+  if (!phase) return;
+  phase->began = Clock::now().time_since_epoch().count();
+  std::snprintf(phase->call, sizeof phase->call, "%s", call.c_str());
+  std::snprintf(phase->where, sizeof phase->where, "%s", where.c_str());
 }
+
+void avoid_call(const std::string& call, const std::string& text) { avoided.emplace_back(call, text); }
 
 ChildResult run_in_child(double limit_s, const std::function<std::string()>& work) {
   ChildResult result;

@@ -11,11 +11,12 @@ struct ChildResult {
   bool finished = false;  ///< it completed and reported so
   std::string text;       ///< its result; if it did not complete, what ended it and in which phase
   double seconds = 0;     ///< wall clock
+  std::string hung_call;  ///< the call that did not return; empty if it completed or ended otherwise
 };
 
 /// Runs foreign code in a child process, so that a crash, an exit, an endless loop or memory exhaustion becomes a
-/// result instead of ending this program. The child is killed after `limit_s`. `work` calls `note_phase` before each
-/// phase. [control] Forks: call only while single-threaded.
+/// result instead of ending this program. The child is killed after `limit_s`, or if one call takes longer than 20 s.
+/// `work` calls `note_phase` before each phase. [control] Forks: call only while single-threaded.
 ChildResult run_in_child(double limit_s, const std::function<std::string()>& work);
 
 /// Runs many numbered jobs, `side_by_side` in parallel, without a time limit. `done` receives each outcome as it ends,
@@ -23,7 +24,10 @@ ChildResult run_in_child(double limit_s, const std::function<std::string()>& wor
 void run_in_children(size_t count, size_t side_by_side, const std::function<std::string(size_t number)>& work,
                      const std::function<bool(size_t number, const ChildResult& result)>& done);
 
-/// In a child: names the current phase for the message if the child ends in it. At most 127 characters.
-void note_phase(const std::string& phase);
+/// In a child: names the current call of foreign code ("process"; empty: none) and what else identifies the phase, for
+/// the message if the child ends in it. At most 15 and 111 characters.
+void note_phase(const std::string& call, const std::string& where = "");
+/// In a child: from now on note_phase() of this call ends the child with `text` as its result.
+void avoid_call(const std::string& call, const std::string& text);
 
 }  // namespace odograph

@@ -6,7 +6,6 @@
 #include <chrono>
 #include <cstring>
 
-#include <dirent.h>
 #include <dlfcn.h>
 
 #include "sdk/host/base/printable.hpp"
@@ -18,15 +17,6 @@
 namespace odograph {
 namespace {
 namespace fs = std::filesystem;
-
-size_t entries_of(const char* folder) {
-  size_t count = 0;
-  if (DIR* open = opendir(folder)) {
-    while (readdir(open)) ++count;
-    closedir(open);
-  }
-  return count;
-}
 
 fs::path manifest_of(const fs::path& library) {
   auto path = library;
@@ -41,7 +31,7 @@ odo_plugin_entry entry_of(const CaseFixture& fixture) {
   if (!handle) throw Verdict(dlerror());
   const auto entry = reinterpret_cast<odo_plugin_entry>(dlsym(handle, ODO_PLUGIN_ENTRY_SYMBOL));
   if (!entry) throw Verdict("symbol missing: " ODO_PLUGIN_ENTRY_SYMBOL);
-  note_phase("the entry");
+  note_phase("entry");
   return entry;
 }
 

@@ -6,7 +6,6 @@
 #include <limits>
 #include <thread>
 
-#include <dirent.h>
 #if defined(__GLIBC__)
 #include <malloc.h>
 #endif
@@ -20,15 +19,6 @@ namespace {
 
 std::string status_text(const char* what, int32_t status) {
   return std::string(what) + " gave status " + std::to_string(status);
-}
-
-size_t entries_of(const char* folder) {
-  size_t count = 0;
-  if (DIR* open = opendir(folder)) {
-    while (readdir(open)) ++count;
-    closedir(open);
-  }
-  return count;
 }
 
 double resident_mb() {
@@ -257,7 +247,7 @@ Verdict damaged_state(CaseFixture& fixture) {
     if (i % 3 == 0) bad.resize(random % (bytes.size() + 64), 0xFF);
     for (uint32_t k = 0; k <= random % 4 && !bad.empty(); ++k)
       bad[(random >> 8 ^ k * 7919) % bad.size()] ^= static_cast<uint8_t>(1 + i);
-    note_phase("load of a damaged state");
+    note_phase("load", "of a damaged state");
     fixture.table().load(driver->instance(), bad.data(), bad.size());
   }
   const int32_t status = driver->process(fixture.input);

@@ -141,7 +141,7 @@ int32_t PluginDriver::process(const std::vector<AnyMessage>& messages, const Mes
     for (AnyMessage& copy : copies) {
       if (layout.change) layout.change(copy);
       const odo_header& header = copy.header();
-      note_phase("process of " + message_name(header.type) + " at t_ns = " + std::to_string(header.t_ns));
+      note_phase("process", "of " + message_name(header.type) + " at t_ns = " + std::to_string(header.t_ns));
       input_ns_ = std::max(input_ns_, header.t_ns);
       input_type_ = header.type;
       if (!layout.guarded) {
@@ -162,7 +162,7 @@ int32_t PluginDriver::process(const std::vector<AnyMessage>& messages, const Mes
     for (AnyMessage& copy : copies) std::memset(static_cast<void*>(&copy.header()), 0xA5, sizeof(odo_header));
     for (AnyMessage& copy : copies) copy = AnyMessage();
   }
-  note_phase("between calls");
+  note_phase("", "between calls");
   return worst;
 }
 
@@ -177,7 +177,7 @@ void PluginDriver::destroy() {
   note_phase("destroy");
   table_.destroy(instance_);
   instance_ = nullptr;
-  note_phase("after destroy");
+  note_phase("", "after destroy");
 }
 
 std::vector<std::vector<unsigned char>> PluginDriver::bytes() const {

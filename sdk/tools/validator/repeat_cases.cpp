@@ -80,7 +80,7 @@ Verdict guarded(CaseFixture& fixture) {
 
 Verdict empty_batch(CaseFixture& fixture) {
   const auto driver = fixture.start_instance();
-  note_phase("process of an empty batch");
+  note_phase("process", "of an empty batch");
   const odo_batch batch{sizeof batch, 0, nullptr};
   const int32_t status = driver->call(batch);
   return status >= 0 ? "" : "an empty batch gave status " + std::to_string(status);

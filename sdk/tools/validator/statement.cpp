@@ -38,6 +38,16 @@ std::string table_row(const std::string& name, const std::string& value) {
   return "| " + name + " | " + value + " |\n";
 }
 
+/// A line with the number and names of all of them but the first; empty if there is one.
+std::string further_cases(const std::vector<std::string>& same) {
+  if (same.size() < 2) return "";
+  constexpr size_t kNamed = 6;  // fits on a line
+  const size_t more = same.size() - 1, named = std::min(more, kNamed);
+  return "  the same fault in " + std::to_string(more) + (more == 1 ? " further case: " : " further cases: ") +
+         join({same.begin() + 1, same.begin() + 1 + static_cast<std::ptrdiff_t>(named)}) +
+         (more > named ? ", ... (--format json lists them)" : "") + "\n";
+}
+
 std::string listed(const std::vector<PluginCheck>& checks, Outcome outcome, const std::string& title) {
   std::string text;
   for (const PluginCheck& check : checks) {
@@ -45,7 +55,7 @@ std::string listed(const std::vector<PluginCheck>& checks, Outcome outcome, cons
     const auto same = cases_with_fault_of(checks, check);
     if (same.front() != check.id) continue;
     text += "* `" + check.id + "` " + check.what + (check.detail.empty() ? "" : ": " + check.detail) + "\n" +
-            further_cases(same, "  ");
+            further_cases(same);
   }
   return text.empty() ? "" : "\n## " + title + "\n\n" + text;
 }
@@ -63,11 +73,12 @@ std::string conformance_statement(const Manifest& manifest, const std::vector<Pl
          table_row("contract", join(manifest.interfaces) + ", ABI " + std::to_string(manifest.abi_major) + "." +
                                    std::to_string(manifest.abi_minor)) +
          table_row("cases", count(checks, Outcome::passed) + " passed, " + count(checks, Outcome::failed) +
-                                " failed, " + count(checks, Outcome::not_applicable) + " do not apply") +
+                                " failed, " + count(checks, Outcome::not_applicable) + " do not apply, " +
+                                count(checks, Outcome::not_run) + " not run") +
          table_row("library", "`" + manifest.library.filename().string() + "`, SHA-256 `" + manifest.sha256 + "`") +
          table_row("checked by", std::string("odograph ") + odo_version() + ", `odograph plugin check`") +
          table_row("machine", machine(manifest.library)) + listed(checks, Outcome::failed, "Failed") +
-         listed(checks, Outcome::not_applicable, "Does not apply");
+         listed(checks, Outcome::not_applicable, "Does not apply") + listed(checks, Outcome::not_run, "Not run");
 }
 
 std::string conformance_badge(const Manifest& manifest, const std::vector<PluginCheck>& checks) {

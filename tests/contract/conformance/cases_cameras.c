@@ -41,8 +41,7 @@ static void same_time_is_no_duplicate(int unused) {
   push_pairs(self, 0, 1);
   CHECK(frames_of(0, FIXER) == 4 && frames_of(1, FIXER) == 4, "the fixer was given %u and %u frames; expected 4 and 4",
         (unsigned)frames_of(0, FIXER), (unsigned)frames_of(1, FIXER));
-  CHECK(given_count(ODO_TYPE_CALIBRATION, FIXER) == 2, "it was given %u calibrations; expected 2",
-        (unsigned)given_count(ODO_TYPE_CALIBRATION, FIXER));
+  EQUAL(given_count(ODO_TYPE_CALIBRATION, FIXER), 2);
 }
 
 static void one_camera_for_a_frontend(int calibrated) {
@@ -73,8 +72,7 @@ static void several_where_declared(int unused) {
   push_pairs(self, 5, 2);
   CHECK(frames_of(5, FRONTEND) == 4 && frames_of(2, FRONTEND) == 4, "it was given %u and %u frames; expected 4 and 4",
         (unsigned)frames_of(5, FRONTEND), (unsigned)frames_of(2, FRONTEND));
-  CHECK(given_count(ODO_TYPE_CALIBRATION, FRONTEND) == 2, "it was given %u calibrations; expected 2",
-        (unsigned)given_count(ODO_TYPE_CALIBRATION, FRONTEND));
+  EQUAL(given_count(ODO_TYPE_CALIBRATION, FRONTEND), 2);
 }
 
 static void offset_is_applied_once(int unused) {

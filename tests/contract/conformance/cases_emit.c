@@ -186,8 +186,7 @@ static void undeclared_type(int type) {
 static void later_event(int unused) {
   put_header(&offered, 64, PROBE_NEWER_EVENT, T0);
   app* self = offer(ODO_E_UNSUPPORTED);
-  CHECK(app_statistics(self).plugin_faults == 0, "plugin_faults is %llu; nothing is wrong",
-        (unsigned long long)app_statistics(self).plugin_faults);
+  EQUAL(app_statistics(self).plugin_faults, 0);
 }
 
 static void null_event(int unused) {
@@ -213,8 +212,7 @@ static void vendor_event_is_published(int unused) {
             memcmp((const unsigned char*)found + sizeof *found, offered.rest, 200 - sizeof *found) == 0,
         "its bytes are others");
   CHECK(found->flags == 5, "its flags are 0x%x; expected 0x5", found->flags);
-  CHECK(found->source == journal_find(PROBE_CREATE, FIXER, 0)->number,
-        "its source is %u; expected the instance's number", found->source);
+  EQUAL(found->source, journal_find(PROBE_CREATE, FIXER, 0)->number);
 }
 
 const conformance_case cases_emit[] = {

@@ -59,8 +59,7 @@ static void unchanged_after(int status) {
   app* self = run_failing(status, 1, 10);
   CHECK(journal_count(PROBE_RESET, FIXER) == 0 && journal_count(PROBE_CREATE, FIXER) == 1, "the calls were: %s",
         journal_words(FIXER));
-  CHECK(given_count(ODO_TYPE_BAROMETER, FIXER) == 10, "it was given %u of 10 samples",
-        (unsigned)given_count(ODO_TYPE_BAROMETER, FIXER));
+  EQUAL(given_count(ODO_TYPE_BAROMETER, FIXER), 10);
   CHECK(app_statistics(self).plugin_faults == 0 || status != ODO_NOT_READY, "plugin_faults is %llu",
         (unsigned long long)app_statistics(self).plugin_faults);
 }
@@ -86,9 +85,7 @@ static void quarantined(int unused) {
 static void always_failing(int unused) {
   app* self = run_failing(ODO_E_ERROR, 0, 60);
   app_close(self);
-  CHECK(journal_count(PROBE_CREATE, FIXER) == journal_count(PROBE_DESTROY, FIXER),
-        "%u instances were made and %u destroyed", (unsigned)journal_count(PROBE_CREATE, FIXER),
-        (unsigned)journal_count(PROBE_DESTROY, FIXER));
+  EQUAL(journal_count(PROBE_CREATE, FIXER), journal_count(PROBE_DESTROY, FIXER));
 }
 
 static void unknown_status(int status) {

@@ -36,8 +36,7 @@ static void lagging_is_taken(app* self, const sample_kind* kind) {
   app_flush(self);
   CHECK(dropped <= 10, "of 190 samples that came 0.1 s behind the inertial ones %u were dropped; 0.2 s are waited",
         dropped);
-  CHECK(given_count(kind->type, FIXER) == 190 - dropped, "the plugin was given %u of %u samples",
-        (unsigned)given_count(kind->type, FIXER), 190 - dropped);
+  EQUAL(given_count(kind->type, FIXER), 190 - dropped);
 }
 
 static void sensor_may_lag(int index) {
@@ -89,8 +88,7 @@ static void twice_is_dropped(int unused) {
   EXPECT(push_barometer(self, T0), ODO_OK);
   EXPECT(push_barometer(self, T0), ODO_E_DISCARD);
   EXPECT(push_magnetometer(self, T0), ODO_OK); /* another sensor */
-  CHECK(app_statistics(self).duplicate == 1, "duplicate is %llu; expected 1",
-        (unsigned long long)app_statistics(self).duplicate);
+  EQUAL(app_statistics(self).duplicate, 1);
   app_flush(self);
   CHECK(given_count(ODO_TYPE_BAROMETER, FIXER) == 1 && given_count(ODO_TYPE_MAGNETOMETER, FIXER) == 1,
         "the plugin was given %u and %u samples; expected one of each",
@@ -106,8 +104,7 @@ static void two_sources_are_two_sensors(int unused) {
     EXPECT(push(self, &message), ODO_OK);
   }
   app_flush(self);
-  CHECK(given_count(PROBE_MESSAGE, FIXER) == 2, "the plugin was given %u messages; expected 2",
-        (unsigned)given_count(PROBE_MESSAGE, FIXER));
+  EQUAL(given_count(PROBE_MESSAGE, FIXER), 2);
 }
 
 static void second_sensor(int type) {
@@ -138,8 +135,7 @@ static void flush_processes_all(int run) {
   EXPECT(push_barometer(self, T0 + SECOND), ODO_OK);
   app_flush(self);
   CHECK(given_count(ODO_TYPE_BAROMETER, FIXER) == 1, "after odo_session_flush the newest sample was not given");
-  CHECK(app_statistics(self).processed == 3, "processed is %llu; expected 3",
-        (unsigned long long)app_statistics(self).processed);
+  EQUAL(app_statistics(self).processed, 3);
 }
 
 static void set_back(app* self) {
@@ -164,11 +160,8 @@ static void clock_set_back(int unused) {
   const journal_entry* first = journal_find(PROBE_RESET, FIXER, 0);
   CHECK(first, "the plugin was not reset; its calls were: %s", journal_words(FIXER));
   CHECK(journal_count(PROBE_CREATE, FIXER) == 0, "a new instance was made of a plugin that can be reset");
-  CHECK(given_count(ODO_TYPE_CALIBRATION, FIXER) == 1, "the calibration came %u times after the reset; expected once",
-        (unsigned)given_count(ODO_TYPE_CALIBRATION, FIXER));
-  CHECK(given_count(PROBE_MESSAGE, FIXER) == 1,
-        "of a vendor's description and another message %u came after the reset; expected the description alone",
-        (unsigned)given_count(PROBE_MESSAGE, FIXER));
+  EQUAL(given_count(ODO_TYPE_CALIBRATION, FIXER), 1);
+  EQUAL(given_count(PROBE_MESSAGE, FIXER), 1);
   const odo_header* newest = given_message(ODO_TYPE_IMU, FIXER, 200);
   CHECK(newest && newest->t_ns > T0 / 2 && newest->t_ns < T0, "samples of the new clock were not given");
 }
@@ -179,9 +172,7 @@ static void set_back_without_reset(int unused) {
   CHECK(journal_count(PROBE_CREATE, FRONTEND) == 1 && journal_count(PROBE_CONFIGURE, FRONTEND) == 1 &&
             journal_count(PROBE_ACTIVATE, FRONTEND) == 1 && journal_count(PROBE_DESTROY, FRONTEND) == 1,
         "there was not one new instance; its calls were: %s", journal_words(FRONTEND));
-  CHECK(given_count(ODO_TYPE_CALIBRATION, FRONTEND) == 1,
-        "the calibration came %u times to the new instance; expected once",
-        (unsigned)given_count(ODO_TYPE_CALIBRATION, FRONTEND));
+  EQUAL(given_count(ODO_TYPE_CALIBRATION, FRONTEND), 1);
 }
 
 static void batches_are_whole(int unused) {

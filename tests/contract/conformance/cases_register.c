@@ -24,8 +24,7 @@ static void found_by_id(int unused) {
   app* self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
   push_rest_between(self, T0, T0 + 100 * MS);
   app_flush(self);
-  CHECK(given_count(ODO_TYPE_IMU, FIXER) == 10, "the registered plugin was given %u samples",
-        (unsigned)given_count(ODO_TYPE_IMU, FIXER));
+  EQUAL(given_count(ODO_TYPE_IMU, FIXER), 10);
 }
 
 static void again_changes_nothing(int unused) {
@@ -33,8 +32,7 @@ static void again_changes_nothing(int unused) {
   register_all();
   for (int i = 0; i < 3; ++i) EXPECT(odo.register_plugin(probe_entries[PROBE_FULL], &error), ODO_OK);
   app_close(app_open(FIXER_ALONE, ODO_RUN_REPLAY));
-  CHECK(journal_count(PROBE_CREATE, FIXER) == 1, "%u instances were made",
-        (unsigned)journal_count(PROBE_CREATE, FIXER));
+  EQUAL(journal_count(PROBE_CREATE, FIXER), 1);
 }
 
 /* ---- other entries ---- */
@@ -124,8 +122,7 @@ static void before_the_folder(int unused) {
   app* self = app_open(CAMERA_WALK, ODO_RUN_REPLAY);
   walk_second(self, 0);
   app_flush(self);
-  CHECK(journal_count(PROBE_CREATE, ANY_KIND) == 3, "%u instances were made; expected 3",
-        (unsigned)journal_count(PROBE_CREATE, ANY_KIND));
+  EQUAL(journal_count(PROBE_CREATE, ANY_KIND), 3);
 }
 
 /* Two sessions of one plugin, the second created while the first is in use. */
@@ -137,8 +134,7 @@ static void in_several_sessions(int unused) {
   second = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
   push_rest_between(second, T0, T0 + SECOND);
   app_flush(first), app_flush(second);
-  CHECK(given_count(ODO_TYPE_IMU, FIXER) == 200, "%u samples were given; expected 200",
-        (unsigned)given_count(ODO_TYPE_IMU, FIXER));
+  EQUAL(given_count(ODO_TYPE_IMU, FIXER), 200);
   app_close(first), app_close(second);
 }
 

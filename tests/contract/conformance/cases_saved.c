@@ -43,8 +43,7 @@ static saved save_of(app* self) {
   blob.bytes = (unsigned char*)malloc((size_t)blob.size + 8);
   memset(blob.bytes, 0xA5, (size_t)blob.size + 8);
   int64_t written = odo.session_save(self->session, blob.bytes, (uint64_t)blob.size - 1);
-  CHECK(written == blob.size, "odo_session_save with a byte too few = %lld; expected %lld", (long long)written,
-        (long long)blob.size);
+  EQUAL(written, blob.size);
   CHECK(blob.bytes[0] == 0xA5, "it wrote although the capacity does not suffice");
   written = odo.session_save(self->session, blob.bytes, (uint64_t)blob.size);
   CHECK(written == blob.size, "odo_session_save = %lld; expected %lld", (long long)written, (long long)blob.size);

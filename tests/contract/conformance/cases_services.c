@@ -81,8 +81,7 @@ static void reports_are_events(int unused) {
         "it has plugin \"%s\", key \"%s\" and text \"%s\"", report->plugin, report->key, report->text);
   CHECK(report->severity == ODO_SEVERITY_WARNING && report->count == 1, "it has severity %u and count %llu",
         report->severity, (unsigned long long)report->count);
-  CHECK(report->header.source == journal_find(PROBE_CREATE, FIXER, 0)->number, "its source is %u",
-        report->header.source);
+  EQUAL(report->header.source, journal_find(PROBE_CREATE, FIXER, 0)->number);
   sleep_ms(1100);
   EXPECT(push_barometer(self, T0 + SECOND), ODO_OK);
   app_flush(self);
@@ -211,10 +210,8 @@ static void wake_calls(int run) {
   }
   CHECK(empty_batches >= 1 && empty_batches <= 10, "10 requests were answered by %d calls; expected 1 to 10",
         empty_batches);
-  CHECK(events_of_wake == empty_batches, "of %d events within these calls %d were taken", empty_batches,
-        events_of_wake);
-  CHECK(app_events(self, PROBE_EVENT) == (size_t)events_of_wake, "%u events were published",
-        (unsigned)app_events(self, PROBE_EVENT));
+  EQUAL(events_of_wake, empty_batches);
+  EQUAL(app_events(self, PROBE_EVENT), (size_t)events_of_wake);
 }
 
 const conformance_case cases_services[] = {

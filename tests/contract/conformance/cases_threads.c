@@ -147,8 +147,7 @@ static void sessions_are_independent(int unused) {
           (unsigned long long)app_statistics(sessions[i]).processed);
     app_close(sessions[i]);
   }
-  CHECK(given_count(ODO_TYPE_BAROMETER, FIXER) == 300 * SESSIONS, "%u samples were given",
-        (unsigned)given_count(ODO_TYPE_BAROMETER, FIXER));
+  EQUAL(given_count(ODO_TYPE_BAROMETER, FIXER), 300 * SESSIONS);
 }
 
 /* One thread processes, including what the other pushes meanwhile. */

@@ -87,6 +87,10 @@ void skip_case(const char* format, ...) {
   send_end();
 }
 
+void expect_equal(const char* file, int line, const char* what, int64_t value, int64_t expected) {
+  if (value != expected) fail_at(file, line, "%s is %lld; expected %lld", what, (long long)value, (long long)expected);
+}
+
 void expect_status(const char* file, int line, const char* what, int64_t status, int64_t expected) {
   if (status != expected) fail_at(file, line, "%s = %s; expected %s", what, status_name(status), status_name(expected));
 }

@@ -39,6 +39,7 @@ extern const conformance_case cases_version[], cases_sizes[], cases_push[], case
 void fail_at(const char* file, int line, const char* format, ...);
 __attribute__((noreturn)) void stop_at(const char* file, int line, const char* format, ...);
 __attribute__((noreturn)) void skip_case(const char* format, ...);
+void expect_equal(const char* file, int line, const char* what, int64_t value, int64_t expected);
 void expect_status(const char* file, int line, const char* what, int64_t status, int64_t expected);
 
 #define CHECK(condition, ...)                                   \
@@ -49,6 +50,7 @@ void expect_status(const char* file, int line, const char* what, int64_t status,
   do {                                                          \
     if (!(condition)) stop_at(__FILE__, __LINE__, __VA_ARGS__); \
   } while (0)
+#define EQUAL(value, expected) expect_equal(__FILE__, __LINE__, #value, (int64_t)(value), (int64_t)(expected))
 #define EXPECT(call, expected) expect_status(__FILE__, __LINE__, #call, (call), (expected))
 
 /* ---- the library ---- */

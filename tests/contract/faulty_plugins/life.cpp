@@ -14,6 +14,12 @@ using namespace faulty;
 TABLE(scale) {
   t.create = [](const odo_host*, uint32_t, const odo_string*, odo_instance**) -> int32_t { std::exit(0); };
 }
+#elif defined(FAULTY_life_create_destroy__hangs)
+TABLE(scale) {
+  t.create = [](const odo_host*, uint32_t, const odo_string*, odo_instance**) -> int32_t {
+    for (;;) usleep(1000);
+  };
+}
 #elif defined(FAULTY_life_create_destroy__crash_in_destroy)
 TABLE(scale) {
   t.destroy = [](odo_instance*) { *reinterpret_cast<volatile int*>(8) = 1; };

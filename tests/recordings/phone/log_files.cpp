@@ -87,8 +87,7 @@ std::string transform_of(const odo_calibration& c, int64_t t_ns) {
 
 void write_ros2_mcap(const PhoneWalk& walk, const fs::path& folder) {
   fs::create_directories(folder);
-  auto writer = McapWriter::create(folder / "walk_0.mcap", "ros2");
-  REQUIRE(writer.ok());
+  auto writer = required(McapWriter::create(folder / "walk_0.mcap", "ros2"));
   std::map<std::string, uint16_t> topics;
   const auto write = [&](const std::string& topic, const std::string& type, int64_t t_ns, const std::string& message) {
     const auto [known, fresh] = topics.try_emplace(topic, uint16_t(0));

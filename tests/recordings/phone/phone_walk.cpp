@@ -16,8 +16,7 @@ namespace {
 
 /// A frame's picture in grey, rotated if the phone is upright.
 cv::Mat picture_of(const RecordedMessage& message, bool upright) {
-  const auto frame = load_frame(message);
-  REQUIRE(frame.ok());
+  const auto frame = required(load_frame(message));
   const cv::Mat grey(static_cast<int>(frame->height), static_cast<int>(frame->width), CV_8U,
                      const_cast<uint8_t*>(frame->planes[0].data), static_cast<size_t>(frame->planes[0].row_stride));
   cv::Mat picture = grey.clone();
@@ -84,8 +83,7 @@ PhoneWalk phone_walk(const Recording& walk, bool upright) {
 }
 
 void write_direct(const PhoneWalk& walk, const fs::path& file) {
-  auto writer = OdoWriter::create(file, 0);
-  REQUIRE(writer.ok());
+  auto writer = required(OdoWriter::create(file, 0));
   size_t picture = 0;
   for (const auto& m : walk.recording.messages) {
     if (m.message.header().type != ODO_TYPE_FRAME) {
@@ -113,8 +111,7 @@ const Recording& street() {
     s.camera.width = 320, s.camera.height = 240, s.camera.focal_px = 250, s.camera.row_time_s = 0;
     s.imu.jitter_s = 2e-4;
     s.walk_m = 14;
-    const auto made = simulate(s, 5, folder / "walk.odo", {.threads = 1});
-    REQUIRE_MESSAGE(made.ok(), made.failure().text);
+    const auto made = required(simulate(s, 5, folder / "walk.odo", {.threads = 1}));
     return recorded(folder / "walk.odo");
   }();
   return recording;
