@@ -24,7 +24,7 @@ TEST_SUITE_BEGIN("faulty_plugins");
 
 namespace {
 
-const fs::path kFaultyPlugins = fs::path(ODOGRAPH_BUILD) / "tests/faulty_plugins";
+const fs::path kFaultyPlugins = built("tests/faulty_plugins");
 
 /// "events_size__zero.so" is for "events.size".
 std::string case_of(const fs::path& library) {
@@ -65,7 +65,7 @@ TEST_CASE("there are at least 80 cases with unique ids, and most of them have a 
 }
 
 TEST_CASE("the documents state the correct numbers of cases and faulty plugins") {
-  std::ifstream file(std::string(ODOGRAPH_SOURCE) + "/docs/plugins.md");
+  std::ifstream file(source("docs/plugins.md").string());
   const std::string text{std::istreambuf_iterator<char>(file), {}};
   CHECK(text.find("runs " + std::to_string(plugin_check_cases().size()) + " cases") != std::string::npos);
   CHECK(text.find("contain " + std::to_string(plugins_of_kind(false).size()) + " faulty plugins") != std::string::npos);

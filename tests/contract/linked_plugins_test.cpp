@@ -148,8 +148,7 @@ TEST_CASE("plugins with the same class name share nothing, linked or loaded") {
   CHECK(id_of(same_entry_1) == "same/linked_1");
   CHECK(id_of(same_entry_2) == "same/linked_2");
   for (const char* number : {"1", "2"}) {
-    const auto library = std::filesystem::path(ODOGRAPH_BUILD) / "tests/same_class" /
-                         (std::string("same_class_") + number + ODOGRAPH_LIBRARY);
+    const auto library = built("tests/same_class") / (std::string("same_class_") + number + ODOGRAPH_LIBRARY);
     std::string why;
     void* handle = open_library(library, why);
     REQUIRE_MESSAGE(handle, why);

@@ -68,7 +68,7 @@ TEST_CASE("plugins come from a list of folders at ';', with drives and names bey
   const fs::path mine = folder.path() / kName;
   fs::create_directory(mine);
   const fs::path library = mine / "listens.dll";
-  fs::copy_file(fs::path(ODOGRAPH_BUILD) / "tests/hostile/listens.dll", library);
+  fs::copy_file(built("tests/hostile/listens.dll"), library);
   REQUIRE(write_manifest_beside(library).ok());
   CHECK(path_list("C:\\a;D:\\b;;") == std::vector<fs::path>{"C:\\a", "D:\\b"});
   const std::string config = "odograph: 1\nvo_frontend: {plugin: test/listens}\n";
@@ -124,7 +124,7 @@ TEST_CASE("a file that is not a library is rejected with the loader's reason") {
   const TemporaryFolder folder;
   const HostServices host(0, {"."}, nullptr);
   const auto why = [&](const fs::path& path) { return PluginLibrary::load(path, &host).failure().text; };
-  const fs::path good = fs::path(ODOGRAPH_BUILD) / "tests/hostile/good.dll";
+  const fs::path good = built("tests/hostile/good.dll");
   const std::string bytes = read_text(good);
   CHECK(contains(why(folder / "missing.dll"), "cannot be opened"));
   for (const std::string& content : {std::string("this is no library"), std::string(), bytes.substr(0, 70)}) {
@@ -138,7 +138,7 @@ TEST_CASE("a file that is not a library is rejected with the loader's reason") {
 TEST_CASE("a plugin that everybody may change, or a folder that everybody may write to, is rejected") {
   for (const bool of_folder : {true, false}) {
     const TemporaryFolder folder;
-    fs::copy_file(fs::path(ODOGRAPH_BUILD) / "tests/hostile/good.dll", folder / "one.dll");
+    fs::copy_file(built("tests/hostile/good.dll"), folder / "one.dll");
     REQUIRE(write_manifest_beside(folder / "one.dll").ok());
     const auto found = [&] {
       PluginRegistry registry({folder.path()});

@@ -65,8 +65,8 @@ const std::set<std::string> kForged = {"answers_unasked", "takes_no_question"};
 
 /// Installs the plugin under a name that selects its fault.
 std::string install(const TemporaryFolder& folder, const std::string& name) {
-  return install_with_manifest(folder, fs::path(ODOGRAPH_BUILD) / "tests/hostile/fault_phase.so", name,
-                               "test/fault_phase", ODO_INTERFACE_ATTITUDE);
+  return install_with_manifest(folder, built("tests/hostile/fault_phase.so"), name, "test/fault_phase",
+                               ODO_INTERFACE_ATTITUDE);
 }
 
 struct Outcome {
@@ -99,7 +99,7 @@ Outcome walk(const std::string& plugins) {
 /// The same in the thread of a separate program, which writes its standard error to a file.
 pid_t start_app(const std::string& plugins, const fs::path& said_file, bool eats_memory) {
   const std::string folders = plugin_folder().string() + ":" + plugins;
-  const std::string program = fs::path(ODOGRAPH_BUILD) / "tests/fault_phase_app";
+  const std::string program = built("tests/fault_phase_app");
   const pid_t child = fork();
   if (child == 0) {
     const int fd = open(said_file.c_str(), O_CREAT | O_WRONLY | O_TRUNC, 0600);
@@ -238,7 +238,7 @@ TEST_CASE("a hanging call in the app's thread is reported once, while it lasts")
 TEST_CASE("a late call in the app's thread is reported when it returns, and nothing else changes") {
   const TemporaryFolder folder;
   const fs::path library = folder / "cost_imu__120_ms.so";
-  fs::copy_file(fs::path(ODOGRAPH_BUILD) / "tests/faulty_plugins/cost_imu__120_ms.so", library);
+  fs::copy_file(built("tests/faulty_plugins/cost_imu__120_ms.so"), library);
   REQUIRE(write_manifest_beside(library).ok());
   RunningApp app("odograph: 1\nattitude: {plugin: test/faulty, time_limit: 0.05 s}\n", ODO_RUN_REPLAY,
                  folder.path().string());

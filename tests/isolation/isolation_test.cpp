@@ -27,7 +27,7 @@ TEST_SUITE_BEGIN("isolation");
 
 namespace {
 
-const fs::path kFaultyPlugins = fs::path(ODOGRAPH_BUILD) / "tests/faulty_plugins";
+const fs::path kFaultyPlugins = built("tests/faulty_plugins");
 
 std::string install(const TemporaryFolder& folder, const std::string& faulty, const std::string& kind) {
   return install_with_manifest(folder, kFaultyPlugins / (faulty + ".so"), faulty, "test/faulty", kind);
@@ -263,7 +263,7 @@ TEST_CASE("a plugin that is replaced with its manifest while it runs is not rest
 }
 
 TEST_CASE("a library that changes constantly, allowed by its hash, runs as hashed or is rejected") {
-  const fs::path hostile = fs::path(ODOGRAPH_BUILD) / "tests/hostile";
+  const fs::path hostile = built("tests/hostile");
   const TemporaryFolder folder;
   const fs::path library = folder / "one.so";
   fs::copy_file(hostile / "good.so", library);
@@ -318,7 +318,7 @@ TEST_CASE("events from a plugin's own thread are rejected and reported") {
   for (const char* isolation : {"none", "process"}) {
     CAPTURE(isolation);
     const TemporaryFolder folder;
-    fs::copy_file(fs::path(ODOGRAPH_BUILD) / "tests/faulty_plugins/life_emits_on_thread__own.so", folder / "one.so");
+    fs::copy_file(built("tests/faulty_plugins/life_emits_on_thread__own.so"), folder / "one.so");
     REQUIRE(write_manifest_beside(folder / "one.so").ok());
     RunningApp app("odograph: 1\nattitude: {plugin: test/faulty, isolation: " + std::string(isolation) + "}\n",
                    ODO_RUN_REPLAY, folder.path().string());

@@ -16,9 +16,7 @@ TEST_SUITE_BEGIN("plugin_host");
 
 namespace {
 
-fs::path hostile(const std::string& name) {
-  return fs::path(ODOGRAPH_BUILD) / "tests/hostile" / (name + ODOGRAPH_LIBRARY);
-}
+fs::path hostile(const std::string& name) { return built("tests/hostile") / (name + ODOGRAPH_LIBRARY); }
 
 std::string refusal(const fs::path& library) {
   const HostServices host(0, {"."}, nullptr);

@@ -27,7 +27,7 @@ TEST_SUITE_BEGIN("plugin_trust");
 
 namespace {
 
-fs::path hostile(const std::string& name) { return fs::path(ODOGRAPH_BUILD) / "tests/hostile" / (name + ".so"); }
+fs::path hostile(const std::string& name) { return built("tests/hostile") / (name + ".so"); }
 bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
 // Made with OpenSSL, `openssl pkeyutl -sign -rawin`, over the manifest of a library with the content "not a library".

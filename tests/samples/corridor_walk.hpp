@@ -136,7 +136,7 @@ class CorridorWalk {
   std::mt19937 random_{5};
 };
 
-inline std::string sample_plugins() { return (std::filesystem::path(ODOGRAPH_BUILD) / "tests/samples").string(); }
+inline std::string sample_plugins() { return (built("tests/samples")).string(); }
 
 /// The pipeline of both samples; the walk starts at the origin's height, heading north.
 inline std::string platform_config(const std::string& rest, const std::string& north = "0 m") {

@@ -37,6 +37,9 @@ REGISTER_LISTENER("case counter", 1, CaseCounter);
 
 }  // namespace
 
+std::filesystem::path source(const std::string& name) { return std::filesystem::path(ODOGRAPH_SOURCE) / name; }
+std::filesystem::path built(const std::string& name) { return std::filesystem::path(ODOGRAPH_BUILD) / name; }
+
 void skip(const std::string& why) {
   skipped = true;
   std::cout << "SKIPPED: " << why << std::endl;

@@ -33,8 +33,10 @@ odograph::Result<T> required(odograph::Result<T> result, std::source_location fr
   return result;
 }
 
-inline std::filesystem::path source(const std::string& name) { return std::filesystem::path(ODOGRAPH_SOURCE) / name; }
-inline std::filesystem::path plugin_folder() { return std::filesystem::path(ODOGRAPH_BUILD) / "lib/odograph/plugins"; }
+/// A file of the source tree, of the build folder.
+std::filesystem::path source(const std::string& name);
+std::filesystem::path built(const std::string& name);
+inline std::filesystem::path plugin_folder() { return built("lib/odograph/plugins"); }
 
 /// Whether the camera and terrain plugins are built (ODOGRAPH_OPENCV); cases that need one are skipped otherwise.
 inline constexpr bool kCameraPlugins = ODOGRAPH_CAMERA_PLUGINS;

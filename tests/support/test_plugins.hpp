@@ -27,8 +27,7 @@ class TestPlugins {
   explicit TestPlugins(std::initializer_list<const char*> names) {
     for (const std::string name : names) {
       const auto library = folder_ / (name + ODOGRAPH_LIBRARY);
-      std::filesystem::copy_file(std::filesystem::path(ODOGRAPH_BUILD) / "tests/hostile" / (name + ODOGRAPH_LIBRARY),
-                                 library);
+      std::filesystem::copy_file(built("tests/hostile") / (name + ODOGRAPH_LIBRARY), library);
       const auto written = write_manifest_beside(library);
       REQUIRE_MESSAGE(written.ok(), (written.ok() ? "" : written.failure().text));
     }

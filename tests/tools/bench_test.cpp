@@ -17,7 +17,7 @@ TEST_SUITE_BEGIN("bench");
 
 namespace {
 
-const std::string kConfigFile = std::string(ODOGRAPH_SOURCE) + "/samples/configs/walk_gnss.yaml";
+const std::string kConfigFile = source("samples/configs/walk_gnss.yaml").string();
 
 /// A benchmark without a pipeline: squares of numbers; appends a line to a file for each number measured.
 struct Squares : Benchmark {
