@@ -46,4 +46,16 @@ run events_numbers__nan
 [ -s out/summary.json ] || { echo "FAILED: invalid events took the results"; failed=1; }
 run process_works__throws
 grep -qF "an exception was thrown by process: the fortieth sample is unlucky" said || { echo "FAILED: an exception was not told"; cat said; failed=1; }
+
+# Found by its name in PATH, the program starts its own plugin host, not one of the current folder.
+mkdir elsewhere
+cd elsewhere || exit 1
+printf 'odograph: 1\nattitude: {plugin: attitude/vqf, isolation: process}\n' >config.yaml
+: >odograph
+printf '#!/bin/sh\n: >started\n' >odograph-plugin-host
+chmod +x odograph-plugin-host
+(PATH=$(dirname "$odograph"):$PATH; export PATH; exec odograph run -c config.yaml -i ../tiny.odo -o out) >said 2>&1
+grep -q "no process could be started\|needs the program" said && { echo "FAILED: an isolated plugin did not start from PATH"; cat said; failed=1; }
+[ -s out/summary.json ] || { echo "FAILED: no results with an isolated plugin from PATH"; cat said; failed=1; }
+[ ! -e started ] || { echo "FAILED: odograph-plugin-host of the current folder was started"; failed=1; }
 exit $failed

@@ -174,7 +174,7 @@ TEST_CASE(
       CHECK(information() - before == doctest::Approx(told * forgotten).epsilon(1e-3));
     last_s = t_s;
   }
-  CHECK(composer.localizer().x[kLogScale] == doctest::Approx(std::log(2)));
+  CHECK(composer.localizer().x()[kLogScale] == doctest::Approx(std::log(2)));
 }
 
 TEST_CASE("a late fix is compared with its position as corrected by all later fixes, in their order") {

@@ -72,10 +72,10 @@ Outcome run_walk(const WalkMeasurements& what, uint64_t seed, double length_m = 
       },
       [&](const Correction&, const odo_pose&) { ++o.corrections; });
   const Localizer& localizer = composer.localizer();
-  o.scale_error = localizer.x[kLogScale] + std::log(what.odometry.inverse_scale);
+  o.scale_error = localizer.x()[kLogScale] + std::log(what.odometry.inverse_scale);
   o.scale_sigma = localizer.sigma(kLogScale);
   o.knowledge = composer.scale_knowledge();
-  o.factor_error = localizer.x[kLogFactor] - walk.log_factor();
+  o.factor_error = localizer.x()[kLogFactor] - walk.log_factor();
   o.position_nees /= std::max(1, o.poses), o.height_nees /= std::max(1, o.poses);
   o.heading_nees /= std::max(1, o.poses);
   o.path_ratio = path / std::max(1e-9, true_path);
@@ -203,7 +203,7 @@ TEST_CASE(
     CHECK(walked == doctest::Approx(5 * 14 * kStep_m));
     CHECK(last == doctest::Approx(walked).epsilon(0.01));
     CHECK(path == doctest::Approx(walked).epsilon(0.01));
-    CHECK(std::abs(composer.localizer().x[kLogFactor]) < 0.01);
+    CHECK(std::abs(composer.localizer().x()[kLogFactor]) < 0.01);
   }
 }
 
@@ -320,7 +320,7 @@ TEST_CASE("a pressure that arrives late refers to the height at its time") {
     auto barometer = pressure_at(ns(frame), low);
     return composer.update(&barometer);
   };
-  const auto down_m = [&] { return composer.localizer().x[kDown]; };
+  const auto down_m = [&] { return composer.localizer().x()[kDown]; };
   composer.update(FrameTime{ns(0)});
   ascend(1, 10);
   CHECK(read(10).accepted);

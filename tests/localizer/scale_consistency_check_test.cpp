@@ -172,7 +172,7 @@ TEST_CASE("correlated step errors of a walker limit the accuracy of his estimate
     walk.run(composer, [&](double t, const odo_pose&) {
       if (t < 20) return;
       const Localizer& localizer = composer.localizer();
-      squares += std::pow((localizer.x[kLogFactor] - walk.log_factor()) / localizer.sigma(kLogFactor), 2), ++count;
+      squares += std::pow((localizer.x()[kLogFactor] - walk.log_factor()) / localizer.sigma(kLogFactor), 2), ++count;
     });
   }
   MESSAGE("normalised error squared of the walker's factor: " << squares / count);

@@ -270,7 +270,7 @@ TEST_CASE("a lift is a source of motion: its motion is no correction, and steps 
   CHECK(corrections == 0);
   CHECK(floor_said);
   CHECK(std::holds_alternative<StepSource>(composer.source()));
-  CHECK(std::abs(-composer.localizer().x[kDown] - 10) < 1);
+  CHECK(std::abs(-composer.localizer().x()[kDown] - 10) < 1);
   CHECK(composer.floor().floor == 3);
   CHECK(composer.floor().probability > 0.5);
 }

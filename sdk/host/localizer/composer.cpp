@@ -184,7 +184,7 @@ UpdateResult Composer::apply(const odo_barometer* barometer) {
   if (!then) return {};
   update_lift(*barometer);
   const double since_m = tracker_.newest().p_o_b.z() - then->p_o_b.z();  // o and n share the vertical
-  const double down_m = tracker_.localizer.x[kDown] - since_m;
+  const double down_m = tracker_.localizer.x()[kDown] - since_m;
   const UpdateResult result = tracker_.height.riding() ? ride(*barometer)
                                                        : tracker_.height.use(tracker_.localizer, *barometer, down_m,
                                                                              tracker_.rotates_with_attitude());
@@ -205,12 +205,12 @@ void Composer::update_lift(const odo_barometer& barometer) {
 /// The barometer measures motion of the body here, not an error of the track.
 UpdateResult Composer::ride(const odo_barometer& barometer) {
   const int64_t t_ns = barometer.header.t_ns;
-  const double down_m = tracker_.localizer.x[kDown];
+  const double down_m = tracker_.localizer.x()[kDown];
   tracker_.height.add_ride_noise(tracker_.localizer, t_ns);
   const UpdateResult result = tracker_.height.use(tracker_.localizer, barometer, down_m, true);
   TrackPoint to = tracker_.newest();
   if (!front_end_.begun() && t_ns > to.t_ns) to = tracker_.at(t_ns).value_or(to);
-  tracker_.push(to.t_ns, to.q_o_b, Vector3d(0, 0, tracker_.localizer.x[kDown] - down_m));
+  tracker_.push(to.t_ns, to.q_o_b, Vector3d(0, 0, tracker_.localizer.x()[kDown] - down_m));
   stepped_ = true;
   if (!front_end_.begun()) publish(to.t_ns, ODO_TRACKING, ODO_REASON_NONE);
   return result;
@@ -219,7 +219,7 @@ UpdateResult Composer::ride(const odo_barometer& barometer) {
 /// Reports a new floor once it is probable enough.
 void Composer::update_floor(int64_t t_ns) {
   constexpr double kReported = 0.8;  // probability; judgement
-  floors_.add(t_ns, -tracker_.localizer.x[kDown]);
+  floors_.add(t_ns, -tracker_.localizer.x()[kDown]);
   const auto [floor, probability] = floors_.floor();
   if (floor == reported_floor_ || probability < kReported || notice_.key) return;
   reported_floor_ = floor;
@@ -299,7 +299,7 @@ odo_pose Composer::make_pose(const TrackPoint& point) const {
   Vector3d::Map(pose.velocity_n) = q_n_o * (of_camera ? front_end_.camera_velocity_o() : tracker_.velocity_o());
   Eigen::Map<Eigen::Matrix<double, 6, 6, Eigen::RowMajor>>(pose.covariance) = covariance;
   if (front_end_.scale().known() || (tracker_.paper() && inputs_.scale && shown_)) {
-    pose.scale = std::exp(localizer.x[kLogScale]);
+    pose.scale = std::exp(localizer.x()[kLogScale]);
     pose.scale_sigma = pose.scale * localizer.sigma(kLogScale);
   }
   pose.distance_m = output_.distance_m();

@@ -76,7 +76,7 @@ double FrontEnd::heading_variance(const MotionUpdate& motion) const {
 /// Whether the camera walks. If so, the uncertainty of its displacement is one of scale.
 bool FrontEnd::is_walking(int64_t t_ns) const {
   const auto moved = group_.moved_in_a_second(t_ns);
-  return moved && std::exp(tracker_.localizer.x[kLogScale]) * *moved > p_.walking_m;
+  return moved && std::exp(tracker_.localizer.x()[kLogScale]) * *moved > p_.walking_m;
 }
 
 /// Paper mode: each motion has its own scale, whose errors are correlated over the path.
@@ -88,7 +88,7 @@ bool FrontEnd::apply_paper_scale(MotionUpdate& motion, const odo_scale* scale) {
       (scale->header.flags & ODO_SCALE_HORIZONTAL) != 0 && tracker_.config().vertical == Vertical::ignore;
   if (horizontal) motion.d_o.z() = 0.0;
   const double relative = scale->scale > 0 ? std::min(1.0, scale->sigma / scale->scale) : 0.0;
-  tracker_.localizer.x[kLogScale] = scale->scale > 0 ? std::log(scale->scale) : 0.0;
+  tracker_.localizer.set_value(kLogScale, scale->scale > 0 ? std::log(scale->scale) : 0.0);
   tracker_.localizer.set_variance(kLogScale, squared(relative));
   if (motion.translates) motion.caught_up_m = catch_up(scale, horizontal, motion.doubtful);
   return true;
@@ -104,13 +104,13 @@ bool FrontEnd::apply_metric_scale(MotionUpdate& motion, const odo_scale* scale) 
       scale_.use_front_end(tracker_.localizer, stated ? m.scale_sigma : p_.unstated_scale_sigma,
                            is_walking(m.header.t_ns));
     }
-    if (!tracker_.paper()) motion.d_o *= std::exp(tracker_.localizer.x[kLogScale]);
+    if (!tracker_.paper()) motion.d_o *= std::exp(tracker_.localizer.x()[kLogScale]);
     return true;
   }
   if (tracker_.paper()) return apply_paper_scale(motion, scale);
   if (scale) scale_.use(tracker_.localizer, *scale);
   if (!scale_.known()) return false;
-  motion.d_o *= std::exp(tracker_.localizer.x[kLogScale]);
+  motion.d_o *= std::exp(tracker_.localizer.x()[kLogScale]);
   const double walk = scale_check_.rejected() ? p_.rejected_scale_walk : p_.scale_walk;
   tracker_.localizer.add_variance(kLogScale, squared(walk) * motion.d_o.norm());
   motion.caught_up_m = catch_up(scale, false, motion.doubtful);
@@ -124,7 +124,7 @@ double FrontEnd::catch_up(const odo_scale* scale, bool horizontal, bool doubtful
   if (waiting_o.isZero() || (tracker_.paper() && !(scale && (scale->header.flags & ODO_SCALE_STEADY)))) return 0;
   if (tracker_.coverage.missing(group_.unscaled_ns, tracker_.newest().t_ns) < 0.5) return 0;
   if (doubtful) tracker_.add_gap(group_.unscaled_ns);
-  Vector3d d_o = std::exp(tracker_.localizer.x[kLogScale]) * waiting_o;
+  Vector3d d_o = std::exp(tracker_.localizer.x()[kLogScale]) * waiting_o;
   if (horizontal) d_o.z() = 0;
   const Vector3d d_n = tracker_.localizer.q_n_o() * d_o;
   tracker_.localizer.move(d_n, {{kHeading, across(d_n)}, {kLogScale, d_n}}, Matrix3d::Zero());

@@ -22,7 +22,7 @@ void HeadingUpdate::on_attitude(Localizer& localizer, const odo_attitude& attitu
 
 void HeadingUpdate::start(Localizer& localizer) const {
   localizer.set(kAttitudeHeading, mean_rad_, north_ ? squared(north_sigma_rad_) : 0.0);
-  localizer.x[kHeading] = mean_rad_;
+  localizer.set_value(kHeading, mean_rad_);
   localizer.copy_error(kHeading, kAttitudeHeading);
 }
 
@@ -33,14 +33,13 @@ double HeadingUpdate::propagate(Localizer& localizer, double dt_s, bool with_att
     variance = (1 - keep * keep) * squared(north_sigma_rad_);
     if (with_attitude) {
       localizer.add_multiple(kHeading, kAttitudeHeading, keep - 1);
-      localizer.x[kHeading] -= (keep - 1) * mean_rad_;
+      localizer.set_value(kHeading, localizer.x()[kHeading] - (keep - 1) * mean_rad_);
     }
   }
   localizer.decay(kAttitudeHeading, mean_rad_, keep, variance);
   if (!with_attitude) return 0;
   localizer.add_variance(kHeading, variance);
-  localizer.P(kHeading, kAttitudeHeading) += variance;
-  localizer.P(kAttitudeHeading, kHeading) += variance;
+  localizer.add_covariance(kHeading, kAttitudeHeading, variance);
   return variance;
 }
 
@@ -51,7 +50,7 @@ bool HeadingUpdate::due(int64_t t_ns) const {
 Innovation<1> HeadingUpdate::difference(const Localizer& localizer, const Quaterniond& q_o_a, double sigma_rad) const {
   const double turned = -2 * std::atan2(q_o_a.z(), q_o_a.w());  // about down: heading minus the attitude source's
   Innovation<1> seen;
-  seen.residual[0] = std::remainder(turned - (localizer.x[kHeading] - localizer.x[kAttitudeHeading]), 2 * EIGEN_PI);
+  seen.residual[0] = std::remainder(turned - (localizer.x()[kHeading] - localizer.x()[kAttitudeHeading]), 2 * EIGEN_PI);
   seen.H(0, kHeading) = 1, seen.H(0, kAttitudeHeading) = -1;
   seen.noise(0, 0) = squared(sigma_rad);
   return seen;

@@ -33,9 +33,8 @@ class HeightUpdate {
     const double z_m = -pressure_height_m(barometer.pressure_pa);
     const int64_t t_ns = barometer.header.t_ns;
     if (used_ns_ == INT64_MIN) {
-      localizer.set(kBarometer, z_m - down_m, squared(p_.sigma_m));
-      localizer.P(kBarometer, kBarometer) += localizer.P(kDown, kDown);
-      localizer.P(kBarometer, kDown) = localizer.P(kDown, kBarometer) = -localizer.P(kDown, kDown);
+      localizer.set(kBarometer, z_m - down_m + localizer.x()[kDown], squared(p_.sigma_m));
+      localizer.add_multiple(kBarometer, kDown, -1);
       used_ns_ = t_ns;
       return {true, 0.0, 1};
     }
@@ -43,7 +42,7 @@ class HeightUpdate {
     const double since_s = std::clamp(seconds(t_ns - used_ns_), 0.01, p_.correlation_s);
     used_ns_ = t_ns;
     Innovation<1> height;
-    height.residual[0] = z_m - down_m - localizer.x[kBarometer];
+    height.residual[0] = z_m - down_m - localizer.x()[kBarometer];
     height.H(0, kDown) = height.H(0, kBarometer) = 1;
     height.noise(0, 0) = squared(p_.sigma_m) * (steps ? 1.0 : p_.correlation_s / since_s);
     return localizer.update(height, riding_ ? 0.0 : kGate[1], only({kLogScale, kLogFactor, kStepHeading, kHeading}));

@@ -45,57 +45,57 @@ double share_of_shift(double path_m, double fixed_m, double now_m) {
 
 void Localizer::move(const Vector3d& d_n, std::initializer_list<std::pair<StateIndex, Vector3d>> by,
                      const Matrix3d& noise) {
-  x.head<3>() += d_n;
+  x_.head<3>() += d_n;
   Eigen::Matrix<double, 3, kStates> F = Eigen::Matrix<double, 3, kStates>::Zero();
   F.leftCols<3>().setIdentity();
   for (const auto& [state, derivative] : by) F.col(state) += derivative;
-  const Eigen::Matrix<double, 3, kStates> FP = F * P;
+  const Eigen::Matrix<double, 3, kStates> FP = F * P_;
   const Matrix3d FPF = FP * F.transpose();
-  P.topRows<3>() = FP;
-  P.leftCols<3>() = FP.transpose();
-  P.topLeftCorner<3, 3>() = 0.5 * (FPF + FPF.transpose());
-  P.topLeftCorner<3, 3>() += noise;
+  P_.topRows<3>() = FP;
+  P_.leftCols<3>() = FP.transpose();
+  P_.topLeftCorner<3, 3>() = 0.5 * (FPF + FPF.transpose());
+  P_.topLeftCorner<3, 3>() += noise;
   for (DelayedPose& pose : delayed_poses_) pose.cross.leftCols<3>() = (pose.cross * F.transpose()).eval();
 }
 
 void Localizer::add_multiple(StateIndex to, StateIndex from, double factor) {
-  x[to] += factor * x[from];
-  P.row(to) += factor * P.row(from);
-  P.col(to) += factor * P.col(from);
+  x_[to] += factor * x_[from];
+  P_.row(to) += factor * P_.row(from);
+  P_.col(to) += factor * P_.col(from);
   for (DelayedPose& pose : delayed_poses_) pose.cross.col(to) += factor * pose.cross.col(from);
 }
 
 void Localizer::decay(StateIndex i, double mean, double keep, double variance) {
-  x[i] = mean + keep * (x[i] - mean);
-  P.row(i) *= keep;
-  P.col(i) *= keep;
-  P(i, i) += variance;
+  x_[i] = mean + keep * (x_[i] - mean);
+  P_.row(i) *= keep;
+  P_.col(i) *= keep;
+  P_(i, i) += variance;
   for (DelayedPose& pose : delayed_poses_) pose.cross.col(i) *= keep;
 }
 
 void Localizer::set(StateIndex i, double value, double variance) {
-  x[i] = value;
+  x_[i] = value;
   decay(i, value, 0, variance);
 }
 
 void Localizer::set_variance(StateIndex i, double variance) {
-  if (P(i, i) <= 0) return set(i, x[i], variance);
-  decay(i, x[i], std::sqrt(variance / P(i, i)), 0);
+  if (P_(i, i) <= 0) return set(i, x_[i], variance);
+  decay(i, x_[i], std::sqrt(variance / P_(i, i)), 0);
 }
 
 void Localizer::copy_error(StateIndex to, StateIndex from) {
-  P.row(to) = P.row(from);
-  P.col(to) = P.col(from);
-  P(to, to) = P(from, from);
+  P_.row(to) = P_.row(from);
+  P_.col(to) = P_.col(from);
+  P_(to, to) = P_(from, from);
   for (DelayedPose& pose : delayed_poses_) pose.cross.col(to) = pose.cross.col(from);
 }
 
 template <int D>
 UpdateResult Localizer::update(const Innovation<D>& innovation, double max_nis, StateSet considered) {
   const auto& H = innovation.H;
-  Eigen::Matrix<double, kStates, D> PHt = P * H.transpose();
+  Eigen::Matrix<double, kStates, D> PHt = P_ * H.transpose();
   // Process noise since the measurement is not correlated with it; limited to half the current variance.
-  for (int i = 0; i < kStates; ++i) PHt.row(i) -= std::min(innovation.since[i], 0.5 * P(i, i)) * H.col(i).transpose();
+  for (int i = 0; i < kStates; ++i) PHt.row(i) -= std::min(innovation.since[i], 0.5 * P_(i, i)) * H.col(i).transpose();
   Eigen::Matrix<double, D, D> S = H * PHt + innovation.noise;
   S = (0.5 * (S + S.transpose())).eval();
   const Eigen::LLT<Eigen::Matrix<double, D, D>> llt(S);
@@ -121,15 +121,15 @@ UpdateResult Localizer::update(const Innovation<D>& innovation, double max_nis, 
   }
   StateVector moved = K * innovation.residual;
   moved.head<3>() = along_arc(moved.head<3>(), moved[kHeading]);
-  x += moved;
+  x_ += moved;
   const Eigen::Matrix<double, kStates, D> half = PHt - 0.5 * K * S;
-  P -= K * half.transpose() + half * K.transpose();
+  P_ -= K * half.transpose() + half * K.transpose();
   return {true, nis, D};
 }
 
 void Localizer::shift(const Vector3d& by_n, const Matrix3d& covariance, double fixed_m, double now_m) {
-  x.head<3>() += by_n;
-  P.topLeftCorner<3, 3>() += covariance;
+  x_.head<3>() += by_n;
+  P_.topLeftCorner<3, 3>() += covariance;
   for (DelayedPose& pose : delayed_poses_) {
     const double share = share_of_shift(pose.path_m, fixed_m, now_m);
     pose.p_n += share * by_n;
@@ -141,10 +141,10 @@ void Localizer::shift(const Vector3d& by_n, const Matrix3d& covariance, double f
 void Localizer::rotate(double by_rad, const Vector3d& about_n) {
   const Quaterniond q = about_down(by_rad);
   const Matrix3d R = q.toRotationMatrix();
-  x.head<3>() = about_n + R * (p_n() - about_n);
-  x[kHeading] += by_rad, x[kAttitudeHeading] += by_rad;
-  P.topRows<3>() = (R * P.topRows<3>()).eval();
-  P.leftCols<3>() = (P.leftCols<3>() * R.transpose()).eval();
+  x_.head<3>() = about_n + R * (p_n() - about_n);
+  x_[kHeading] += by_rad, x_[kAttitudeHeading] += by_rad;
+  P_.topRows<3>() = (R * P_.topRows<3>()).eval();
+  P_.leftCols<3>() = (P_.leftCols<3>() * R.transpose()).eval();
   for (DelayedPose& pose : delayed_poses_) {
     pose.q_n_b = (q * pose.q_n_b).normalized();
     pose.p_n = about_n + R * (pose.p_n - about_n);
@@ -158,7 +158,7 @@ void Localizer::rotate(double by_rad, const Vector3d& about_n) {
 void Localizer::inflate_heading(double sigma_rad) {
   const double variance = sigma_rad * sigma_rad;
   for (const int i : {kHeading, kAttitudeHeading})
-    for (const int j : {kHeading, kAttitudeHeading}) P(i, j) += variance;
+    for (const int j : {kHeading, kAttitudeHeading}) P_(i, j) += variance;
   for (DelayedPose& pose : delayed_poses_) {  // rotated with the rest, about the body's position
     Eigen::Vector4d by;
     by << 1, across(pose.p_n - p_n());
@@ -176,8 +176,9 @@ uint64_t Localizer::retain_pose(const TrackPoint& then, const TrackPoint& now) {
   StateVector since = StateVector::Zero();
   since.head<3>() = now.drift_m2 - then.drift_m2;
   since[kHeading] = now.heading_drift_rad2 - then.heading_drift_rad2;
-  since = since.cwiseMin(0.5 * P.diagonal());
-  DelayedPose pose{++last_pose_id_, then.path_m, q_n_o() * then.q_o_b, p_n() - since_n, H * P, Eigen::Matrix4d::Zero()};
+  since = since.cwiseMin(0.5 * P_.diagonal());
+  DelayedPose pose{++last_pose_id_, then.path_m, q_n_o() * then.q_o_b,
+                   p_n() - since_n, H * P_,      Eigen::Matrix4d::Zero()};
   pose.cross -= H * since.asDiagonal();
   pose.own = pose.cross * H.transpose();
   pose.own = (0.5 * (pose.own + pose.own.transpose())).eval();
@@ -192,7 +193,7 @@ void Localizer::release_pose(uint64_t id) {
 Eigen::Matrix<double, 6, 6> Localizer::pose_covariance(double tilt_variance) const {
   Eigen::Matrix4d of_pose;
   for (int i = 0; i < 4; ++i)
-    for (int j = 0; j < 4; ++j) of_pose(i, j) = P(kPose[i], kPose[j]);
+    for (int j = 0; j < 4; ++j) of_pose(i, j) = P_(kPose[i], kPose[j]);
   return spread(of_pose, tilt_variance);
 }
 

@@ -52,14 +52,15 @@ struct Innovation {
 /// retained poses. Not thread-safe.
 class Localizer {
  public:
-  StateVector x = StateVector::Zero();
-  Eigen::Matrix<double, kStates, kStates> P = Eigen::Matrix<double, kStates, kStates>::Zero();
+  using Covariance = Eigen::Matrix<double, kStates, kStates>;
 
-  Eigen::Vector3d p_n() const { return x.head<3>(); }
+  const StateVector& x() const { return x_; }
+  const Covariance& P() const { return P_; }
+  Eigen::Vector3d p_n() const { return x_.head<3>(); }
   Eigen::Quaterniond q_n_o() const {
-    return Eigen::Quaterniond(Eigen::AngleAxisd(x[kHeading], Eigen::Vector3d::UnitZ()));
+    return Eigen::Quaterniond(Eigen::AngleAxisd(x_[kHeading], Eigen::Vector3d::UnitZ()));
   }
-  double sigma(StateIndex i) const { return std::sqrt(std::max(0.0, P(i, i))); }
+  double sigma(StateIndex i) const { return std::sqrt(std::max(0.0, P_(i, i))); }
 
   /// Moves the body by d_n, m. `by`: the states whose errors it depends on, with its derivative by each; plus own
   /// noise, m^2. Eq. (3).
@@ -67,7 +68,11 @@ class Localizer {
             const Eigen::Matrix3d& noise);
   /// x[to] += factor * x[from], eq. (4).
   void add_multiple(StateIndex to, StateIndex from, double factor);
-  void add_variance(StateIndex i, double variance) { P(i, i) += variance; }
+  void add_variance(StateIndex i, double variance) { P_(i, i) += variance; }
+  void add_covariance(StateIndex i, StateIndex j, double covariance) { P_(i, j) += covariance, P_(j, i) += covariance; }
+  /// Sets a state and keeps its error.
+  void set_value(StateIndex i, double value) { x_[i] = value; }
+  void set_position(const Eigen::Vector3d& p_n) { x_.head<3>() = p_n; }
   /// Propagates a Gauss-Markov state: its distance from `mean` is multiplied by `keep`, and a variance is added.
   void decay(StateIndex i, double mean, double keep, double variance);
   /// Re-initialises a state, uncorrelated with all others.
@@ -106,6 +111,8 @@ class Localizer {
     Eigen::Matrix<double, 4, kStates> cross;
     Eigen::Matrix4d own;
   };
+  StateVector x_ = StateVector::Zero();
+  Covariance P_ = Covariance::Zero();
   std::vector<DelayedPose> delayed_poses_;
   uint64_t last_pose_id_ = 0;
 };

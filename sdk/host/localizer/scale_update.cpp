@@ -14,7 +14,7 @@ constexpr double kMinInformationRatio = 1.02;  // minimum ratio to the informati
 
 Innovation<1> of_log_scale(double value, const Localizer& localizer, double variance) {
   Innovation<1> seen;
-  seen.residual[0] = value - localizer.x[kLogScale];
+  seen.residual[0] = value - localizer.x()[kLogScale];
   seen.H(0, kLogScale) = 1;
   seen.noise(0, 0) = variance;
   return seen;
@@ -36,7 +36,7 @@ void ScaleUpdate::use_front_end(Localizer& localizer, double sigma, bool is_walk
     stated_ = information;
     return;
   }
-  const double held = 1 / localizer.P(kLogScale, kLogScale);
+  const double held = 1 / localizer.P()(kLogScale, kLogScale);
   if (information < p_.lost_confidence * stated_ && is_walking) {
     if (information < held) localizer.add_variance(kLogScale, 1 / information - 1 / held);
     stated_ = information;

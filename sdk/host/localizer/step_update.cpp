@@ -40,7 +40,7 @@ void StepUpdate::reset(Localizer& localizer) {
 void StepUpdate::propagate(Localizer& localizer, const odo_step& step, bool learns) {
   if (!std::exchange(any_, true)) {
     const double common = squared(step.sigma_m / step.length_m) - squared(own_sigma(step));
-    localizer.set(kLogFactor, localizer.x[kLogFactor], std::max(squared(p_.factor_sigma), common));
+    localizer.set(kLogFactor, localizer.x()[kLogFactor], std::max(squared(p_.factor_sigma), common));
   }
   const double keep = std::exp(-1 / p_.factor_steps);
   if (learns) localizer.decay(kLogFactor, 0, keep, (1 - keep * keep) * squared(p_.factor_sigma));
@@ -54,7 +54,7 @@ void StepUpdate::propagate(Localizer& localizer, const odo_step& step, bool lear
 
 StepUpdate::Stride StepUpdate::apply_step(Localizer& localizer, const odo_step& step, double share,
                                           double phone_heading_rad) const {
-  const auto& x = localizer.x;
+  const auto& x = localizer.x();
   const bool heading = (step.header.flags & ODO_STEP_HEADING) != 0;
   const double direction = x[kAttitudeHeading] + (heading ? step.heading_rad + x[kStepHeading] : phone_heading_rad);
   const Vector3d along(std::cos(direction), std::sin(direction), 0), side_n = across(along);
@@ -81,7 +81,7 @@ UpdateResult StepUpdate::compare(Localizer& localizer, const odo_step& step, con
                                  bool metric) {
   const double moved = moved_o.head<2>().norm();
   if (moved < p_.min_moved || step.mode == ODO_MODE_STAIRS) return {};
-  const auto& x = localizer.x;
+  const auto& x = localizer.x();
   const bool heading = (step.header.flags & ODO_STEP_HEADING) != 0;
   Innovation<2> seen;  // of two differences whose expected value is zero
   const double stretch = x[kLogFactor] + std::log(step.length_m / moved) - x[kLogScale];

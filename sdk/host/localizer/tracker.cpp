@@ -22,7 +22,7 @@ void Tracker::reset() {
 
 void Tracker::start(int64_t t_ns, const Quaterniond& q_o_b) {
   t_ns_ = t_ns;
-  localizer.x.head<3>() = Vector3d(start_.position_m.data());
+  localizer.set_position(Vector3d(start_.position_m.data()));
   heading.start(localizer);
   if (config_.orientation == Orientation::gyroscope)
     localizer.set(kHeadingRate, 0, squared(gyroscope_.bias_sigma_radps));
@@ -49,7 +49,7 @@ bool Tracker::add_attitude(const odo_attitude& attitude) {
 
 void Tracker::start_camera_at(int64_t t_ns, const Quaterniond& q_o_b, const Vector3d& lever_b) {
   coverage.begin(t_ns);
-  localizer.x.head<3>() = Vector3d(start_.position_m.data()) - localizer.q_n_o() * (q_o_b * lever_b);
+  localizer.set_position(Vector3d(start_.position_m.data()) - localizer.q_n_o() * (q_o_b * lever_b));
 }
 
 void Tracker::propagate(int64_t t_ns) {
@@ -90,7 +90,7 @@ double Tracker::unobserved_m_in(double unobserved_s) const {
 void Tracker::add_gap(int64_t until_ns) {
   const double unobserved_m = this->unobserved_m(until_ns);
   if (unobserved_m == 0) return;
-  localizer.P.diagonal().head<2>().array() += squared(unobserved_m);
+  for (const StateIndex i : {kNorth, kEast}) localizer.add_variance(i, squared(unobserved_m));
   gap_ns_ = until_ns;
 }
 
@@ -98,9 +98,9 @@ void Tracker::pause(int64_t until_ns, bool placed) {
   set_velocity(Vector3d::Zero(), Velocity::none);
   const int64_t seen_ns = rotates_with_attitude_ ? now_ns() : std::max(coverage.until_ns(), gap_ns_);
   gap_ns_ = until_ns;  // immediately, so that any later motion source can ignore the pause
-  if (placed)
-    localizer.P.diagonal().head<2>().array() +=
-        squared(unobserved_m_in(seconds(saturating_difference(until_ns, seen_ns))));
+  if (!placed) return;
+  const double unobserved_m = unobserved_m_in(seconds(saturating_difference(until_ns, seen_ns)));
+  for (const StateIndex i : {kNorth, kEast}) localizer.add_variance(i, squared(unobserved_m));
 }
 
 void Tracker::rotate_with_attitude() {

@@ -95,13 +95,13 @@ void Walker::compare(const odo_step& step) {
                      "motions count up to scale"
                    : "the front-end's metric scale agrees with the steps again"};
   const Localizer& localizer = tracker_.localizer;
-  const double before = 1 / localizer.P(kLogScale, kLogScale);
+  const double before = 1 / localizer.P()(kLogScale, kLogScale);
   const auto from = tracker_.track().at(step.t_start_ns), to = tracker_.track().at(step.t_end_ns);
   const double variance = from && to ? (to->drift_m2 - from->drift_m2).head<2>().maxCoeff() : 0;
   if (!update_.compare(tracker_.localizer, step, moved_o, std::max(0.0, variance), front_end_.is_metric_scale_known())
            .accepted)
     return;
-  front_end_.scale().add_steps(std::max(0.0, 1 / localizer.P(kLogScale, kLogScale) - before));
+  front_end_.scale().add_steps(std::max(0.0, 1 / localizer.P()(kLogScale, kLogScale) - before));
   front_end_.scale().confirm_by_steps(localizer);
 }
 

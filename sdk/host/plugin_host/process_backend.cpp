@@ -9,7 +9,6 @@
 #include <cstring>
 #include <thread>
 
-#include <dlfcn.h>
 #include <spawn.h>
 #include <sys/mman.h>
 #include <sys/socket.h>
@@ -21,6 +20,7 @@
 #include "sdk/host/base/pixels.hpp"
 #include "sdk/host/base/printable.hpp"
 #include "sdk/host/messages/messages.hpp"
+#include "sdk/host/platform/library.hpp"
 #include "sdk/host/plugin_host/instance.hpp"
 #include "sdk/host/plugin_host/shared_memory.hpp"
 #include "sdk/host/plugin_host/shared_pixels.hpp"
@@ -87,16 +87,11 @@ void put_values(wire::Writer& out, const PluginChoice& choice) {
 }  // namespace
 
 fs::path plugin_host_program() {
-  constexpr const char* kName = "odograph-plugin-host";
-  std::vector<fs::path> places;
-  Dl_info self{};
-  std::error_code error;
-  if (dladdr(reinterpret_cast<const void*>(&plugin_host_program), &self) && self.dli_fname)
-    if (const fs::path binary = fs::canonical(self.dli_fname, error); !error)
-      for (const char* folder : {".", "odograph", "../bin", ODOGRAPH_FROM_BIN})
-        places.push_back(binary.parent_path() / folder / kName);
-  for (const fs::path& place : places)
-    if (access(place.c_str(), X_OK) == 0) return place;
+  const fs::path binary = own_file();
+  if (binary.empty()) return {};
+  for (const char* folder : {".", "odograph", "../bin", ODOGRAPH_FROM_BIN})
+    if (fs::path place = binary.parent_path() / folder / "odograph-plugin-host"; access(place.c_str(), X_OK) == 0)
+      return place;
   return {};
 }
 

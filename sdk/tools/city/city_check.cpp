@@ -13,7 +13,7 @@
 namespace odograph {
 namespace {
 
-using Json = nlohmann::json;
+using SortedJson = nlohmann::json;
 
 /// Levels of arrays from a geometry's boundaries to its rings or points; nothing for unknown types.
 std::optional<int> depth_of(const std::string& type) {
@@ -36,7 +36,7 @@ class Checker {
  public:
   Checker(const std::string& name, const CityCheckLimits& limits) : name_(name), limits_(limits) {}
 
-  Result<bool> document(const Json& root) {
+  Result<bool> document(const SortedJson& root) {
     if (!root.is_object()) return wrong("expected an object with \"type\": \"CityJSON\"");
     const auto type = root.find("type");
     if (type == root.end()) return wrong("no \"type\"; expected CityJSON or CityJSONFeature");
@@ -76,18 +76,18 @@ class Checker {
   Failure wrong(const std::string& what) const { return {ODO_E_DATA, name_ + ": " + what}; }
 
  private:
-  static bool is_point(const Json& v) {
+  static bool is_point(const SortedJson& v) {
     return v.is_array() && v.size() == 3 && v[0].is_number() && v[1].is_number() && v[2].is_number();
   }
-  static std::array<double, 3> point(const Json& v) {
+  static std::array<double, 3> point(const SortedJson& v) {
     return {v[0].get<double>(), v[1].get<double>(), v[2].get<double>()};
   }
 
-  Result<bool> transform(const Json& root) {
+  Result<bool> transform(const SortedJson& root) {
     scale_ = {1, 1, 1}, shift_ = {0, 0, 0};
     const auto t = root.find("transform");
     if (t == root.end()) return true;
-    if (!t->is_object() || !is_point(t->value("scale", Json())) || !is_point(t->value("translate", Json())))
+    if (!t->is_object() || !is_point(t->value("scale", SortedJson())) || !is_point(t->value("translate", SortedJson())))
       return wrong("\"transform\" requires \"scale\" and \"translate\", three numbers each");
     scale_ = point((*t)["scale"]), shift_ = point((*t)["translate"]);
     for (size_t i = 0; i < 3; ++i) {
@@ -99,19 +99,19 @@ class Checker {
     return true;
   }
 
-  void reference_system(const Json& root) {
+  void reference_system(const SortedJson& root) {
     const auto metadata = root.find("metadata");
     if (metadata == root.end() || !metadata->is_object()) return;
-    const Json crs = metadata->value("referenceSystem", Json());
+    const SortedJson crs = metadata->value("referenceSystem", SortedJson());
     if (crs.is_string()) check_.reference_system = crs.get<std::string>();
   }
 
-  Result<bool> vertices(const Json& root) {
+  Result<bool> vertices(const SortedJson& root) {
     const auto list = root.find("vertices");
     if (list == root.end() || !list->is_array()) return wrong("no \"vertices\" in it");
     points_.clear(), low_.fill(1e300), high_.fill(-1e300);
     size_t k = 0;
-    for (const Json& v : *list) {
+    for (const SortedJson& v : *list) {
       const std::string at = "vertex " + std::to_string(k++);
       if (!is_point(v)) return wrong(at + " is not three numbers");
       const auto p = point(v);
@@ -128,15 +128,15 @@ class Checker {
     return true;
   }
 
-  Result<bool> city_object(const std::string& id, const Json& object) {
+  Result<bool> city_object(const std::string& id, const SortedJson& object) {
     id_ = id;
-    if (!object.is_object() || !object.value("type", Json()).is_string()) return wrong(id + ": no \"type\"");
+    if (!object.is_object() || !object.value("type", SortedJson()).is_string()) return wrong(id + ": no \"type\"");
     ++check_.objects;
     const auto list = object.find("geometry");
     if (list == object.end()) return true;
     if (!list->is_array()) return wrong(id + ": \"geometry\" is not a list");
-    for (const Json& g : *list) {
-      if (!g.is_object() || !g.value("type", Json()).is_string()) return wrong(id + ": a geometry without \"type\"");
+    for (const SortedJson& g : *list) {
+      if (!g.is_object() || !g.value("type", SortedJson()).is_string()) return wrong(id + ": a geometry without \"type\"");
       const auto type = g["type"].get<std::string>();
       const auto depth = depth_of(type);
       if (!depth && type != "GeometryInstance") {
@@ -152,23 +152,23 @@ class Checker {
   }
 
   /// `depth` levels of lists above the indices of vertices.
-  Result<bool> walk(const Json& part, int depth, bool surfaces) {
+  Result<bool> walk(const SortedJson& part, int depth, bool surfaces) {
     if (!part.is_array()) return wrong(id_ + ": \"boundaries\" are not nested as the geometry's type requires");
     if (depth == 0) {
-      for (const Json& index : part)
+      for (const SortedJson& index : part)
         if (!index.is_number_unsigned() || index.get<uint64_t>() >= points_.size())
           return wrong(id_ + ": no vertex " + index.dump() + "; there are " + std::to_string(points_.size()));
       return true;
     }
-    for (const Json& inner : part)
+    for (const SortedJson& inner : part)
       if (const auto done = walk(inner, depth - 1, surfaces); !done) return done;
     if (depth == 1 && surfaces) {
       ++check_.surfaces;
       if (part.size() > 1) check_.holes += part.size() - 1;
       std::vector<std::vector<Eigen::Vector3d>> rings;
-      for (const Json& ring : part) {
+      for (const SortedJson& ring : part) {
         auto& to = rings.emplace_back();
-        for (const Json& index : ring) to.push_back(points_[index.get<size_t>()]);
+        for (const SortedJson& index : ring) to.push_back(points_[index.get<size_t>()]);
       }
       if (!spend_crossings(rings, crossings_))
         return wrong(id_ + ": too many edges of surfaces cross each other; at most " +
@@ -177,10 +177,10 @@ class Checker {
     return true;
   }
 
-  void extent(const Json& root) {
+  void extent(const SortedJson& root) {
     const auto metadata = root.find("metadata");
     if (metadata == root.end() || !metadata->is_object() || points_.empty()) return;
-    const Json box = metadata->value("geographicalExtent", Json());
+    const SortedJson box = metadata->value("geographicalExtent", SortedJson());
     if (!box.is_array() || box.size() != 6) return;
     for (size_t i = 0; i < 3; ++i) {
       if (!box[i].is_number() || !box[i + 3].is_number()) return;
@@ -241,18 +241,18 @@ Result<CityCheck> check_obj(const std::string& text, const std::string& name, co
 
 Result<CityCheck> check_city_text(const std::string& text, const std::string& name, const CityCheckLimits& limits) {
   Checker checker(name, limits);
-  const auto parse = [](std::string_view part, Json& to, size_t& byte) {
+  const auto parse = [](std::string_view part, SortedJson& to, size_t& byte) {
     try {
-      to = Json::parse(part);
+      to = SortedJson::parse(part);
       return true;
-    } catch (const Json::parse_error& error) {
+    } catch (const SortedJson::parse_error& error) {
       byte = error.byte;
-    } catch (const Json::exception&) {
+    } catch (const SortedJson::exception&) {
       byte = 0;  // a number beyond the range of double
     }
     return false;
   };
-  Json root;
+  SortedJson root;
   size_t byte = 0;
   if (parse(text, root, byte)) {
     if (const auto done = checker.document(root); !done) return done.failure();
@@ -272,7 +272,7 @@ Result<CityCheck> check_city_text(const std::string& text, const std::string& na
                                   : std::string("a number in it is beyond all measure"));
       return checker.wrong("line " + std::to_string(number) + " is not JSON at column " + std::to_string(in_line));
     }
-    const bool feature = root.is_object() && root.value("type", Json()) == "CityJSONFeature";
+    const bool feature = root.is_object() && root.value("type", SortedJson()) == "CityJSONFeature";
     if (documents == 0 && feature) return checker.wrong("the first line of a CityJSONSeq must be of the type CityJSON");
     if (documents > 0 && !feature) return checker.wrong("line " + std::to_string(number) + " is not a CityJSONFeature");
     checker.set_format("CityJSONSeq");

@@ -15,11 +15,11 @@ namespace fs = std::filesystem;
 
 namespace {
 
-using Json = nlohmann::json;
+using SortedJson = nlohmann::json;
 
-Json summary_at(const fs::path& file) {
+SortedJson summary_at(const fs::path& file) {
   std::ifstream in(file);
-  return Json::parse(in, nullptr, false);
+  return SortedJson::parse(in, nullptr, false);
 }
 
 /// Calls with the fields of each line except the first; a missing file has none.
@@ -30,10 +30,10 @@ void each_row(const fs::path& file, size_t fields, const std::function<void(cons
     if (const auto row = split(line, ','); row.size() >= fields) take(row);
 }
 
-void read_tables(const fs::path& folder, const Json& summary, ExportedRun& run) {
+void read_tables(const fs::path& folder, const SortedJson& summary, ExportedRun& run) {
   std::map<std::string, std::string> plugins;
   if (summary.contains("plugins") && summary["plugins"].is_array())
-    for (const Json& plugin : summary["plugins"])
+    for (const SortedJson& plugin : summary["plugins"])
       if (plugin.is_object() && plugin.contains("number") && plugin.contains("id") && plugin["id"].is_string())
         plugins[plugin["number"].dump()] = plugin["id"];
   each_row(folder / "scale.csv", 5, [&](const auto& row) {
@@ -48,7 +48,7 @@ void read_tables(const fs::path& folder, const Json& summary, ExportedRun& run) 
 }  // namespace
 
 Origin origin_in_summary(const fs::path& file) {
-  const Json summary = summary_at(file);
+  const SortedJson summary = summary_at(file);
   std::array<double, 3> origin{};
   if (!summary.is_object() || !summary.contains("origin") || !summary["origin"].is_object()) return std::nullopt;
   const char* keys[] = {"latitude_deg", "longitude_deg", "height_m"};
@@ -65,7 +65,7 @@ Result<ExportedRun> read_exported_run(const fs::path& input, const std::string& 
   std::error_code error;
   const bool is_run = fs::is_regular_file(input / "trajectory.tum", error);
   fs::path path = is_run ? fs::path(named) : input;
-  Json summary;
+  SortedJson summary;
   if (is_run) {
     auto track = read_tum(track_of_run(input));
     if (!track) return track.failure();

@@ -17,7 +17,7 @@ namespace {
 constexpr char kBagMagic[] = "#ROSBAG V2.0\n", kMcapMagic[] = "\x89MCAP0\r\n";
 constexpr uint64_t kLargestHeader = 1 << 20;  // of a bag's record, and of what precedes a chunk's bytes in MCAP
 enum BagOp : uint8_t { kBagMessage = 2, kBagChunk = 5, kBagConnection = 7 };
-enum McapOp : uint8_t { kSchema = 3, kChannel = 4, kMessage = 5, kChunk = 6, kDataEnd = 15 };
+enum McapOp : uint8_t { kMcapSchema = 3, kMcapChannel = 4, kMcapMessage = 5, kMcapChunk = 6, kMcapDataEnd = 15 };
 
 /// Little-endian numbers and counted strings; reading past the end yields 0 and makes good() false.
 class Fields {
@@ -147,10 +147,10 @@ Result<bool> MessageLog::scan(const Visit& visit) {
     record.at = at;
     if (record.size > size_ - at) return cut(begin);
     at += record.size;
-    if (!bag_ && record.op == kDataEnd) return true;
-    const bool chunk = record.op == (bag_ ? uint8_t(kBagChunk) : uint8_t(kChunk));
+    if (!bag_ && record.op == kMcapDataEnd) return true;
+    const bool chunk = record.op == (bag_ ? uint8_t(kBagChunk) : uint8_t(kMcapChunk));
     const bool wanted = bag_ ? record.op == kBagConnection || record.op == kBagMessage
-                             : record.op == kSchema || record.op == kChannel || record.op == kMessage;
+                             : record.op == kMcapSchema || record.op == kMcapChannel || record.op == kMcapMessage;
     if (!chunk && !wanted) continue;
     if (!chunk && record.size > limits_.chunk_bytes)
       return wrong("a record of " + std::to_string(record.size) + " bytes");
@@ -167,7 +167,7 @@ Result<bool> MessageLog::scan(const Visit& visit) {
 
 /// Treats a message outside a chunk as a separate chunk.
 Result<bool> MessageLog::take(Record record, const Visit& visit) {
-  if (!record.chunk && record.op == (bag_ ? uint8_t(kBagMessage) : uint8_t(kMessage))) {
+  if (!record.chunk && record.op == (bag_ ? uint8_t(kBagMessage) : uint8_t(kMcapMessage))) {
     record.chunk = static_cast<uint32_t>(chunks_.size());
     chunks_.push_back({record.at, record.size, record.size, ""});
     record.at = 0;
@@ -204,7 +204,7 @@ Result<bool> MessageLog::take_bag(const Record& record, const Visit& visit) {
 Result<bool> MessageLog::take_mcap(const Record& record, const Visit& visit) {
   const Failure damaged{ODO_E_DISCARD, ""};
   Fields fields(record.data);
-  if (record.op == kChunk) {
+  if (record.op == kMcapChunk) {
     fields.take(16);  // first and last time
     Chunk chunk;
     chunk.unpacked = fields.number<uint64_t>();
@@ -215,18 +215,18 @@ Result<bool> MessageLog::take_mcap(const Record& record, const Visit& visit) {
     if (record.chunk || !fields.good() || chunk.packed > record.size - fields.at()) return damaged;
     return take_chunk(chunk, visit);
   }
-  if (record.op == kSchema) {
+  if (record.op == kMcapSchema) {
     const auto id = fields.number<uint16_t>();
     const std::string name = fields.text(), encoding = fields.text();
     if (!fields.good()) return damaged;
     schemas_[id] = {name, encoding};
-  } else if (record.op == kChannel) {
+  } else if (record.op == kMcapChannel) {
     const auto id = fields.number<uint16_t>();
     const auto schema = schemas_.find(fields.number<uint16_t>());
     const std::string topic = fields.text(), encoding = fields.text();
     if (!fields.good()) return damaged;
     topics_[id] = {topic, schema == schemas_.end() ? "" : short_type(schema->second.first), encoding};
-  } else if (record.op == kMessage) {
+  } else if (record.op == kMcapMessage) {
     const auto id = fields.number<uint16_t>();
     fields.take(4);  // sequence number
     const auto t_ns = fields.number<uint64_t>();

@@ -20,7 +20,7 @@ void take_vertex(void* vertex, void* cut) {
   static_cast<Cut*>(cut)->corners.push_back(static_cast<const double*>(vertex));
 }
 void take_edge(GLboolean, void*) {}  // its presence makes GLU emit only separate triangles
-void meet(double at[3], void**, float*, void** out, void* cut) {
+void meet_vertex(double at[3], void**, float*, void** out, void* cut) {
   auto& points = static_cast<Cut*>(cut)->points;
   points.push_back({at[0], at[1], at[2]});
   *out = points.back().data();
@@ -47,7 +47,7 @@ std::vector<std::array<Vector3d, 3>> triangulate(const std::vector<std::vector<V
   gluTessProperty(tesselator, GLU_TESS_WINDING_RULE, GLU_TESS_WINDING_ODD);
   gluTessCallback(tesselator, GLU_TESS_VERTEX_DATA, reinterpret_cast<Callback>(take_vertex));
   gluTessCallback(tesselator, GLU_TESS_EDGE_FLAG_DATA, reinterpret_cast<Callback>(take_edge));
-  gluTessCallback(tesselator, GLU_TESS_COMBINE_DATA, reinterpret_cast<Callback>(meet));
+  gluTessCallback(tesselator, GLU_TESS_COMBINE_DATA, reinterpret_cast<Callback>(meet_vertex));
   gluTessBeginPolygon(tesselator, &cut);
   for (const auto& ring : rings) {
     gluTessBeginContour(tesselator);

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sdk/host/platform/library.hpp"
 
-#include <cstring>
+#include <cinttypes>
+#include <cstdio>
+#include <fstream>
 
 #include <dlfcn.h>
 #include <unwind.h>
@@ -32,14 +34,20 @@ void* open_library(const std::filesystem::path& path, std::string& why) {
 
 void* library_symbol(void* library, const char* name) { return dlsym(library, name); }
 
+/// From the list of mappings: dladdr() names the program by its argv[0], and a library by the path it was opened with,
+/// either of which another folder can answer to.
 std::filesystem::path own_file() {
-  Dl_info self{};
-  if (!dladdr(reinterpret_cast<const void*>(&own_file), &self) || !self.dli_fname) return {};
-  // For the program itself, dli_fname is argv[0], which the shell may have found in PATH.
-  const bool by_name = std::strchr(self.dli_fname, '/') == nullptr;
-  std::error_code error;
-  auto file = std::filesystem::canonical(by_name ? "/proc/self/exe" : self.dli_fname, error);
-  return error ? std::filesystem::path() : file;
+  const auto here = reinterpret_cast<uintptr_t>(&own_file);
+  std::ifstream mappings("/proc/self/maps");
+  for (std::string line; std::getline(mappings, line);) {  // FROM-TO rights offset device inode PATH, addresses in hex
+    uintptr_t from = 0, to = 0;
+    if (std::sscanf(line.c_str(), "%" SCNxPTR "-%" SCNxPTR, &from, &to) != 2 || here < from || here >= to) continue;
+    const size_t path = line.find('/');
+    std::error_code error;
+    const auto file = std::filesystem::canonical(path == std::string::npos ? "" : line.substr(path), error);
+    return error ? std::filesystem::path() : file;
+  }
+  return {};
 }
 
 }  // namespace odograph
