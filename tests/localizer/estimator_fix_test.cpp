@@ -41,8 +41,7 @@ void fill(Composer& composer, bool metric = true) {
   for (int64_t ms = 0; ms <= kNow_ms; ms += 10) {
     auto attitude = attitude_at(ms * kMillisecond, kTilted, 0.05 * 0.05);
     attitude.header.flags = ODO_ATTITUDE_MAGNETIC_NORTH, attitude.covariance_n[8] = 0.3 * 0.3;
-    auto imu = imu_at(ms * kMillisecond, {0, 0, 0}, kTilted.conjugate() * Vector3d(2, -1, -9.81));
-    composer.add_imu(imu);
+    composer.add_imu(imu_at(ms * kMillisecond, {0, 0, 0}, kTilted.conjugate() * Vector3d(2, -1, -9.81)));
     if (ms == 0) composer.update(&attitude);
     if (ms == 500) composer.update(FrameTime{ms * kMillisecond});
     if (ms <= 500 || ms % 100 != 0) continue;

@@ -270,8 +270,7 @@ TEST_CASE("with steps alone, height fixes on a slope are applied fully, and the 
   double squares = 0, normalised = 0, n = 0;
   for (int i = 0; i < 7000; ++i) {
     const double t = 0.01 * i;
-    auto imu = imu_at(ns(t), {0, 0, 0}, {0, 0, -9.81});
-    composer.add_imu(imu);
+    composer.add_imu(imu_at(ns(t), {0, 0, 0}, {0, 0, -9.81}));
     auto attitude = attitude_at(ns(t), Eigen::Quaterniond::Identity(), 4e-4);
     composer.update(&attitude);
     if (i % 50 == 40 && t > 1) {
