@@ -46,8 +46,6 @@ ODO_PLUGIN_NAMED(Radio, radio_entry)
 
 namespace {
 
-bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
-
 const int kNumber = 42;
 const void* ODO_CALL offer(void* user, const char* id, uint64_t size) {
   const std::string_view wanted(id, size);
