@@ -160,7 +160,7 @@ TEST_CASE("an exported EuRoC folder is read back and gives the identical run") {
   options.plugin_path = plugin_folder().string();
   for (const char* config : {"antigny2019", "phone_walk_camera"}) {  // the second models the rolling shutter
     options.config = source("samples/configs/" + std::string(config) + ".yaml").string();
-    const auto a = required(replay(*original, options), b = replay(*copy, options));
+    const auto a = required(replay(*original, options)), b = replay(*copy, options);
     REQUIRE(b.ok());
     REQUIRE(a->track.size() == b->track.size());
     CHECK(a->track.size() > 40);
