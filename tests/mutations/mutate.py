@@ -66,14 +66,17 @@ class Build:
         cache = (self.folder / "CMakeCache.txt").read_text()
         self.root = pathlib.Path(re.search(r"CMAKE_HOME_DIRECTORY:INTERNAL=(.*)", cache).group(1))
         self.objects = {}  # of each file of the tree
-        built = None
+        built, names = None, {}
         for line in run("ninja", "-C", str(self.folder), "-t", "deps").stdout.splitlines():
             if not line.startswith(" "):
                 built = line.split(": ")[0]
             elif line:
-                path = (self.folder / line.strip()).resolve() if "../" in line else pathlib.Path(line.strip())
-                if path.is_relative_to(self.root) and not path.is_relative_to(self.folder):
-                    self.objects.setdefault(str(path.relative_to(self.root)), []).append(built)
+                if line not in names:
+                    path = (self.folder / line.strip()).resolve()
+                    ours = path.is_relative_to(self.root) and not path.is_relative_to(self.folder)
+                    names[line] = str(path.relative_to(self.root)) if ours else ""
+                if names[line]:
+                    self.objects.setdefault(names[line], []).append(built)
         listed = json.loads(run("ctest", "--show-only=json-v1", cwd=self.folder).stdout)["tests"]
         self.commands = {test["name"]: test["command"] for test in listed
                          if "command" in test and re.search(tests, test["name"]) and not LEFT_OUT.search(test["name"])}
