@@ -184,8 +184,7 @@ TEST_CASE("a late heading fix rotates the path since its time, and an older fix 
 }
 
 TEST_CASE("without a scale the position's uncertainty grows with the maximum speed, until a fix") {
-  CouplingConfig config;
-  config.fastest_mps = 10;
+  CouplingConfig config{.fastest_mps = 10};
   PaperTrack coupling(config, {{0, 0, 0}, 0, true}, {true, true});
   coupling.on_first_frame(0);
   odo_pose pose = coupling.on_vo_motion(motion_between(0, kSecond, {0, 0, 1}), nullptr);

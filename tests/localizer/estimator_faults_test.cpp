@@ -185,8 +185,7 @@ TEST_CASE("steps that are reported twice count once") {
 }
 
 TEST_CASE("a step faster than any walker is rejected and reported, and one of no length is not used") {
-  WalkMeasurements what;
-  what.camera = false, what.end_s = 12;
+  WalkMeasurements what{.camera = false, .end_s = 12};
   MeasuredWalk walk(walk_scenario(40), what, 3);
   CouplingConfig config{.type = CouplingType::localizer};
   config.fastest_mps = 2;

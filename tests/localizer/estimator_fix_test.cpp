@@ -177,8 +177,7 @@ TEST_CASE(
 }
 
 TEST_CASE("a late fix is compared with its position as corrected by all later fixes, in their order") {
-  CouplingConfig config;
-  config.fix_gate_sigma = 0;
+  CouplingConfig config{.fix_gate_sigma = 0};
   PaperTrack coupling(config, {.position_m = {0, 0, 0}, .given = true}, {true, true});
   auto scale = make_message<odo_scale>(ODO_TYPE_SCALE, 0);
   scale.header.flags = ODO_SCALE_HORIZONTAL;
