@@ -13,6 +13,7 @@
 #include "sdk/tools/simulation/random.hpp"
 #include "sdk/tools/simulation/walker.hpp"
 #include "tests/support/messages.hpp"
+#include "tests/support/replay_session.hpp"
 
 namespace {
 
@@ -64,12 +65,8 @@ BENCHMARK(plugin_call);
 
 /// Latency from an IMU sample's push to its attitude in the callback (attitude/vqf); with steps for the second config.
 void imu_push(benchmark::State& state, const char* yaml) {
-  odo_session_options options{};
-  options.struct_size = sizeof options;
-  options.run = ODO_RUN_REPLAY;
   const std::string text = yaml, plugins = ODOGRAPH_BUILD "/lib/odograph/plugins";
-  options.config_text = {text.data(), text.size()};
-  options.plugin_path = {plugins.data(), plugins.size()};
+  const odo_session_options options = replay_options(text, plugins);
   odo_session* session = nullptr;
   if (odo_session_create(&options, &session, nullptr) != ODO_OK) return state.SkipWithError("no session");
   int64_t attitudes = 0;
@@ -122,14 +119,10 @@ double resident_mb() {
 }
 
 void memory(benchmark::State& state) {
-  odo_session_options options{};
-  options.struct_size = sizeof options;
-  options.run = ODO_RUN_REPLAY;
   const std::string text =
       "odograph: 1\nattitude:\n  plugin: attitude/vqf\nstep_estimator:\n  plugin: step/renaudin2012\n";
   const std::string plugins = ODOGRAPH_BUILD "/lib/odograph/plugins";
-  options.config_text = {text.data(), text.size()};
-  options.plugin_path = {plugins.data(), plugins.size()};
+  const odo_session_options options = replay_options(text, plugins);
   for ([[maybe_unused]] auto _ : state) {
     odo_session* session = nullptr;
     const double before = resident_mb();

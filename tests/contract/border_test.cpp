@@ -133,8 +133,8 @@ void sign_state(std::string& blob) {
 TEST_CASE("a saved state whose plugin's part is rejected is restored in part, and the plugin is named") {
   const std::string yaml = "odograph: 1\nattitude: {plugin: attitude/vqf}\nstep_estimator: {plugin: step/odograph}\n";
   RunningApp before(yaml);
-  odo_anchor_place place{};
-  place.struct_size = sizeof place, place.kind = ODO_ANCHOR_GEODETIC, place.height_above = ODO_HEIGHT_ELLIPSOID;
+  odo_anchor_place place{
+      .struct_size = sizeof place, .kind = ODO_ANCHOR_GEODETIC, .height_above = ODO_HEIGHT_ELLIPSOID};
   uint64_t id = 0;
   CHECK(odo_anchor_create(before.session, &place, &id) == ODO_OK);
   std::string blob(static_cast<size_t>(odo_session_save(before.session, nullptr, 0)), '\0');

@@ -8,7 +8,6 @@
 #include <iterator>
 #include <set>
 #include <string>
-#include <tuple>
 
 #include <nlohmann/json.hpp>
 
@@ -139,17 +138,20 @@ TEST_CASE("a plugin that ends the process has no manifest, and the reason is rep
 
 TEST_CASE("a call that hangs is named and not made again: its other cases are not run") {
   using Outcome = PluginCheck::Outcome;
-  for (const auto& [faulty, call, least] :
-       {std::tuple{"life_create_destroy__hangs", "create", 70}, {"process_works__hangs", "process", 55}}) {
-    CAPTURE(faulty);
+  struct Row {
+    std::string faulty, call;
+    int least;
+  };
+  for (const Row& row : {Row{"life_create_destroy__hangs", "create", 70}, {"process_works__hangs", "process", 55}}) {
+    CAPTURE(row.faulty);
     CheckOptions options;
     options.limit_s = 2;
     size_t ended = 0;
     options.ended = [&](const auto& so_far) { CHECK(so_far.size() == ++ended); };
-    const auto checks = check_plugin(kFaultyPlugins / (std::string(faulty) + ".so"), options);
+    const auto checks = check_plugin(kFaultyPlugins / (row.faulty + ".so"), options);
     CHECK(ended == plugin_check_cases().size());
     const auto names_call = [&](const PluginCheck& check) {
-      return check.detail.find("took longer than 2 s in " + std::string(call)) != std::string::npos;
+      return check.detail.find("took longer than 2 s in " + row.call) != std::string::npos;
     };
     const auto hung = std::find_if(checks.begin(), checks.end(), names_call);
     REQUIRE(hung != checks.end());
@@ -158,9 +160,9 @@ TEST_CASE("a call that hangs is named and not made again: its other cases are no
     for (const PluginCheck& check : checks)
       if (check.outcome == Outcome::not_run) {
         ++not_run;
-        CHECK(check.detail == std::string(call) + " hangs, see " + hung->id);
+        CHECK(check.detail == row.call + " hangs, see " + hung->id);
       }
-    CHECK(not_run >= least);
+    CHECK(not_run >= row.least);
     CHECK(counts_as_text(checks).find(", " + std::to_string(not_run) + " not run;") != std::string::npos);
     CHECK(nlohmann::json::parse(check_as_json("a", checks))["not_run"] == not_run);
   }

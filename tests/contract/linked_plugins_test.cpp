@@ -62,8 +62,6 @@ struct Counted {
   }
 };
 
-bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
-
 std::string id_of(odo_plugin_entry entry) {
   const odograph::HostServices host(0, {}, nullptr);
   odo_plugin table{};

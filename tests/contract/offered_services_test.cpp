@@ -13,6 +13,7 @@
 #include "sdk/host/plugin_host/services.hpp"
 #include "tests/support/session_app.hpp"
 #include "tests/support/test_plugins.hpp"
+#include "tests/support/replay_session.hpp"
 
 using namespace odograph;
 
@@ -46,8 +47,6 @@ ODO_PLUGIN_NAMED(Radio, radio_entry)
 
 namespace {
 
-bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
-
 const int kNumber = 42;
 const void* ODO_CALL offer(void* user, const char* id, uint64_t size) {
   const std::string_view wanted(id, size);
@@ -67,11 +66,7 @@ Outcome outcome(const std::string& isolation) {
   const std::string yaml = "odograph: 1\nattitude: {plugin: test/asks_services, isolation: " + isolation + "}\n";
   const std::string folder = plugins.path(), asset_path = assets.path().string();
   Outcome out;
-  odo_session_options o{};
-  o.struct_size = sizeof o;
-  o.run = ODO_RUN_REPLAY;
-  o.config_text = {yaml.data(), yaml.size()};
-  o.plugin_path = {folder.data(), folder.size()};
+  odo_session_options o = replay_options(yaml, folder);
   o.asset_path = {asset_path.data(), asset_path.size()};
   o.user = &out.asked;
   o.get_service = offer;

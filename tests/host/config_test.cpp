@@ -26,8 +26,6 @@ std::string mistake(const std::string& yaml) {
   return config.failure().text;
 }
 
-bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
-
 }  // namespace
 
 TEST_CASE("every setting of a config is read into its own field") {

@@ -28,6 +28,7 @@
 #include "sdk/host/messages/messages.hpp"
 #include "sdk/host/plugin_host/instance.hpp"
 #include "tests/support/messages.hpp"
+#include "tests/support/replay_session.hpp"
 
 using namespace odograph;
 namespace fs = std::filesystem;
@@ -104,15 +105,7 @@ void walk(double hours, Take&& take) {
 }
 
 odo_session* open(const std::string& yaml, const std::string& plugins) {
-  odo_session_options options{};
-  options.struct_size = sizeof options;
-  options.run = ODO_RUN_REPLAY;
-  options.config_text = {yaml.data(), yaml.size()};
-  options.plugin_path = {plugins.data(), plugins.size()};
-  odo_error error{sizeof error, ODO_OK, {}};
-  odo_session* session = nullptr;
-  if (odo_session_create(&options, &session, &error) < 0) std::printf("FAILED: %s\n", error.message);
-  return session;
+  return open_session(replay_options(yaml, plugins));
 }
 
 int unloads(long times, const std::string& library) {

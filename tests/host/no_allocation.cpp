@@ -9,6 +9,7 @@
 #include <string>
 
 #include <odograph/odograph.h>
+#include "tests/support/replay_session.hpp"
 
 extern "C" {
 void* __libc_malloc(size_t size);
@@ -34,18 +35,9 @@ long walk(odo_session* session, int from, int to) {
 int check(const std::string& attitude, const std::string& steps, const std::string& plugins) {
   const std::string yaml =
       "odograph: 1\nattitude: {plugin: " + attitude + "}\nstep_estimator: {plugin: " + steps + "}\n";
-  odo_session_options options{};
-  options.struct_size = sizeof options;
-  options.run = ODO_RUN_REPLAY;
-  options.config_text = {yaml.data(), yaml.size()};
-  options.plugin_path = {plugins.data(), plugins.size()};
-  odo_session* session = nullptr;
   const long before = allocations;
-  odo_error error{sizeof error, ODO_OK, {}};
-  if (odo_session_create(&options, &session, &error) < 0) {
-    std::printf("FAILED: %s\n", error.message);
-    return 1;
-  }
+  odo_session* session = odograph::open_session(odograph::replay_options(yaml, plugins));
+  if (!session) return 1;
   const long created = allocations - before;  // shows that allocations are counted, in the host and below
   long events = 0;
   odo_session_set_callback(
@@ -69,17 +61,8 @@ int check_camera(const std::string& plugins) {
   const std::string yaml =
       "odograph: 1\nattitude: {plugin: attitude/vqf}\nstep_estimator: {plugin: step/odograph}\n"
       "vo_frontend: {plugin: test/needy_vo}\ncoupling: {type: localizer}\n";
-  odo_session_options options{};
-  options.struct_size = sizeof options;
-  options.run = ODO_RUN_REPLAY;
-  options.config_text = {yaml.data(), yaml.size()};
-  options.plugin_path = {plugins.data(), plugins.size()};
-  odo_session* session = nullptr;
-  odo_error error{sizeof error, ODO_OK, {}};
-  if (odo_session_create(&options, &session, &error) < 0) {
-    std::printf("FAILED: %s\n", error.message);
-    return 1;
-  }
+  odo_session* session = odograph::open_session(odograph::replay_options(yaml, plugins));
+  if (!session) return 1;
   long poses = 0;
   odo_session_set_callback(
       session, nullptr, ODO_ALL_EVENTS,

@@ -74,8 +74,7 @@ std::vector<AnyMessage> input() {
   static std::vector<uint8_t> pixels[3];
   for (int i = 0; i < kSamples; ++i) {
     const int64_t t_ns = 1'000'000'000 + i * 10'000'000LL;
-    auto imu = imu_at(t_ns, {0, 0, 0.1}, {0, 9.81 + 2.2 * std::sin(0.12 * i), 0});
-    all.emplace_back(imu.header);
+    all.emplace_back(imu_at(t_ns, {0, 0, 0.1}, {0, 9.81 + 2.2 * std::sin(0.12 * i), 0}).header);
     auto attitude = make_message<odo_attitude>(ODO_TYPE_ATTITUDE, t_ns);
     attitude.q_n_b[0] = attitude.q_n_b[1] = 0.70710678118654757;
     for (int k = 0; k < 3; ++k) attitude.covariance_n[4 * k] = 1e-3;
@@ -90,18 +89,15 @@ std::vector<AnyMessage> input() {
       step.t_start_ns = t_ns - 500'000'000, step.t_end_ns = t_ns;
       step.length_m = 0.7, step.sigma_m = 0.05, step.frequency_hz = 2;
       all.emplace_back(step.header);
-      auto motion = motion_between(t_ns - 200'000'000, t_ns, {0, 0, 0.2});
-      all.emplace_back(motion.header);
-      auto barometer = pressure_at(t_ns, 95000);
-      all.emplace_back(barometer.header);
+      all.emplace_back(motion_between(t_ns - 200'000'000, t_ns, {0, 0, 0.2}).header);
+      all.emplace_back(pressure_at(t_ns, 95000).header);
       auto waypoint = make_message<odo_waypoint>(ODO_TYPE_WAYPOINT, t_ns);
       waypoint.sigma_m = 0.5;
       all.emplace_back(waypoint.header);
       auto& picture = pixels[i / 20];
       picture.resize(kWidth * kHeight);
       for (uint32_t k = 0; k < picture.size(); ++k) picture[k] = static_cast<uint8_t>((k / 7 + i) * (k / 500) * 37);
-      auto frame = grey_frame_at(t_ns, picture.data(), kWidth, kHeight);
-      all.emplace_back(frame.header);
+      all.emplace_back(grey_frame_at(t_ns, picture.data(), kWidth, kHeight).header);
     }
   }
   return all;

@@ -43,10 +43,7 @@ void push_and_poll(odo_session* session, int thread, int round, std::atomic<uint
   odo_session_get_smooth_pose(session, t_ns, &pose);
   odo_error error{sizeof error, ODO_OK, {}};
   odo_session_last_error(session, &error);
-  odo_anchor_place place{};
-  place.struct_size = sizeof place;
-  place.kind = ODO_ANCHOR_VIEW;
-  place.t_ns = ODO_TIME_LATEST;
+  odo_anchor_place place{.struct_size = sizeof place, .kind = ODO_ANCHOR_VIEW, .t_ns = ODO_TIME_LATEST};
   uint64_t id = 0;
   if (round % 16 == thread && odo_anchor_create(session, &place, &id) == ODO_OK) {
     odo_anchor anchor{};

@@ -27,8 +27,6 @@ namespace {
 
 const std::u8string kName = u8"Größe und 測位";  // beyond ASCII and beyond any one code page
 
-bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
-
 /// Result of a session with plugins from these folders only.
 std::string refusal(const std::string& folders, const std::string& config) {
   odo_session_options options{};

@@ -7,8 +7,8 @@
 
 static const odo_sink*& sink_of(odo_instance* it) { return *reinterpret_cast<const odo_sink**>(it); }
 
-extern "C" int32_t ODO_PLUGIN_ENTRY(const odo_host*, odo_plugin* out) {
-  static const odo_string interfaces[] = {{ODO_INTERFACE_VO_FRONTEND, sizeof(ODO_INTERFACE_VO_FRONTEND) - 1}};
+HOSTILE_PLUGIN {
+  HOSTILE_SERVES(t, ODO_INTERFACE_VO_FRONTEND);
   static const uint32_t inputs[] = {ODO_TYPE_VENDOR(0, 1)};
   static const uint32_t outputs[] = {ODO_TYPE_ATTITUDE,
                                      ODO_TYPE_STEP,
@@ -22,8 +22,6 @@ extern "C" int32_t ODO_PLUGIN_ENTRY(const odo_host*, odo_plugin* out) {
                                      0x5000u,
                                      ODO_TYPE_VENDOR(0, ODO_VENDOR_EVENT | 2),
                                      ODO_TYPE_VENDOR(0, ODO_BORROWED)};
-  odo_plugin t = hostile::table();
-  t.interfaces = interfaces;
   t.inputs = inputs, t.input_count = 1;
   t.outputs = outputs, t.output_count = sizeof outputs / sizeof *outputs;
   t.create = [](const odo_host*, uint32_t, const odo_string*, odo_instance** made) -> int32_t {
@@ -41,5 +39,4 @@ extern "C" int32_t ODO_PLUGIN_ENTRY(const odo_host*, odo_plugin* out) {
     sink_of(it)->emit(sink_of(it), reinterpret_cast<const odo_header*>(event));
     return ODO_OK;
   };
-  return hostile::fill(out, t);
 }

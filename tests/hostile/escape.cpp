@@ -147,10 +147,8 @@ void attack() {
 
 }  // namespace
 
-extern "C" int32_t ODO_PLUGIN_ENTRY(const odo_host*, odo_plugin* out) {
-  static const odo_string interfaces[] = {{ODO_INTERFACE_ATTITUDE, sizeof(ODO_INTERFACE_ATTITUDE) - 1}};
-  odo_plugin t = hostile::table();
-  t.interfaces = interfaces;
+HOSTILE_PLUGIN {
+  HOSTILE_SERVES(t, ODO_INTERFACE_ATTITUDE);
   t.create = [](const odo_host* given, uint32_t, const odo_string*, odo_instance** instance) -> int32_t {
     host = given;
     *instance = reinterpret_cast<odo_instance*>(&hostile::instance());
@@ -166,5 +164,4 @@ extern "C" int32_t ODO_PLUGIN_ENTRY(const odo_host*, odo_plugin* out) {
       if (batch->messages[i]->type == ODO_TYPE_IMU) hostile::emit_horizontal_attitude(*batch->messages[i]);
     return ODO_OK;
   };
-  return hostile::fill(out, t);
 }

@@ -7,10 +7,8 @@
 
 #include "tests/hostile/table.hpp"
 
-extern "C" int32_t ODO_PLUGIN_ENTRY(const odo_host*, odo_plugin* out) {
-  static const odo_string interfaces[] = {{ODO_INTERFACE_ATTITUDE, sizeof(ODO_INTERFACE_ATTITUDE) - 1}};
-  odo_plugin t = hostile::table();
-  t.interfaces = interfaces;
+HOSTILE_PLUGIN {
+  HOSTILE_SERVES(t, ODO_INTERFACE_ATTITUDE);
   t.process = [](odo_instance*, const odo_batch*) -> int32_t {
     static void* volatile used;  // without it clang leaves the allocation out
     for (;;) {
@@ -19,5 +17,4 @@ extern "C" int32_t ODO_PLUGIN_ENTRY(const odo_host*, odo_plugin* out) {
       used = std::memset(memory, 1, 1 << 20);
     }
   };
-  return hostile::fill(out, t);
 }

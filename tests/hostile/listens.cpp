@@ -6,11 +6,9 @@
 
 #include "tests/hostile/table.hpp"
 
-extern "C" int32_t ODO_PLUGIN_ENTRY(const odo_host*, odo_plugin* out) {
-  static const odo_string interfaces[] = {{ODO_INTERFACE_VO_FRONTEND, sizeof(ODO_INTERFACE_VO_FRONTEND) - 1}};
+HOSTILE_PLUGIN {
+  HOSTILE_SERVES(t, ODO_INTERFACE_VO_FRONTEND);
   static const uint32_t types[] = {ODO_TYPE_VENDOR(0, ODO_VENDOR_EVENT | 2)};
-  odo_plugin t = hostile::table();
-  t.interfaces = interfaces;
   t.inputs = t.outputs = types, t.input_count = t.output_count = 1;
   t.flags = ODO_PLUGIN_SEVERAL_CAMERAS;
   t.process = [](odo_instance*, const odo_batch* batch) -> int32_t {
@@ -25,5 +23,4 @@ extern "C" int32_t ODO_PLUGIN_ENTRY(const odo_host*, odo_plugin* out) {
     hostile::sink()->emit(hostile::sink(), &head);
     return ODO_OK;
   };
-  return hostile::fill(out, t);
 }

@@ -27,10 +27,8 @@ int32_t take(const odo_header& message) {
 
 }  // namespace
 
-extern "C" int32_t ODO_PLUGIN_ENTRY(const odo_host*, odo_plugin* out) {
-  static const odo_string kind{ODO_INTERFACE_VO_FRONTEND, sizeof(ODO_INTERFACE_VO_FRONTEND) - 1};
-  odo_plugin t = hostile::table();
-  t.interfaces = &kind;
+HOSTILE_PLUGIN {
+  HOSTILE_SERVES(t, ODO_INTERFACE_VO_FRONTEND);
   t.create = [](const odo_host*, uint32_t, const odo_string*, odo_instance** out_instance) -> int32_t {
     state = {};
     *out_instance = reinterpret_cast<odo_instance*>(&hostile::instance());
@@ -42,5 +40,4 @@ extern "C" int32_t ODO_PLUGIN_ENTRY(const odo_host*, odo_plugin* out) {
       if (const int32_t status = take(*batch->messages[i]); status < 0) return status;
     return ODO_OK;
   };
-  return hostile::fill(out, t);
 }

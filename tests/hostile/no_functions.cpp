@@ -1,8 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tests/hostile/table.hpp"
 
-extern "C" int32_t ODO_PLUGIN_ENTRY(const odo_host*, odo_plugin* out) {
-  odo_plugin t = hostile::table();
-  t.process = nullptr;
-  return hostile::fill(out, t);
-}
+HOSTILE_PLUGIN { t.process = nullptr; }

@@ -29,9 +29,8 @@ void emit(const State& state, const odo_header& order) {
 
 }  // namespace
 
-extern "C" int32_t ODO_PLUGIN_ENTRY(const odo_host*, odo_plugin* out) {
+HOSTILE_PLUGIN {
   static const uint32_t inputs[] = {ODO_TYPE_VENDOR(0, 1)};
-  odo_plugin t = hostile::table();
   t.inputs = inputs, t.input_count = 1;
   t.create = [](const odo_host*, uint32_t, const odo_string*, odo_instance** instance) -> int32_t {
     *instance = reinterpret_cast<odo_instance*>(new State);
@@ -65,5 +64,4 @@ extern "C" int32_t ODO_PLUGIN_ENTRY(const odo_host*, odo_plugin* out) {
     if (order.ends != 0) _exit(1);
     return order.status;
   };
-  return hostile::fill(out, t);
 }

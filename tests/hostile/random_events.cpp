@@ -79,11 +79,10 @@ bool is_front_end = false;
 
 }  // namespace
 
-extern "C" int32_t ODO_PLUGIN_ENTRY(const odo_host*, odo_plugin* out) {
+HOSTILE_PLUGIN {
   static const odo_string interfaces[] = {{ODO_INTERFACE_ABSOLUTE_FIXER, sizeof(ODO_INTERFACE_ABSOLUTE_FIXER) - 1},
                                           {ODO_INTERFACE_VO_FRONTEND, sizeof(ODO_INTERFACE_VO_FRONTEND) - 1}};
   static const uint32_t inputs[] = {ODO_TYPE_IMU};
-  odo_plugin t = hostile::table();
   t.interfaces = interfaces, t.interface_count = 2;
   t.inputs = inputs, t.input_count = 1;
   t.create = [](const odo_host*, uint32_t, const odo_string* id, odo_instance** instance) -> int32_t {
@@ -98,5 +97,4 @@ extern "C" int32_t ODO_PLUGIN_ENTRY(const odo_host*, odo_plugin* out) {
         (is_front_end ? emit_random_motion : emit_random_fix)(batch->messages[i]->t_ns);
     return ODO_OK;
   };
-  return hostile::fill(out, t);
 }

@@ -30,10 +30,8 @@ void take(const odo_header& message) {
 
 }  // namespace
 
-extern "C" int32_t ODO_PLUGIN_ENTRY(const odo_host*, odo_plugin* out) {
-  static const odo_string kind{ODO_INTERFACE_VO_FRONTEND, sizeof(ODO_INTERFACE_VO_FRONTEND) - 1};
-  odo_plugin t = hostile::table();
-  t.interfaces = &kind;
+HOSTILE_PLUGIN {
+  HOSTILE_SERVES(t, ODO_INTERFACE_VO_FRONTEND);
   t.create = [](const odo_host*, uint32_t, const odo_string*, odo_instance** instance) -> int32_t {
     kept.clear();
     last_ns = 0;
@@ -45,5 +43,4 @@ extern "C" int32_t ODO_PLUGIN_ENTRY(const odo_host*, odo_plugin* out) {
     return ODO_OK;
   };
   t.destroy = [](odo_instance*) { release_frame(0); };
-  return hostile::fill(out, t);
 }

@@ -76,3 +76,17 @@ inline int32_t fill(odo_plugin* out, const odo_plugin& t, uint32_t size = sizeof
 }
 
 }  // namespace hostile
+
+/// The entry of a plugin with the correct table but for what follows, a function of the table `t`.
+#define HOSTILE_PLUGIN                                                    \
+  static void change(odo_plugin& t);                                      \
+  extern "C" int32_t ODO_PLUGIN_ENTRY(const odo_host*, odo_plugin* out) { \
+    odo_plugin t = hostile::table();                                      \
+    change(t);                                                            \
+    return hostile::fill(out, t);                                         \
+  }                                                                       \
+  static void change([[maybe_unused]] odo_plugin& t)
+/// Makes it one of this kind.
+#define HOSTILE_SERVES(t, kind)                           \
+  static const odo_string served{kind, sizeof(kind) - 1}; \
+  t.interfaces = &served

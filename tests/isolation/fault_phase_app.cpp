@@ -11,6 +11,7 @@
 #include <unistd.h>
 
 #include <odograph/odograph.h>
+#include "tests/support/replay_session.hpp"
 
 namespace {
 
@@ -32,12 +33,8 @@ int main(int count, char** arguments) {
       "odograph: 1\nattitude:\n  - plugin: attitude/vqf\n  - {plugin: test/fault_phase, time_limit: 0.05 s}\n"
       "step_estimator:\n  plugin: step/renaudin2012\n";
   const std::string folders = arguments[1];
-  odo_session_options options{};
-  options.struct_size = sizeof options;
-  options.run = ODO_RUN_REPLAY;
+  odo_session_options options = odograph::replay_options(yaml, folders);
   options.flags = ODO_SESSION_CRASH_NOTES;
-  options.config_text = {yaml.data(), yaml.size()};
-  options.plugin_path = {folders.data(), folders.size()};
   odo_error error{sizeof error, ODO_OK, {}};
   odo_session* session = nullptr;
   if (odo_session_create(&options, &session, &error) < 0) {

@@ -238,8 +238,7 @@ TEST_CASE("a hanging call in the app's thread is reported once, while it lasts")
 TEST_CASE("a late call in the app's thread is reported when it returns, and nothing else changes") {
   const TemporaryFolder folder;
   const fs::path library = folder / "cost_imu__120_ms.so";
-  fs::copy_file(built("tests/faulty_plugins/cost_imu__120_ms.so"), library);
-  REQUIRE(write_manifest_beside(library).ok());
+  copy_plugin(built("tests/faulty_plugins/cost_imu__120_ms.so"), library);
   RunningApp app("odograph: 1\nattitude: {plugin: test/faulty, time_limit: 0.05 s}\n", ODO_RUN_REPLAY,
                  folder.path().string());
   app.walk(0, 3);

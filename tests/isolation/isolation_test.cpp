@@ -245,8 +245,7 @@ TEST_CASE("a plugin that allocates without end fails alone" * doctest::skip(!kMe
 
 TEST_CASE("a plugin that is replaced with its manifest while it runs is not restarted") {
   const TemporaryFolder folder;
-  fs::copy_file(plugin_folder() / "attitude_vqf.so", folder / "one.so");
-  REQUIRE(write_manifest_beside(folder / "one.so").ok());
+  copy_plugin(plugin_folder() / "attitude_vqf.so", folder / "one.so");
   HostServices host(0, {}, nullptr);
   PluginChoice choice;
   choice.manifest = *read_manifest(folder / "one.odoplugin.json");
@@ -255,8 +254,7 @@ TEST_CASE("a plugin that is replaced with its manifest while it runs is not rest
   for (const Spec& spec : choice.manifest.parameters) choice.parameters.emplace_back(spec, default_value(spec));
   CHECK(PluginInstance::make(choice, LibraryCheck::sealed, 1, host).ok());
   fs::remove(folder / "one.so");
-  fs::copy_file(plugin_folder() / "attitude_magyq.so", folder / "one.so");
-  REQUIRE(write_manifest_beside(folder / "one.so").ok());
+  copy_plugin(plugin_folder() / "attitude_magyq.so", folder / "one.so");
   const auto again = PluginInstance::make(choice, LibraryCheck::sealed, 1, host);
   REQUIRE_FALSE(again.ok());
   CHECK(again.failure().text.find("its hash differs from the manifest's") != std::string::npos);
@@ -266,8 +264,7 @@ TEST_CASE("a library that changes constantly, allowed by its hash, runs as hashe
   const fs::path hostile = built("tests/hostile");
   const TemporaryFolder folder;
   const fs::path library = folder / "one.so";
-  fs::copy_file(hostile / "good.so", library);
-  REQUIRE(write_manifest_beside(library).ok());
+  copy_plugin(hostile / "good.so", library);
   HostServices host(0, {}, nullptr);
   PluginChoice choice;
   choice.manifest = *read_manifest(folder / "one.odoplugin.json");
@@ -318,8 +315,7 @@ TEST_CASE("events from a plugin's own thread are rejected and reported") {
   for (const char* isolation : {"none", "process"}) {
     CAPTURE(isolation);
     const TemporaryFolder folder;
-    fs::copy_file(built("tests/faulty_plugins/life_emits_on_thread__own.so"), folder / "one.so");
-    REQUIRE(write_manifest_beside(folder / "one.so").ok());
+    copy_plugin(built("tests/faulty_plugins/life_emits_on_thread__own.so"), folder / "one.so");
     RunningApp app("odograph: 1\nattitude: {plugin: test/faulty, isolation: " + std::string(isolation) + "}\n",
                    ODO_RUN_REPLAY, folder.path().string());
     app.walk(0, 60);

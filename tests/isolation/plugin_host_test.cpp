@@ -5,7 +5,7 @@
 #include "sdk/host/plugin_host/instance.hpp"
 #include "sdk/host/plugin_host/library.hpp"
 #include "sdk/tools/validator/write_manifest.hpp"
-#include "tests/support/support.hpp"
+#include "tests/support/test_plugins.hpp"
 
 #include <odograph/scale_source.h>
 
@@ -16,8 +16,6 @@ TEST_SUITE_BEGIN("plugin_host");
 
 namespace {
 
-fs::path hostile(const std::string& name) { return built("tests/hostile") / (name + ODOGRAPH_LIBRARY); }
-
 std::string refusal(const fs::path& library) {
   const HostServices host(0, {"."}, nullptr);
   const auto loaded = PluginLibrary::load(library, &host);
@@ -25,8 +23,6 @@ std::string refusal(const fs::path& library) {
   CHECK(loaded.failure().text.find(library.string()) != std::string::npos);
   return loaded.failure().text;
 }
-
-bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
 PluginChoice choice_of(const std::string& name) {
   PluginChoice choice;
@@ -138,8 +134,7 @@ TEST_CASE("manifests with a duplicate id, a changed library, a false statement o
   const TemporaryFolder folder;
   const HostServices host(0, {"."}, nullptr);
   const auto install = [&](const std::string& name) {
-    fs::copy_file(hostile("good"), folder / (name + ODOGRAPH_LIBRARY));
-    return *write_manifest_beside(folder / (name + ODOGRAPH_LIBRARY));
+    return copy_plugin(hostile("good"), folder / (name + ODOGRAPH_LIBRARY));
   };
   const auto manifest = install("one");
   {
@@ -182,8 +177,7 @@ TEST_CASE("manifests with a duplicate id, a changed library, a false statement o
 TEST_CASE("of equal ids the first folder wins, and manifests of another major version are skipped") {
   const TemporaryFolder first, second, later;
   for (const TemporaryFolder* folder : {&first, &second, &later}) {
-    fs::copy_file(hostile("good"), *folder / (std::string("one") + ODOGRAPH_LIBRARY));
-    REQUIRE(write_manifest_beside(*folder / (std::string("one") + ODOGRAPH_LIBRARY)).ok());
+    copy_plugin(hostile("good"), *folder / (std::string("one") + ODOGRAPH_LIBRARY));
   }
   std::string text = read_text(later / "one.odoplugin.json");
   const auto at = text.find('[', text.find("\"abi\"")) + 1;
@@ -199,8 +193,7 @@ TEST_CASE("of equal ids the first folder wins, and manifests of another major ve
 TEST_CASE("a library may have several plugins, each with its entry and manifest, and a manifest no hash") {
   const TemporaryFolder folder;
   const HostServices host(0, {"."}, nullptr);
-  fs::copy_file(hostile("good"), folder / (std::string("one") + ODOGRAPH_LIBRARY));
-  REQUIRE(write_manifest_beside(folder / (std::string("one") + ODOGRAPH_LIBRARY)).ok());
+  copy_plugin(hostile("good"), folder / (std::string("one") + ODOGRAPH_LIBRARY));
   std::string text = read_text(folder / "one.odoplugin.json");
   const auto replace = [&](const std::string& before, const std::string& after) {
     REQUIRE(contains(text, before));

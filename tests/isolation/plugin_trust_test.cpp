@@ -27,9 +27,6 @@ TEST_SUITE_BEGIN("plugin_trust");
 
 namespace {
 
-fs::path hostile(const std::string& name) { return built("tests/hostile") / (name + ".so"); }
-bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
-
 // Made with OpenSSL, `openssl pkeyutl -sign -rawin`, over the manifest of a library with the content "not a library".
 const char* const kSigner = "86ee01c8e079893e5ea4b692c1ed183f8963b8bbaf497479be97e0d55ae0478f";
 const char* const kSignature =
@@ -65,8 +62,7 @@ void put_signed(const TemporaryFolder& folder) {
 
 TEST_CASE("plugins are allowed by id, by path and by the hash of their library") {
   const TemporaryFolder folder;
-  fs::copy_file(hostile("good"), folder / "one.so");
-  REQUIRE(write_manifest_beside(folder / "one.so").ok());
+  copy_plugin(hostile("good"), folder / "one.so");
   const auto find = [&](const std::string& item) {
     PluginRegistry registry({folder.path()});
     return registry.find("test/hostile", ODO_INTERFACE_SCALE_SOURCE, {folder.path()}, {"some/other", item}).ok();
@@ -85,8 +81,7 @@ TEST_CASE("plugins are allowed by id, by path and by the hash of their library")
 TEST_CASE("a world-writable plugin is rejected unless allowed") {
   for (const char* part : {"", "one.so", "one.odoplugin.json"}) {
     const TemporaryFolder folder;
-    fs::copy_file(hostile("good"), folder / "one.so");
-    REQUIRE(write_manifest_beside(folder / "one.so").ok());
+    copy_plugin(hostile("good"), folder / "one.so");
     const auto open = *part ? folder / part : folder.path();
     fs::permissions(open, fs::perms::others_write, fs::perm_options::add);
     CAPTURE(open.string());
@@ -103,8 +98,7 @@ TEST_CASE("a plugin behind a link or below a world-writable folder is rejected a
   const TemporaryFolder folder;
   fs::create_directories(folder / "mine");
   fs::create_directories(folder / "open/deep");
-  fs::copy_file(hostile("good"), folder / "open/deep/one.so");
-  REQUIRE(write_manifest_beside(folder / "open/deep/one.so").ok());
+  copy_plugin(hostile("good"), folder / "open/deep/one.so");
   const auto find = [&](const fs::path& where) {
     PluginRegistry registry({where});
     const auto found = registry.find("test/hostile", ODO_INTERFACE_SCALE_SOURCE, {}, {});

@@ -109,8 +109,7 @@ TEST_CASE("if the localizer's state becomes non-finite, no such pose is publishe
     c.q_b_c[0] = 1, c.p_b_c[0] = mounted_m;
     (*pipeline)->process(c.header);
     for (int i = 0; i < 50; ++i) {
-      auto imu = imu_at(t_ns += 10'000'000, {0, 0, 0}, {0, 9.81, 0});
-      (*pipeline)->process(imu.header);
+      (*pipeline)->process(imu_at(t_ns += 10'000'000, {0, 0, 0}, {0, 9.81, 0}).header);
       (*pipeline)->process(make_message<odo_frame>(ODO_TYPE_FRAME, t_ns + 1).header);
     }
     odo_pose now{};

@@ -31,10 +31,7 @@ const std::string kMarks =
 const std::string kInertial = "coupling: {type: localizer}\n", kPaper = "coupling: {type: paper}\n";
 
 odo_anchor_place place(uint32_t kind, const Vector3d& p = Vector3d::Zero()) {
-  odo_anchor_place out{};
-  out.struct_size = sizeof out;
-  out.kind = kind;
-  out.t_ns = ODO_TIME_LATEST;
+  odo_anchor_place out{.struct_size = sizeof out, .kind = kind, .t_ns = ODO_TIME_LATEST};
   Vector3d::Map(out.p) = p;
   return out;
 }

@@ -178,15 +178,13 @@ TEST_CASE("a late heading fix rotates the path since its time, and an older fix 
   CHECK(yaw < 0.31);
   CHECK(std::hypot(turned.p_n[0] - 20, turned.p_n[1]) == doctest::Approx(80).epsilon(0.01));
   // A second fix at 6 s at the position of the corrected track changes nothing.
-  auto second = fix_at(6 * kSecond, {20 + 40 * std::cos(yaw), 40 * std::sin(yaw), 0}, 0.5);
-  REQUIRE(coupling.on_fix(second).accepted);
+  REQUIRE(coupling.on_fix(fix_at(6 * kSecond, {20 + 40 * std::cos(yaw), 40 * std::sin(yaw), 0}, 0.5)).accepted);
   const odo_pose same = coupling.take_correction().value_or(turned);
   CHECK((Vector3d(same.p_n) - Vector3d(turned.p_n)).norm() < 0.1);
 }
 
 TEST_CASE("without a scale the position's uncertainty grows with the maximum speed, until a fix") {
-  CouplingConfig config;
-  config.fastest_mps = 10;
+  CouplingConfig config{.fastest_mps = 10};
   PaperTrack coupling(config, {{0, 0, 0}, 0, true}, {true, true});
   coupling.on_first_frame(0);
   odo_pose pose = coupling.on_vo_motion(motion_between(0, kSecond, {0, 0, 1}), nullptr);
@@ -230,10 +228,8 @@ TEST_CASE("a pose is flagged metric and with velocity only if valid, and the fir
 
 TEST_CASE("steps carry the position without a camera") {
   PaperTrack coupling({}, {{10, 20, 0}, EIGEN_PI / 2, true}, {false, false});
-  auto attitude = attitude_at(0);
-  REQUIRE(coupling.on_attitude(attitude).has_value());
-  auto step = step_between(0, kSecond / 2, kSecond, 0.7, 0.07);
-  const auto pose = coupling.on_step(step);
+  REQUIRE(coupling.on_attitude(attitude_at(0)).has_value());
+  const auto pose = coupling.on_step(step_between(0, kSecond / 2, kSecond, 0.7, 0.07));
   REQUIRE(pose.has_value());
   CHECK(pose->p_n[0] == doctest::Approx(10));
   CHECK(pose->p_n[1] == doctest::Approx(20.7));  // the initial heading is east
@@ -247,12 +243,10 @@ TEST_CASE("steps carry the position without a camera") {
 
 TEST_CASE("the coupling composes the gyroscope's rotations if configured") {
   PaperTrack coupling({.orientation = Orientation::gyroscope}, {}, {.vo = true, .scale = false});
-  auto attitude = attitude_at(0);
-  coupling.on_attitude(attitude);
+  coupling.on_attitude(attitude_at(0));
   coupling.on_first_frame(0);
   for (int k = -1; k < 200; ++k) {  // a turn of 90 degrees within a second
-    auto imu = imu_at((k + 1) * 5'000'000LL, {0, 0, EIGEN_PI / 2}, {0, 0, -9.81});
-    coupling.on_imu(imu);
+    coupling.on_imu(imu_at((k + 1) * 5'000'000LL, {0, 0, EIGEN_PI / 2}, {0, 0, -9.81}));
   }
   auto no_picture = motion_between(0, kSecond, {0, 0, 0});
   no_picture.header.flags = 0;
@@ -269,11 +263,9 @@ TEST_CASE("a fix may turn a gyroscope heading of unknown origin around, but not 
     PaperTrack coupling({.orientation = Orientation::gyroscope},
                         {.position_m = {0, 0, 0}, .heading_rad = 0, .given = true, .heading_given = told},
                         {.vo = true, .scale = false});
-    auto attitude = attitude_at(0);
-    coupling.on_attitude(attitude);
+    coupling.on_attitude(attitude_at(0));
     coupling.on_first_frame(0);
-    auto fix = yaw_fix_at(0, -2.5, 0.02);
-    CHECK(coupling.on_fix(fix).accepted == !told);
+    CHECK(coupling.on_fix(yaw_fix_at(0, -2.5, 0.02)).accepted == !told);
   }
 }
 
@@ -336,8 +328,7 @@ TEST_CASE("a steady scale also applies to earlier motions of its group, a frame'
 
 TEST_CASE("a camera that is lost before it ever tracked is reported lost, without bridging") {
   PaperTrack coupling({}, {}, {true, true});
-  auto attitude = attitude_at(5 * kSecond);
-  coupling.on_attitude(attitude);
+  coupling.on_attitude(attitude_at(5 * kSecond));
   auto blind = motion_between(5 * kSecond - kSecond / 10, 5 * kSecond, Vector3d::Zero());
   blind.state = ODO_LOST;
   CHECK(coupling.on_vo_motion(blind, nullptr).state == ODO_LOST);

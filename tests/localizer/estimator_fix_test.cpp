@@ -41,8 +41,7 @@ void fill(Composer& composer, bool metric = true) {
   for (int64_t ms = 0; ms <= kNow_ms; ms += 10) {
     auto attitude = attitude_at(ms * kMillisecond, kTilted, 0.05 * 0.05);
     attitude.header.flags = ODO_ATTITUDE_MAGNETIC_NORTH, attitude.covariance_n[8] = 0.3 * 0.3;
-    auto imu = imu_at(ms * kMillisecond, {0, 0, 0}, kTilted.conjugate() * Vector3d(2, -1, -9.81));
-    composer.add_imu(imu);
+    composer.add_imu(imu_at(ms * kMillisecond, {0, 0, 0}, kTilted.conjugate() * Vector3d(2, -1, -9.81)));
     if (ms == 0) composer.update(&attitude);
     if (ms == 500) composer.update(FrameTime{ms * kMillisecond});
     if (ms <= 500 || ms % 100 != 0) continue;
@@ -178,8 +177,7 @@ TEST_CASE(
 }
 
 TEST_CASE("a late fix is compared with its position as corrected by all later fixes, in their order") {
-  CouplingConfig config;
-  config.fix_gate_sigma = 0;
+  CouplingConfig config{.fix_gate_sigma = 0};
   PaperTrack coupling(config, {.position_m = {0, 0, 0}, .given = true}, {true, true});
   auto scale = make_message<odo_scale>(ODO_TYPE_SCALE, 0);
   scale.header.flags = ODO_SCALE_HORIZONTAL;

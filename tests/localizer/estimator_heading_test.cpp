@@ -89,9 +89,7 @@ TEST_CASE("without a camera a walk drifts with its compass heading, consistently
   constexpr int kWalks = 30;
   for (uint64_t seed = 1; seed <= kWalks; ++seed) {
     const double off_rad = kCompass_rad * Random(seed, 9).normal();
-    WalkMeasurements what;
-    what.camera = false;
-    what.compass_sigma_rad = kCompass_rad;
+    WalkMeasurements what{.camera = false, .compass_sigma_rad = kCompass_rad};
     what.compass_rad = [&](double) { return off_rad; };
     what.step_factor_sigma = 0.02, what.step_heading_rad = 0.02, what.step_offset_rad = 0.02;
     what.change_step = [&](double, odo_step& step) { step.heading_rad += off_rad; };

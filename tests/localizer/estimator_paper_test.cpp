@@ -107,8 +107,7 @@ TEST_CASE("a fix of the heading alone is published, with the state of the pose t
 
 TEST_CASE("a clock that is set back before the first frame does not change the camera's mount") {
   for (const bool inertial : {false, true}) {
-    CouplingConfig config;
-    config.type = inertial ? CouplingType::localizer : CouplingType::paper;
+    CouplingConfig config{.type = inertial ? CouplingType::localizer : CouplingType::paper};
     Composer composer(config, {}, {true, true});
     auto calibration = make_message<odo_calibration>(ODO_TYPE_CALIBRATION, 0);
     calibration.header.flags = ODO_CALIBRATION_EXTRINSICS;

@@ -89,8 +89,7 @@ TEST_CASE("errors match the covariance: 20 walks each, with and without metric s
   for (const Kind kind : {Kind::no_metre, Kind::metric, Kind::metric_stabilised_lens, Kind::steps_alone})
     for (const bool fixes : {false, true}) {
       if (kind == Kind::steps_alone && !fixes) continue;  // estimator_heading_test.cpp
-      WalkMeasurements what;
-      what.camera = kind != Kind::steps_alone;
+      WalkMeasurements what{.camera = kind != Kind::steps_alone};
       const FrontEnd::Parameters assumed;
       const bool metric = kind == Kind::metric || kind == Kind::metric_stabilised_lens;
       what.odometry.rotation_walk = metric ? assumed.inertial_rotation_walk : assumed.rotation_walk;
@@ -220,8 +219,7 @@ TEST_CASE("steps carry the position while the camera is blind, and the covarianc
 
 TEST_CASE("the metric scale arrives without a jump, from standing and during the walk") {
   for (const double start_s : {0.0, 6.0}) {
-    WalkMeasurements what;
-    what.start_s = start_s;
+    WalkMeasurements what{.start_s = start_s};
     for (uint64_t seed = 1; seed <= 5; ++seed) {
       const Outcome o = run_walk(what, seed);
       CHECK(o.first_metric_s > 0);
@@ -270,8 +268,7 @@ TEST_CASE("with steps alone, height fixes on a slope are applied fully, and the 
   double squares = 0, normalised = 0, n = 0;
   for (int i = 0; i < 7000; ++i) {
     const double t = 0.01 * i;
-    auto imu = imu_at(ns(t), {0, 0, 0}, {0, 0, -9.81});
-    composer.add_imu(imu);
+    composer.add_imu(imu_at(ns(t), {0, 0, 0}, {0, 0, -9.81}));
     auto attitude = attitude_at(ns(t), Eigen::Quaterniond::Identity(), 4e-4);
     composer.update(&attitude);
     if (i % 50 == 40 && t > 1) {

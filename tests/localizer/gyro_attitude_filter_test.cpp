@@ -21,8 +21,7 @@ void add_imu(GyroAttitudeFilter& filter, Eigen::Quaterniond q, int64_t from, int
   for (int64_t t = from + kStep; t <= to; t += kStep) {
     const double angle = rate_b.norm() * 0.005;
     if (angle > 0) q = q * Eigen::Quaterniond(Eigen::AngleAxisd(angle, rate_b.normalized()));
-    auto imu = imu_at(t, rate_b + bias, q.conjugate() * (accel_n - Vector3d(0, 0, 9.81)));
-    filter.add_imu(imu);
+    filter.add_imu(imu_at(t, rate_b + bias, q.conjugate() * (accel_n - Vector3d(0, 0, 9.81))));
   }
 }
 

@@ -14,15 +14,11 @@ TEST_CASE("a front-end with inertia makes the gyroscope's bias observable in mot
   for (const bool inertial : {false, true}) {
     CAPTURE(inertial);
     PaperTrack coupling({.orientation = Orientation::gyroscope}, {}, {.vo = true, .scale = false});
-    auto attitude = attitude_at(0);
-    coupling.on_attitude(attitude);
+    coupling.on_attitude(attitude_at(0));
     coupling.on_first_frame(0);
     odo_pose pose{};
     int64_t t_ns = 0;
-    const auto imu = [&] {
-      auto sample = imu_at(t_ns, {0, 0, bias_radps}, {0, 0, -9.81});
-      coupling.on_imu(sample);
-    };
+    const auto imu = [&] { coupling.on_imu(imu_at(t_ns, {0, 0, bias_radps}, {0, 0, -9.81})); };
     imu();
     for (int frame = 0; frame < 300; ++frame) {  // 30 s straight ahead
       const int64_t from_ns = t_ns;

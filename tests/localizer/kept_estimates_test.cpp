@@ -45,9 +45,8 @@ void all_fixes(double t_s, odo_fix& fix) {
 
 /// A walk with every kind of input: a tilted mount, fixes, a compass, blind frames, a new scale group, gaps.
 WalkMeasurements measurements() {
-  WalkMeasurements w;
-  w.fix_every_s = 2, w.change_fix = all_fixes;
-  w.q_b_c = Eigen::Quaterniond(0.3, 0.8, 0.4, -0.2).normalized();
+  WalkMeasurements w{
+      .q_b_c = Eigen::Quaterniond(0.3, 0.8, 0.4, -0.2).normalized(), .fix_every_s = 2, .change_fix = all_fixes};
   w.compass_sigma_rad = 0.1, w.compass_rad = [](double t) { return 0.1 * std::sin(t); };
   w.odometry.blind_from_s = 6, w.odometry.blind_to_s = 9;
   w.odometry.off_from_s = 11, w.odometry.off_to_s = 12;

@@ -30,8 +30,7 @@ odo_vo_motion forward(int frame, uint32_t flags = ODO_VO_ROTATION | ODO_VO_TRANS
 }
 
 CouplingConfig coupling(CouplingType type) {
-  CouplingConfig config;
-  config.type = type;
+  CouplingConfig config{.type = type};
   return config;
 }
 

@@ -222,10 +222,7 @@ TEST_CASE("a correction moves the pose at once but not the smooth one, and clear
 
 TEST_CASE("a walker's attitude alone gives the orientation at its own newer time") {
   PosePredictor predictor;
-  const auto add = [&](int64_t t_ns, const Quaterniond& q) {
-    auto a = attitude_at(t_ns, q);
-    predictor.add_attitude(a);
-  };
+  const auto add = [&](int64_t t_ns, const Quaterniond& q) { predictor.add_attitude(attitude_at(t_ns, q)); };
   odo_pose pose{};
   CHECK(predictor.at(0, false, pose) == ODO_NOT_READY);
   const Quaterniond q = exp_rotation(kRate);

@@ -134,8 +134,7 @@ TEST_CASE("while the camera is blind the attitude rotates it through its mount")
 }
 
 TEST_CASE("heading uncertainty gives position uncertainty across the path, in proportion to the distance") {
-  CouplingConfig config;
-  config.orientation = Orientation::attitude;
+  CouplingConfig config{.orientation = Orientation::attitude};
   PaperTrack coupling(config, {}, {true, true});
   const auto add_attitude = [&](int64_t t_ns) {
     odo_attitude a = attitude_at(t_ns, Quaterniond::Identity());

@@ -49,8 +49,7 @@ struct Replay {
     const auto state = walk.phone.at(t_s);
     const Vector3d gyro_b = state.angular_velocity_b + gyro_bias + 0.002 * Vector3d{noise(1), noise(1), noise(1)};
     const Vector3d accel_b = state.specific_force_b() + accel_bias + 0.02 * Vector3d{noise(1), noise(1), noise(1)};
-    const odo_imu imu = imu_at(ns(t_s), gyro_b, accel_b, flags);
-    poses.add_imu(imu);
+    poses.add_imu(imu_at(ns(t_s), gyro_b, accel_b, flags));
   }
   odo_pose truth(double t_s) const {
     const auto state = walk.phone.at(t_s);

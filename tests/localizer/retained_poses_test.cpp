@@ -18,8 +18,7 @@ TEST_SUITE_BEGIN("retained_poses");
 
 TEST_CASE("holding a pose does not change the filter, bit for bit") {
   const auto run = [](bool holds) {
-    WalkMeasurements what;
-    what.fix_every_s = 5;
+    WalkMeasurements what{.fix_every_s = 5};
     MeasuredWalk walk(walk_scenario(25), what, 3);
     CouplingConfig config{.type = CouplingType::localizer};
     Composer composer(config, {}, {true, false});
@@ -39,9 +38,7 @@ TEST_CASE("later fixes improve a held pose, consistently with its covariance") {
   double squares = 0, before_m = 0, after_m = 0;
   int count = 0;
   for (uint64_t seed = 1; seed <= 12; ++seed) {
-    WalkMeasurements what;
-    what.fix_every_s = 12;
-    what.fix_sigma_m = 0.1;
+    WalkMeasurements what{.fix_every_s = 12, .fix_sigma_m = 0.1};
     MeasuredWalk walk(walk_scenario(60), what, seed);
     CouplingConfig config{.type = CouplingType::localizer};
     Composer composer(config, {}, {true, false});

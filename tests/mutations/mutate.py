@@ -3,11 +3,11 @@
 """Mutation test: small changes at lines that a seed draws, one at a time, and which test notices each.
 
     git worktree add ../mutants && cd ../mutants && cmake --preset release -DODOGRAPH_TESTS=ON && cmake --build --preset release
-    python3 tests/mutations/mutate.py build [--count 30] [--seed 1] [--budget 600] [--jobs 2] [--again]
+    python3 tests/mutations/mutate.py build [--count 30] [--seed 1] [--budget 600] [--jobs 2] [--tests REGEX] [--again]
 
 BUILD is a Ninja build of a tree that may be changed: each mutant is written into it, built and tested, and the file restored. The tests are
 those whose command has a program or library that ninja builds of the mutated file; they run by `ctest --stop-on-failure`, quick ones first,
-for at most --budget seconds after the build. Kept results take no part: they show that something changed, not what is right. Nor do tests
+for at most --budget seconds after the build, of those that match --tests. Kept results take no part: they show that something changed, not what is right. Nor do tests
 that fail without a mutant: the first run executes all tests once. A stopped run continues where it was (BUILD/mutants.json); --again
 repeats the survivors with the tests as they are now, on the same lines."""
 import argparse
@@ -61,21 +61,25 @@ def changes(line):
 class Build:
     """What ninja and ctest say about a build folder."""
 
-    def __init__(self, folder):
+    def __init__(self, folder, tests):
         self.folder = folder.resolve()
         cache = (self.folder / "CMakeCache.txt").read_text()
         self.root = pathlib.Path(re.search(r"CMAKE_HOME_DIRECTORY:INTERNAL=(.*)", cache).group(1))
         self.objects = {}  # of each file of the tree
-        built = None
+        built, names = None, {}
         for line in run("ninja", "-C", str(self.folder), "-t", "deps").stdout.splitlines():
             if not line.startswith(" "):
                 built = line.split(": ")[0]
             elif line:
-                path = (self.folder / line.strip()).resolve() if "../" in line else pathlib.Path(line.strip())
-                if path.is_relative_to(self.root) and not path.is_relative_to(self.folder):
-                    self.objects.setdefault(str(path.relative_to(self.root)), []).append(built)
+                if line not in names:
+                    path = (self.folder / line.strip()).resolve()
+                    ours = path.is_relative_to(self.root) and not path.is_relative_to(self.folder)
+                    names[line] = str(path.relative_to(self.root)) if ours else ""
+                if names[line]:
+                    self.objects.setdefault(names[line], []).append(built)
         listed = json.loads(run("ctest", "--show-only=json-v1", cwd=self.folder).stdout)["tests"]
-        self.commands = {test["name"]: test["command"] for test in listed if "command" in test and not LEFT_OUT.search(test["name"])}
+        self.commands = {test["name"]: test["command"] for test in listed
+                         if "command" in test and re.search(tests, test["name"]) and not LEFT_OUT.search(test["name"])}
 
     def local(self, name):
         path = pathlib.Path(name)
@@ -167,9 +171,10 @@ def main():
     options.add_argument("--seed", type=int, default=1)
     options.add_argument("--budget", type=float, default=600)
     options.add_argument("--jobs", type=int, default=2)
+    options.add_argument("--tests", default="")
     options.add_argument("--again", action="store_true")
     options = options.parse_args()
-    build, file = Build(options.build), options.build / "mutants.json"
+    build, file = Build(options.build, options.tests), options.build / "mutants.json"
     state = json.loads(file.read_text()) if file.exists() else {}
     if "original" in state:  # stopped within a mutant
         (build.root / state["original"][0]).write_text(state["original"][1])
@@ -177,7 +182,7 @@ def main():
         state = {"seed": options.seed, "mutants": {}, "measured": state.get("measured")}
     if not state["measured"]:
         print("all tests without a mutant", flush=True)
-        run("ctest", f"-j{options.jobs}", "-E", LEFT_OUT.pattern, cwd=build.folder)
+        run("ctest", f"-j{options.jobs}", "-R", options.tests or ".", "-E", LEFT_OUT.pattern, cwd=build.folder)
         state["measured"] = build.measured()
     measured = state["measured"]
     print(f"seed {options.seed}; not used, as they fail without a mutant: {' '.join(measured[1]) or 'none'}", flush=True)

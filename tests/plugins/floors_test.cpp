@@ -195,11 +195,10 @@ TEST_CASE("a walk with lift rides: the height follows, and poses report the lift
   s.events = {{20.0, "lift", 15.0}, {40.0, "lift", 15.0}};  // up by 14 m and down again
   const auto recording = simulated(s, 31);
   REQUIRE(recording);
-  RunOptions options;
-  options.config = source("samples/configs/pocket_walk.yaml").string();
-  options.plugin_path = plugin_folder().string();
-  options.overrides = {{"absolute_fixers", "[]"}};
-  options.collect_poses = true;
+  RunOptions options{.config = source("samples/configs/pocket_walk.yaml").string(),
+                     .overrides = {{"absolute_fixers", "[]"}},
+                     .plugin_path = plugin_folder().string(),
+                     .collect_poses = true};
   const auto result = replay(*recording, options);
   REQUIRE_MESSAGE(result.ok(), (result.ok() ? "" : result.failure().text));
   double worst_m = 0, highest_m = 0, riding_m = 0;

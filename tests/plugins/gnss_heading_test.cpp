@@ -167,10 +167,8 @@ TEST_CASE(
   for (int k = 0; k < 1200; ++k) {
     const double t_s = 0.1 * k, compass_rad = std::sin(2 * M_PI * t_s / 40);
     const int64_t t_ns = 1'000'000'000 + k * 100'000'000LL;
-    auto imu = imu_at(t_ns, {0, 0, 0}, {0, 0, 0}, ODO_IMU_GYRO);
-    (*plugin)->process(imu.header);
-    auto attitude = attitude_at(t_ns, Eigen::AngleAxisd(compass_rad, Eigen::Vector3d::UnitZ()) * true_n_b);
-    (*plugin)->process(attitude.header);
+    (*plugin)->process(imu_at(t_ns, {0, 0, 0}, {0, 0, 0}, ODO_IMU_GYRO).header);
+    (*plugin)->process(attitude_at(t_ns, Eigen::AngleAxisd(compass_rad, Eigen::Vector3d::UnitZ()) * true_n_b).header);
     if (k % 5 == 0) {
       auto step = step_between(t_ns - 500'000'000, t_ns, t_ns, 0.7, 0.05);
       step.heading_rad = compass_rad;

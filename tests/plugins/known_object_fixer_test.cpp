@@ -195,8 +195,6 @@ TEST_CASE("survey errors of the corners shift and rotate the camera as the covar
 
 namespace {
 
-constexpr double kDegree = EIGEN_PI / 180;
-
 std::string why(const std::filesystem::path& file) {
   try {
     read_objects(file);

@@ -28,9 +28,8 @@ struct Composed {
 };
 
 RunResult run(const Recording& recording) {
-  RunOptions options;
-  options.config = source("samples/configs/inertial_odograph.yaml").string();
-  options.plugin_path = plugin_folder().string();
+  RunOptions options{.config = source("samples/configs/inertial_odograph.yaml").string(),
+                     .plugin_path = plugin_folder().string()};
   const auto result = replay(recording, options);
   REQUIRE(result);
   return *result;
@@ -122,8 +121,7 @@ TEST_CASE("in a real house the steps are calibrated by the camera, and neither c
   if (path.empty()) return;
   const auto recording = read_recording(path);
   REQUIRE(recording);
-  RunOptions options;
-  options.config = source("samples/configs/walk.yaml").string(), options.plugin_path = plugin_folder().string();
+  RunOptions options{.config = source("samples/configs/walk.yaml").string(), .plugin_path = plugin_folder().string()};
   const auto result = replay(*recording, options);
   REQUIRE_MESSAGE(result.ok(), (result ? "" : result.failure().text));
   for (const auto& notice : result->notices)
@@ -194,8 +192,7 @@ TEST_CASE("a run reports the source of its scale, and a front-end can be given l
     std::stringstream config;
     config << walk.rdbuf() << "  odometry_covariance: " << factor << "\n";
     std::ofstream(folder / "walk.yaml") << config.str();
-    RunOptions options;
-    options.config = (folder / "walk.yaml").string(), options.plugin_path = plugin_folder().string();
+    RunOptions options{.config = (folder / "walk.yaml").string(), .plugin_path = plugin_folder().string()};
     const auto result = replay(*recording, options);
     REQUIRE_MESSAGE(result.ok(), (result ? "" : result.failure().text));
     said.push_back(result->statistics);

@@ -39,8 +39,7 @@ Recording a_walk(const TemporaryFolder& folder) {
 TEST_CASE("a VIT system is a front-end: its metric poses arrive, converted from the IMU to the camera") {
   const TemporaryFolder folder;
   const Recording recording = a_walk(folder);
-  RunOptions options;
-  options.config = config_for(folder, ODOGRAPH_TEST_VIT, "    wait: 5 s\n").string();
+  RunOptions options{.config = config_for(folder, ODOGRAPH_TEST_VIT, "    wait: 5 s\n").string()};
   const auto result = replay(recording, options);
   REQUIRE_MESSAGE(result.ok(), (result ? "" : result.failure().text));
   size_t frames = 0;
@@ -64,8 +63,8 @@ TEST_CASE("a silent VIT system is lost, and one that cannot be loaded is a confi
   const TemporaryFolder folder;
   const Recording recording = a_walk(folder);
   std::ofstream(folder / "quiet.txt") << "silent\n";
-  RunOptions options;
-  options.config = config_for(folder, ODOGRAPH_TEST_VIT, "    wait: 0 s\n    config: quiet.txt\n").string();
+  RunOptions options{.config =
+                         config_for(folder, ODOGRAPH_TEST_VIT, "    wait: 0 s\n    config: quiet.txt\n").string()};
   const auto silent = replay(recording, options);
   REQUIRE_MESSAGE(silent.ok(), (silent ? "" : silent.failure().text));
   CHECK(silent->final_state == ODO_LOST);

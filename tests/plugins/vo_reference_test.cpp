@@ -40,8 +40,7 @@ Recording recording(bool mounted) {
   r.add(c.header);
   for (int64_t i = 0; i < 200; ++i) {
     const Eigen::AngleAxisd turned(body_at(i).q.conjugate() * body_at(i + 1).q);
-    auto imu = imu_at(i * kFrame_ns + kFrame_ns / 2, turned.angle() / 0.05 * turned.axis(), {0, 0, 0}, ODO_IMU_GYRO);
-    r.add(imu.header);
+    r.add(imu_at(i * kFrame_ns + kFrame_ns / 2, turned.angle() / 0.05 * turned.axis(), {0, 0, 0}, ODO_IMU_GYRO).header);
   }
   return r;
 }

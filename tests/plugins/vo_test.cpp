@@ -249,9 +249,8 @@ TEST_CASE("the error of the real clips after Sim(3) stays below the plain baseli
     const auto folder = data_or_skip(clip.first);
     if (folder.empty()) continue;
     const auto recording = required(read_recording(folder));
-    RunOptions options;
-    options.config = source("samples/configs/monocular.yaml").string();
-    options.plugin_path = plugin_folder().string();
+    RunOptions options{.config = source("samples/configs/monocular.yaml").string(),
+                       .plugin_path = plugin_folder().string()};
     const auto result = replay(*recording, options);
     REQUIRE_MESSAGE(result.ok(), (result.ok() ? "" : result.failure().text));
     CHECK(result->track.size() == recording->truth.size());

@@ -8,24 +8,17 @@
 #include <opencv2/core.hpp>
 
 #include "plugins/fix/skyline/place_finder.hpp"
+#include "tests/skyline/skyline_streets.hpp"
 #include "tests/support/support.hpp"
 
 using namespace odograph::skyline;
 using Eigen::Vector3d;
+using test::add_box;
+using test::kDegree;
 
 TEST_SUITE_BEGIN("skyline_place");
 
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180;
-
-void add_box(std::vector<Edge>& edges, double north, double east, double a, double b, double height) {
-  const Vector3d roof[] = {{north - a, east - b, -height},
-                           {north + a, east - b, -height},
-                           {north + a, east + b, -height},
-                           {north - a, east + b, -height}};
-  for (int i = 0; i < 4; ++i) edges.push_back({roof[i], roof[(i + 1) % 4]});
-}
 
 /// Blocks of houses separated by streets 14 m wide; heights by a seed, all equal with seed 0.
 std::vector<Edge> a_town(uint64_t seed, int reach = 4) {
@@ -35,7 +28,7 @@ std::vector<Edge> a_town(uint64_t seed, int reach = 4) {
     for (int e = -reach; e <= reach; ++e)
       for (const double part : {-1.0, 1.0}) {
         const double height = seed ? random.uniform(7.0, 22.0) : 12, depth = seed ? random.uniform(4.0, 7.5) : 6;
-        add_box(edges, 30.0 * n + 4 * part, 30.0 * e, 4, depth, height);
+        add_box(edges, 30.0 * n + 4 * part, 30.0 * e, 8, 2 * depth, height);
       }
   return edges;
 }
@@ -56,20 +49,7 @@ SkylineDatabase database_of(const std::vector<Edge>& edges, const std::string& f
 
 /// The view of a camera that faces up in a town; the picture's border is five degrees above the horizon.
 std::vector<SkyEdge> seen_from(const std::vector<Edge>& edges, const Vector3d& eye, const Eigen::Quaterniond& q_n_c) {
-  City city(edges);
-  city.select_near_edges(eye, 0.1, 0);
-  Horizon horizon;
-  city.horizon(eye, horizon);
-  std::vector<SkyEdge> seen;
-  for (size_t j = 0; j < Horizon::kDirections; ++j) {
-    const double azimuth = (static_cast<double>(j) + 0.5) * 0.5 * kDegree;
-    const auto elevation = static_cast<double>(horizon.elevation[j]);
-    const bool open = elevation < 5 * kDegree;
-    const double e = open ? 5 * kDegree : elevation;
-    const Vector3d u(std::cos(e) * std::cos(azimuth), std::cos(e) * std::sin(azimuth), -std::sin(e));
-    seen.push_back({q_n_c.conjugate() * u, open});
-  }
-  return seen;
+  return test::seen_from(edges, eye, q_n_c, 5);
 }
 
 struct Drive {

@@ -25,6 +25,16 @@ std::vector<SkyEdge> seen_from(const std::vector<Edge>& houses, const Vector3d& 
   return test::seen_from(houses, p_n, kUp, lowest_deg);
 }
 
+Prior prior_at(const Vector3d& p_n, double sigma_m, double farthest_m, double height_sigma_m) {
+  return {.p_n = p_n,
+          .q_n_c = kUp,
+          .position_sigma_m = sigma_m,
+          .yaw_sigma_rad = kDegree,
+          .tilt_sigma_rad = 0.6 * kDegree,
+          .farthest_m = farthest_m,
+          .height_sigma_m = height_sigma_m};
+}
+
 }  // namespace
 
 TEST_CASE("a place that lies far above what the prior allows is not told") {
@@ -32,13 +42,7 @@ TEST_CASE("a place that lies far above what the prior allows is not told") {
   for (const double up_m : {1.5, 8.0}) {
     Matcher matcher{City(houses)};
     const Vector3d eye(2, 1, -1.5 - up_m);
-    const auto match = matcher.match(seen_from(houses, eye), {.p_n = Vector3d(2.4, 0.7, -1.5),
-                                                              .q_n_c = kUp,
-                                                              .position_sigma_m = 2.5,
-                                                              .yaw_sigma_rad = kDegree,
-                                                              .tilt_sigma_rad = 0.6 * kDegree,
-                                                              .farthest_m = 40,
-                                                              .height_sigma_m = 1});
+    const auto match = matcher.match(seen_from(houses, eye), prior_at(Vector3d(2.4, 0.7, -1.5), 2.5, 40, 1));
     CAPTURE(up_m);
     if (up_m < 3) {
       REQUIRE(match);
@@ -56,13 +60,8 @@ TEST_CASE("beside a wall, where the lattice's places are wrong by most, the prio
       const auto houses = a_street(between_m);
       Matcher matcher{City(houses)};
       const Vector3d eye(3.1, 0.5 * between_m - 0.05, -1.5);  // five centimetres from it; the prior lies behind it
-      const auto match = matcher.match(seen_from(houses, eye), {.p_n = eye + Vector3d(off_north_m, 0.3, 0),
-                                                                .q_n_c = kUp,
-                                                                .position_sigma_m = 0.1,
-                                                                .yaw_sigma_rad = kDegree,
-                                                                .tilt_sigma_rad = 0.6 * kDegree,
-                                                                .farthest_m = 40,
-                                                                .height_sigma_m = 0.1});
+      const auto match =
+          matcher.match(seen_from(houses, eye), prior_at(eye + Vector3d(off_north_m, 0.3, 0), 0.1, 40, 0.1));
       CAPTURE(between_m);
       CAPTURE(off_north_m);
       REQUIRE(match);
@@ -78,13 +77,8 @@ TEST_CASE("beside a row of equal gables a narrow lens tells how far the row is, 
   const Vector3d eye(0.4, 0.5, -1.5);
   for (const double off_north_m : {0.5, -1.7, 3.4}) {
     Matcher matcher{City(houses)};
-    const auto match = matcher.match(seen_from(houses, eye, 52), {.p_n = eye + Vector3d(off_north_m, 0.6, 0),
-                                                                  .q_n_c = kUp,
-                                                                  .position_sigma_m = 3,
-                                                                  .yaw_sigma_rad = kDegree,
-                                                                  .tilt_sigma_rad = 0.6 * kDegree,
-                                                                  .farthest_m = 40,
-                                                                  .height_sigma_m = 0.3});
+    const auto match =
+        matcher.match(seen_from(houses, eye, 52), prior_at(eye + Vector3d(off_north_m, 0.6, 0), 3, 40, 0.3));
     CAPTURE(off_north_m);
     if (!match) continue;  // ambiguous is correct too
     const Eigen::Vector2d off = (match->p_n - eye).head<2>();
@@ -98,13 +92,7 @@ TEST_CASE("beside a row of equal gables a narrow lens tells how far the row is, 
 
 TEST_CASE("a picture that agrees with the model nowhere tells no place, and no heading either") {
   Matcher matcher{City(a_street(60))};
-  const auto match = matcher.match(seen_from(a_street(6), {2, 1, -1.5}), {.p_n = Vector3d(2, 1, -1.5),
-                                                                          .q_n_c = kUp,
-                                                                          .position_sigma_m = 10,
-                                                                          .yaw_sigma_rad = kDegree,
-                                                                          .tilt_sigma_rad = 0.6 * kDegree,
-                                                                          .farthest_m = 20,
-                                                                          .height_sigma_m = 1});
+  const auto match = matcher.match(seen_from(a_street(6), {2, 1, -1.5}), prior_at(Vector3d(2, 1, -1.5), 10, 20, 1));
   CHECK_FALSE(match);
 }
 

@@ -14,6 +14,7 @@
 #include "sdk/host/messages/messages.hpp"
 #include "sdk/host/platform/features.hpp"
 #include "tests/support/support.hpp"
+#include "tests/support/replay_session.hpp"
 
 namespace odograph {
 
@@ -27,12 +28,9 @@ class App {
  public:
   /// `plugins`: an additional folder of plugins.
   explicit App(const std::string& yaml, uint32_t run = ODO_RUN_REPLAY, const std::string& plugins = {}) {
-    odo_session_options o{};
-    o.struct_size = sizeof o;
-    o.run = run;
-    o.config_text = {yaml.data(), yaml.size()};
     const std::string folder = plugin_folder().string() + (plugins.empty() ? "" : kPlatform.path_separator + plugins);
-    o.plugin_path = {folder.data(), folder.size()};
+    odo_session_options o = replay_options(yaml, folder);
+    o.run = run;
     odo_error error{sizeof error, ODO_OK, {}};
     status = odo_session_create(&o, &session, &error);
     message = error.message;

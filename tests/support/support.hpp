@@ -26,6 +26,8 @@ inline std::string read_text(const std::filesystem::path& path) {
   return text.str();
 }
 
+inline bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
 /// The result, which must be good: a failure ends the case.
 template <class T>
 odograph::Result<T> required(odograph::Result<T> result, std::source_location from = std::source_location::current()) {

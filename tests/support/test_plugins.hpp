@@ -21,16 +21,22 @@ inline constexpr bool kMemoryLimited = !__has_feature(address_sanitizer) && !__h
 inline constexpr bool kMemoryLimited = true;
 #endif
 
+/// One of the tests' own plugins.
+inline std::filesystem::path hostile(const std::string& name) {
+  return built("tests/hostile") / (name + ODOGRAPH_LIBRARY);
+}
+
+/// Copies a plugin and writes the manifest beside the copy; returns the manifest's path.
+inline std::filesystem::path copy_plugin(const std::filesystem::path& library, const std::filesystem::path& copy) {
+  std::filesystem::copy_file(library, copy, std::filesystem::copy_options::overwrite_existing);
+  return *required(write_manifest_beside(copy));
+}
+
 /// The tests' own plugins with manifests, in a separate folder.
 class TestPlugins {
  public:
   explicit TestPlugins(std::initializer_list<const char*> names) {
-    for (const std::string name : names) {
-      const auto library = folder_ / (name + ODOGRAPH_LIBRARY);
-      std::filesystem::copy_file(built("tests/hostile") / (name + ODOGRAPH_LIBRARY), library);
-      const auto written = write_manifest_beside(library);
-      REQUIRE_MESSAGE(written.ok(), (written.ok() ? "" : written.failure().text));
-    }
+    for (const std::string name : names) copy_plugin(hostile(name), folder_ / (name + ODOGRAPH_LIBRARY));
   }
   std::string path() const { return folder_.path().string(); }
 

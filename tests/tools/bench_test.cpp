@@ -57,9 +57,7 @@ struct One : Benchmark {
 };
 
 std::string failure_of(const std::vector<Override>& overrides) {
-  RunOptions options;
-  options.config = kConfigFile;
-  options.overrides = overrides;
+  RunOptions options{.config = kConfigFile, .overrides = overrides};
   const auto config = config_of(options);
   return config ? "" : config.failure().text;
 }
@@ -164,8 +162,7 @@ TEST_CASE("the rows of several recordings are followed by their summary") {
 }
 
 TEST_CASE("values replace those of a config, and those of list items by number or plugin") {
-  RunOptions options;
-  options.config = kConfigFile;
+  RunOptions options{.config = kConfigFile};
   const auto plain = config_of(options);
   REQUIRE(plain);
   options.overrides = {{"walker.height", "180 cm"}, {"absolute_fixers.fix/gnss.parameters.correlation", "7 s"}};

@@ -80,7 +80,7 @@ TEST_CASE("GNSS positions are shifted east for a time, and added velocities are 
 TEST_CASE("a scenario is simulated without a camera, identically for the same seed") {
   Scenario s;
   s.walk_m = 10;
-  const auto one = required(simulated(s, 3), again = simulated(s, 3));
+  const auto one = required(simulated(s, 3)), again = simulated(s, 3);
   CHECK(one->has(ODO_TYPE_IMU));
   CHECK_FALSE(one->has(ODO_TYPE_FRAME));
   CHECK(one->true_states.back().p == again->true_states.back().p);

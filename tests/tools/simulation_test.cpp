@@ -123,9 +123,8 @@ TEST_CASE("the paper's pipeline tracks a simulated walk") {
   s.camera = Scenario().camera;  // the resolution that the configs are made for
   REQUIRE(simulate(s, 11, folder / "walk.odo").ok());
   const auto recording = required(read_recording(folder / "walk.odo"));
-  RunOptions options;
-  options.config = source("samples/configs/antigny2019.yaml").string();
-  options.plugin_path = plugin_folder().string();
+  RunOptions options{.config = source("samples/configs/antigny2019.yaml").string(),
+                     .plugin_path = plugin_folder().string()};
   const auto result = replay(*recording, options);
   REQUIRE_MESSAGE(result.ok(), (result.ok() ? "" : result.failure().text));
   CHECK(result->track.size() == recording->truth.size());  // one pose a frame
@@ -156,11 +155,10 @@ TEST_CASE("an exported EuRoC folder is read back and gives the identical run") {
   const auto copy = read_recording(folder / "asl");
   REQUIRE_MESSAGE(copy.ok(), (copy.ok() ? "" : copy.failure().text));
   CHECK(copy->format == "EuRoC/ASL");
-  RunOptions options;
-  options.plugin_path = plugin_folder().string();
+  RunOptions options{.plugin_path = plugin_folder().string()};
   for (const char* config : {"antigny2019", "phone_walk_camera"}) {  // the second models the rolling shutter
     options.config = source("samples/configs/" + std::string(config) + ".yaml").string();
-    const auto a = required(replay(*original, options), b = replay(*copy, options));
+    const auto a = required(replay(*original, options)), b = replay(*copy, options);
     REQUIRE(b.ok());
     REQUIRE(a->track.size() == b->track.size());
     CHECK(a->track.size() > 40);

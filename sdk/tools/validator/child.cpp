@@ -21,9 +21,8 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr double kCall_s = 20;  // a call that takes longer hangs
-constexpr double kHangs =
-    0.5;  // of the child's limit: it also hangs if the limit passed with so much of it in one call
+constexpr double kCall_s = 20;      // a call that takes longer hangs
+constexpr double kCallShare = 0.5;  // of the child's time: a single call with more of it hangs too
 constexpr char kEnd[] =
     "\x04"
     "end";  // sent last: a premature exit cannot send it
@@ -73,7 +72,7 @@ std::string how_it_ended(int status) {
 
 /// How long the current call has taken, s; 0 without one.
 double call_s() {
-  return phase && phase->call[0] ? seconds_since(Clock::time_point(Clock::duration(phase->began))) : 0;
+  return phase && phase->call[0] ? seconds_since(Clock::time_point(Clock::duration(phase->began.load()))) : 0;
 }
 
 /// A child process and the reading end of its pipe.
@@ -134,7 +133,7 @@ ChildResult finish(Child& child, double limit_s, bool in_time) {
     for (const char* part : {phase ? phase->call : "", phase ? phase->where : ""})
       if (*part) where += (where.empty() ? " in " : " ") + std::string(part);
     result.text = (in_time ? how_it_ended(status) : "took longer than " + number(limit_s) + " s") + where;
-    if (!in_time && in_call_s >= kHangs * limit_s) result.hung_call = phase->call;
+    if (!in_time && in_call_s >= kCallShare * limit_s) result.hung_call = phase->call;
   }
   return result;
 }

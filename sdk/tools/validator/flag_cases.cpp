@@ -102,7 +102,7 @@ void clear_invalid(std::vector<unsigned char>& event) {
 std::vector<std::vector<unsigned char>> events_without(CaseFixture& fixture, const std::vector<Numbers>& fields,
                                                        bool changed) {
   const auto subject = fixture.start_instance();
-  const auto [type, flag] = std::pair{fields.front().type, fields.front().flag};
+  const uint32_t type = fields.front().type, flag = fields.front().flag;
   MessageLayout layout;
   layout.change = [&](AnyMessage& message) {
     odo_header& header = message.header();

@@ -114,18 +114,13 @@ void as_format(AnyMessage& message, uint32_t format, std::vector<uint8_t>& pixel
   }
 }
 
-Verdict format_as_grey(CaseFixture& fixture, uint32_t format) {
+template <uint32_t format>
+Verdict format_as_grey(CaseFixture& fixture) {
   std::vector<std::vector<uint8_t>> kept;
   const auto plain = fixture.run(fixture.input, {});
   const auto driver = walked(fixture, [&](AnyMessage& message) { as_format(message, format, kept.emplace_back()); });
   return difference(plain, driver->bytes());
 }
-Verdict nv12(CaseFixture& fixture) { return format_as_grey(fixture, ODO_FORMAT_NV12); }
-Verdict nv21(CaseFixture& fixture) { return format_as_grey(fixture, ODO_FORMAT_NV21); }
-Verdict yuv420(CaseFixture& fixture) { return format_as_grey(fixture, ODO_FORMAT_YUV420); }
-Verdict rgb(CaseFixture& fixture) { return format_as_grey(fixture, ODO_FORMAT_RGB8); }
-Verdict rgba(CaseFixture& fixture) { return format_as_grey(fixture, ODO_FORMAT_RGBA8); }
-Verdict bgra(CaseFixture& fixture) { return format_as_grey(fixture, ODO_FORMAT_BGRA8); }
 
 Verdict later_format(CaseFixture& fixture) {
   return survives(fixture, [](AnyMessage& message) { frame_of(message).format = 99; });
@@ -199,12 +194,12 @@ std::vector<Case> frame_cases() {
       {"frames.quota", "retains at most 7 frames at once", 20, 4, true, quota},
       {"frames.exhausted", "works with a host that refuses to retain frames", 20, 4, true, exhausted},
       {"frames.strides", "reads rows by their stride", 20, 3, true, strides},
-      {"frames.nv12", "sees the same in NV12", 20, 3, true, nv12},
-      {"frames.nv21", "sees the same in NV21", 20, 3, true, nv21},
-      {"frames.yuv420", "sees the same in three planes of YUV 4:2:0", 20, 3, true, yuv420},
-      {"frames.rgb", "sees the same in RGB", 20, 3, true, rgb},
-      {"frames.rgba", "sees the same in RGBA", 20, 3, true, rgba},
-      {"frames.bgra", "sees the same in BGRA", 20, 3, true, bgra},
+      {"frames.nv12", "sees the same in NV12", 20, 3, true, format_as_grey<ODO_FORMAT_NV12>},
+      {"frames.nv21", "sees the same in NV21", 20, 3, true, format_as_grey<ODO_FORMAT_NV21>},
+      {"frames.yuv420", "sees the same in three planes of YUV 4:2:0", 20, 3, true, format_as_grey<ODO_FORMAT_YUV420>},
+      {"frames.rgb", "sees the same in RGB", 20, 3, true, format_as_grey<ODO_FORMAT_RGB8>},
+      {"frames.rgba", "sees the same in RGBA", 20, 3, true, format_as_grey<ODO_FORMAT_RGBA8>},
+      {"frames.bgra", "sees the same in BGRA", 20, 3, true, format_as_grey<ODO_FORMAT_BGRA8>},
       {"frames.later_format", "survives a format of a later version", 20, 3, true, later_format},
       {"frames.other_size", "survives frames of another size than the calibration's", 20, 3, true, other_size},
       {"frames.tiny", "survives frames of one pixel", 20, 3, true, tiny},

@@ -14,14 +14,13 @@ Verdict run_twice(CaseFixture& fixture) {
   return difference(one, other);
 }
 
-Verdict cut(CaseFixture& fixture, size_t batch) {
+template <size_t batch>
+Verdict cut(CaseFixture& fixture) {
   MessageLayout layout;
   layout.batch = batch;
   const auto one = fixture.run(fixture.input, {}), other = fixture.run(fixture.input, layout);
   return difference(one, other);
 }
-Verdict cut_small(CaseFixture& fixture) { return cut(fixture, 2); }
-Verdict cut_odd(CaseFixture& fixture) { return cut(fixture, 17); }
 
 Verdict after_reset(CaseFixture& fixture) {
   if (!fixture.table().reset) return not_applicable("it has no reset: the host makes a new instance");
@@ -87,7 +86,8 @@ Verdict empty_batch(CaseFixture& fixture) {
 }
 
 /// Inserts messages of a type, of any size, between the others.
-Verdict with_unknown_type(CaseFixture& fixture, uint32_t type) {
+template <uint32_t type>
+Verdict with_unknown_type(CaseFixture& fixture) {
   const auto plain = fixture.run(fixture.input, {});
   std::vector<AnyMessage> mixed;
   for (const AnyMessage& message : fixture.input) {
@@ -102,8 +102,6 @@ Verdict with_unknown_type(CaseFixture& fixture, uint32_t type) {
   const auto other = fixture.run(mixed, {});
   return difference(plain, other);
 }
-Verdict newer_type(CaseFixture& fixture) { return with_unknown_type(fixture, 0x07ED); }
-Verdict vendor_type(CaseFixture& fixture) { return with_unknown_type(fixture, ODO_TYPE_VENDOR(77777, 42)); }
 
 /// The events and statuses must be the same for original and modified messages.
 Verdict same_for(CaseFixture& fixture, const MessageLayout& layout) {
@@ -193,15 +191,15 @@ std::vector<Case> repeat_cases() {
       {"repeat.instance", "emits the same events again", 20, 4, true, run_twice},
       {"repeat.process", "emits the same events in another process", 45, 4, true, other_process},
       {"repeat.memory", "does not depend on previous memory contents", 20, 4, true, shuffled_memory},
-      {"repeat.batches_of_2", "emits the same events with two messages per call", 20, 4, true, cut_small},
-      {"repeat.batches_of_17", "emits the same events with 17 messages per call", 20, 4, true, cut_odd},
+      {"repeat.batches_of_2", "emits the same events with two messages per call", 20, 4, true, cut<2>},
+      {"repeat.batches_of_17", "emits the same events with 17 messages per call", 20, 4, true, cut<17>},
       {"repeat.reset", "emits the same events after a reset", 20, 4, true, after_reset},
       {"repeat.reset_first", "has the same state after resets as after activate", 20, 3, true, reset_first},
       {"batch.empty", "accepts an empty batch", 10, 0, true, empty_batch},
       {"batch.read_only", "writes to no message, reads none beyond its end, retains none after the call", 20, 4, true,
        guarded},
-      {"growth.newer_type", "ignores messages of unknown types", 20, 3, true, newer_type},
-      {"growth.vendor_type", "ignores vendors' messages", 20, 3, true, vendor_type},
+      {"growth.newer_type", "ignores messages of unknown types", 20, 3, true, with_unknown_type<0x07ED>},
+      {"growth.vendor_type", "ignores vendors' messages", 20, 3, true, with_unknown_type<ODO_TYPE_VENDOR(77777, 42)>},
       {"growth.older_messages", "accepts messages of a host of version 1.0", 20, 3, true, older_messages},
       {"growth.newer_messages", "accepts messages with more members at the end", 20, 3, true, newer_messages},
       {"growth.newer_host", "accepts a host and a sink with more members at the end", 20, 3, true, newer_host},
