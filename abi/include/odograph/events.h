@@ -153,12 +153,12 @@ typedef struct odo_fix {
   double lever_b[3];             /* point in b whose position is given (a camera, an antenna), m */
   double yaw_axis_b[3];          /* unit vector in b: (0, 1, 0) is the top of a phone, (0, 0, -1) its back. Use the back
                                   * for a phone held upright, whose top has no horizontal direction */
-  double cross_covariance_n[9];  /* of rotation (rows) and position (columns), rad m */
+  double cross_covariance_n[9];  /* of rotation (rows) and position (columns), rad m; not used by this library up to 1.0 */
   double slant_sigma_m;          /* standard deviation of slant_distance_m */
 } odo_fix;
 
 /* Relative pose of the body between two times, for example from a loop closure or another map. The host publishes and
- * records it and passes it to plugins that declare it, and may use it. */
+ * records it and passes it to plugins that declare it, and may use it; not used by this library up to 1.0. */
 #define ODO_RELATIVE_POSE_TRANSLATION 1u
 #define ODO_RELATIVE_POSE_ROTATION 2u
 typedef struct odo_relative_pose {
@@ -194,7 +194,7 @@ typedef struct odo_pose {
   uint32_t state;        /* ODO_TRACKING, ODO_DEGRADED, ODO_LOST */
   uint32_t reason;       /* ODO_REASON_* */
   double angular_velocity[3];    /* rad/s, in the axes of the camera (or body), bias subtracted */
-  double velocity_covariance[9]; /* of velocity_n, (m/s)^2 */
+  double velocity_covariance[9]; /* of velocity_n, (m/s)^2; not filled by this library up to 1.0 */
   int32_t floor;                 /* latest estimate: storeys above the floor where the track started */
   uint32_t reserved;             /* 0 */
   double floor_probability;      /* probability of `floor`, 0 to 1 */
@@ -212,7 +212,7 @@ typedef struct odo_state {
  * positions (roofs, waypoints, transmitters) do not change. */
 #define ODO_CORRECTION_FIX 1u       /* an absolute position or orientation was used */
 #define ODO_CORRECTION_SCALE 2u     /* metric scale was determined or improved */
-#define ODO_CORRECTION_RECOVERED 3u /* a component of the estimator was reset */
+#define ODO_CORRECTION_RECOVERED 3u /* a component of the estimator was reset; not sent by this library up to 1.0 */
 #define ODO_CORRECTION_RESTART 4u   /* the sensor clock was set back: n restarts, and the phone is where it was */
 typedef struct odo_correction {
   odo_header header; /* t_ns: time of the pose at which the two agree best */

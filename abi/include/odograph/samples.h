@@ -49,7 +49,7 @@ typedef struct odo_magnetometer {
 typedef struct odo_barometer {
   odo_header header;
   double pressure_pa;
-  double sigma_pa; /* standard deviation, Pa; valid with ODO_BAROMETER_SIGMA */
+  double sigma_pa; /* standard deviation, Pa; valid with ODO_BAROMETER_SIGMA; not used by this library up to 1.0 */
 } odo_barometer;
 
 #define ODO_GNSS_POSITION 1u
@@ -154,7 +154,8 @@ typedef struct odo_waypoint {
 } odo_waypoint;
 
 /* The Earth's magnetic field at the location of the session, from a model such as the World Magnetic Model (Android's
- * GeomagneticField; iOS: trueHeading minus magneticHeading). The host uses it to convert magnetic to true north. */
+ * GeomagneticField; iOS: trueHeading minus magneticHeading). The host uses the declination to convert magnetic to true
+ * north; inclination and intensity are not used by this library up to 1.0. */
 #define ODO_EARTH_FIELD_DECLINATION 1u
 #define ODO_EARTH_FIELD_INCLINATION 2u
 #define ODO_EARTH_FIELD_INTENSITY 4u
@@ -193,7 +194,8 @@ typedef struct odo_range {
   double lever_b[3];          /* position of the antenna in b, m */
 } odo_range;
 
-/* The step sensor of the platform (Android's step counter and detector, CMPedometer). */
+/* The step sensor of the platform (Android's step counter and detector, CMPedometer). Passed to plugins that declare it;
+ * not used by this library up to 1.0 or its plugins. */
 #define ODO_SYSTEM_STEP_COUNT 1u    /* count is valid; if not set, the message is one detected step */
 #define ODO_SYSTEM_STEP_DISTANCE 2u
 typedef struct odo_system_step {

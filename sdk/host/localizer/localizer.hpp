@@ -35,6 +35,9 @@ enum StateIndex : int {
   kStates
 };
 
+/// Columns of a retained pose's errors in the filter's state.
+inline constexpr int kPose[4] = {kHeading, kNorth, kEast, kDown};
+
 using StateVector = Eigen::Matrix<double, kStates, 1>;
 using StateSet = std::bitset<kStates>;
 
@@ -116,6 +119,10 @@ class Localizer {
   std::vector<DelayedPose> delayed_poses_;
   uint64_t last_pose_id_ = 0;
 };
+
+inline Eigen::Quaterniond about_down(double rad) {
+  return Eigen::Quaterniond(Eigen::AngleAxisd(rad, Eigen::Vector3d::UnitZ()));
+}
 
 /// Derivative of a rotated vector by the heading: z x r.
 inline Eigen::Vector3d across(const Eigen::Vector3d& r_n) { return {-r_n.y(), r_n.x(), 0.0}; }

@@ -10,6 +10,7 @@
 #include <odograph/types.h>
 #include <opencv2/core.hpp>
 
+#include "sdk/math/scalar.hpp"
 #include "sdk/tools/simulation/random.hpp"
 
 namespace odograph::known_object_scene {

@@ -12,7 +12,7 @@ Spec list(const char* name, const char* help, Spec item) {
   return {.name = name, .type = SpecType::list, .help = help, .children = {std::move(item)}};
 }
 
-Spec text(const char* name, const char* help) {
+Spec text_key(const char* name, const char* help) {
   return {.name = name, .type = SpecType::text, .fallback = "", .help = help};
 }
 
@@ -38,7 +38,7 @@ Spec world_spec() {
       {choice("type", "street|downtown|city|room|corridor", "street",
               "a street of houses along the route, a downtown of towers, a city model, a furnished hall, or a "
               "white corridor"),
-       text("model", "city model for `type: city`, CityJSON or OBJ; relative to this file"),
+       text_key("model", "city model for `type: city`, CityJSON or OBJ; relative to this file"),
        reals("model_origin", "m", -1e8, 1e8, 3,
              "easting, northing and height of the route's zero in the model; its south-west corner if not given"),
        list("unmapped", "ranges of the route whose buildings are missing in any city model",
@@ -184,7 +184,7 @@ const Spec& scenario_spec() {
   static const Spec spec =
       map("scenario", "A simulated walk or drive",
           {required(integer("odograph_scenario", 1, 1, "1", "version of this file format")),
-           text("base", "another scenario file, relative to this one, that provides the keys missing here"),
+           text_key("base", "another scenario file, relative to this one, that provides the keys missing here"),
            map("record", "the recorded part of the walk",
                {real("from", "s", 0, 3600, "0", "start of the recording, for one that begins in mid-walk")}),
            world_spec(),
