@@ -73,11 +73,18 @@ def relink(folder, file, target):
     link[link.index("-o") + 1] = str(output)
     link = [word for word in link if not word.startswith("-Wl,-Map=")]  # the map belongs to the build
     if file:
-        row = next(row for row in json.loads((BUILD / "compile_commands.json").read_text()) if row["file"] == str(PROJECT / file))
+        source = folder / file
+        for row in json.loads((BUILD / "compile_commands.json").read_text()):
+            if row["file"] == str(PROJECT / file):
+                break
+            if row["file"].startswith(str(BUILD)) and f'"{file}"' in (batch := pathlib.Path(row["file"]).read_text()):
+                source = folder / "batch.cpp"
+                source.write_text(batch.replace(f'"{file}"', f'"{folder / file}"'))
+                break
         compiler = shlex.split(row["command"])
         own = compiler[compiler.index("-o") + 1]
         compiler[compiler.index("-o") + 1] = str(folder / "changed.o")
-        compiler[compiler.index("-c") + 1] = str(folder / file)
+        compiler[compiler.index("-c") + 1] = str(source)
         status, text = run(compiler + ["-O0", "-w"], BUILD)
         if status:
             sys.exit(f"{file} does not compile: {text}")
