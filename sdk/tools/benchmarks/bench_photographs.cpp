@@ -28,7 +28,7 @@ struct Taken {
   Eigen::Vector3d p_n;
   Eigen::Quaterniond q_n_c;
 };
-Result<Taken> taken(PhotographScene& scene, const fs::path& file, uint64_t number) {
+Result<Taken> photograph_of(PhotographScene& scene, const fs::path& file, uint64_t number) {
   if (!fs::exists(file)) {
     const auto photograph = scene.take(number);
     if (!photograph) return photograph.failure();
@@ -82,8 +82,8 @@ std::string command_of(const PhotographBench& bench, const fs::path& file, const
   return command;
 }
 
-Result<bool> add(const PhotographBench& bench, const Taken& taken, const fs::path& file, const fs::path& model,
-                 const Eigen::Vector3d& origin, uint64_t seed, PhotographLocalizer& localizer, Tally& to) {
+Result<bool> add_to_tally(const PhotographBench& bench, const Taken& taken, const fs::path& file, const fs::path& model,
+                          const Eigen::Vector3d& origin, uint64_t seed, PhotographLocalizer& localizer, Tally& to) {
   const Eigen::Vector3d axis = taken.q_n_c * Eigen::Vector3d::UnitZ();
   const double heading = std::atan2(axis.y(), axis.x());
   const PhotographGuess guess = guess_of(bench, taken, heading, seed);
@@ -193,9 +193,10 @@ Result<Json> PhotographBench::measure(const BenchCase& one, const BenchOptions& 
     const fs::path file =
         fs::path(options.keep) / text("photograph_%s_%g_%llu_%zu.jpg", place.c_str(), errors.roof_sigma_m,
                                       static_cast<unsigned long long>(one.seed), k);
-    const auto photograph = taken(scene, file, k);
+    const auto photograph = photograph_of(scene, file, k);
     if (!photograph) return photograph.failure();
-    const auto done = add(*this, *photograph, file, thinned, city->origin, one.seed * 1000 + k, **localizer, tally);
+    const auto done =
+        add_to_tally(*this, *photograph, file, thinned, city->origin, one.seed * 1000 + k, **localizer, tally);
     if (!done) return done.failure();
     if (one.run.progress) one.run.progress(k + 1, of_it);
   }
