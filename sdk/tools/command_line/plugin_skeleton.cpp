@@ -129,7 +129,8 @@ Result<bool> write_plugin_skeleton(const std::string& kind, const std::string& i
   }
   const auto of_kind = template_text(kind + "/words.json");
   if (!of_kind) return of_kind.failure();
-  for (const auto& [word, value] : nlohmann::json::parse(*of_kind).items()) words.emplace_back(word, value);
+  const auto own = nlohmann::json::parse(*of_kind);
+  for (const auto& [word, value] : own.items()) words.emplace_back(word, value.get<std::string>());
   words.insert(words.end(), chosen.words.begin(), chosen.words.end());
   words.insert(words.end(), {{"ID", id}, {"KIND", kind}, {"FILE", file}, {"SOURCE", chosen.files.front().name}});
   chosen.files.push_back({"pipeline.yaml", {kind + "/pipeline.yaml.in"}});
