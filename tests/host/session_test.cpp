@@ -58,7 +58,8 @@ TEST_CASE("a live session with samples from several threads gives the replay's e
     while (!stop) {
       pose.header.struct_size = sizeof pose;
       odo_session_get_pose(live.session, ODO_TIME_LATEST, &pose);
-      odo_error error = live.last_error();
+      odo_error error{sizeof error, ODO_OK, {}};
+      odo_session_last_error(live.session, &error);
     }
   });
   std::atomic<int64_t> now_ns{0};  // of the IMU: a sensor seconds ahead would make the others late

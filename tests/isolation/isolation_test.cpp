@@ -126,7 +126,7 @@ TEST_CASE("the host continues and publishes poses with every faulty plugin isola
       }
       if (key != "scale_source") CHECK(out.poses > 0);
       ended += out.contains("restarting") ? 1 : 0;
-      odo_pose pose = app.pose(ODO_TIME_LATEST);
+      app.pose(ODO_TIME_LATEST);
     }
   }
   MESSAGE(run_count << " times a faulty plugin, " << ended << " of them ended their process");
