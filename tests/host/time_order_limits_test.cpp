@@ -16,7 +16,7 @@ TEST_SUITE_BEGIN("time_order_limits");
 
 namespace {
 
-constexpr int64_t kMs = 1'000'000, kSecond = 1000 * kMs;
+constexpr int64_t kMilli = 1'000'000, kSecond = 1000 * kMilli;
 
 OwnedMessage sample(uint32_t type, int64_t t_ns, uint32_t source = 0, uint32_t flags = 0) {
   alignas(8) unsigned char bytes[ODO_LARGEST_MESSAGE] = {};
@@ -43,14 +43,14 @@ struct Order : TimeOrder {
 }  // namespace
 
 TEST_CASE("isolated implausible times are never accepted, however many, while good samples are between them") {
-  Order order(1024, 50 * kMs);
+  Order order(1024, 50 * kMilli);
   for (int i = 0; i < 20; ++i) {
-    CHECK(order.imu(i * 10 * kMs) == Verdict::accepted);
+    CHECK(order.imu(i * 10 * kMilli) == Verdict::accepted);
     CHECK(order.imu(1000 * kSecond + i) == Verdict::implausible);
     CHECK(order.imu(2000 * kSecond + i) == Verdict::implausible);  // two in a row are not accepted either
   }
   CHECK(order.size() == 20);
-  CHECK(order.imu(200 * kMs) == Verdict::accepted);
+  CHECK(order.imu(200 * kMilli) == Verdict::accepted);
   // Each stream has its own count.
   CHECK(order.imu(1000 * kSecond) == Verdict::implausible);
   CHECK(order.add(ODO_TYPE_MAGNETOMETER, 1000 * kSecond) == Verdict::implausible);
@@ -62,7 +62,7 @@ TEST_CASE("isolated implausible times are never accepted, however many, while go
 TEST_CASE(
     "ten seconds ahead are plausible and a nanosecond more is not, and an isolated sample at a duplicate's time is "
     "not") {
-  Order order(16, 50 * kMs);
+  Order order(16, 50 * kMilli);
   CHECK(order.imu(0) == Verdict::accepted);
   CHECK(order.imu(10 * kSecond + 1) == Verdict::implausible);
   CHECK(order.imu(10 * kSecond) == Verdict::accepted);
@@ -98,24 +98,24 @@ TEST_CASE(
 }
 
 TEST_CASE("late samples with increasing times are no clock that was set back, and restart the count") {
-  Order order(4096, 10 * kMs);
+  Order order(4096, 10 * kMilli);
   REQUIRE(order.add(ODO_TYPE_MAGNETOMETER, 0) == Verdict::accepted);
   REQUIRE(order.imu(5 * kSecond) == Verdict::accepted);
   REQUIRE(order.all(INT64_MAX).size() == 2);
-  for (int i = 1; i < 200; ++i) CHECK(order.add(ODO_TYPE_MAGNETOMETER, i * kMs) == Verdict::late);
+  for (int i = 1; i < 200; ++i) CHECK(order.add(ODO_TYPE_MAGNETOMETER, i * kMilli) == Verdict::late);
   for (int i = 0; i < 49; ++i) CHECK(order.add(ODO_TYPE_MAGNETOMETER, i) == Verdict::late);
-  CHECK(order.add(ODO_TYPE_MAGNETOMETER, 300 * kMs) == Verdict::late);
+  CHECK(order.add(ODO_TYPE_MAGNETOMETER, 300 * kMilli) == Verdict::late);
   for (int i = 0; i < 49; ++i) CHECK(order.add(ODO_TYPE_MAGNETOMETER, i) == Verdict::late);
   CHECK(order.add(ODO_TYPE_MAGNETOMETER, 50) == Verdict::restarted);
 }
 
 TEST_CASE("a starting sensor may be late by the longest wait and not a nanosecond more, and joins once") {
-  for (const int64_t late_ns : {100 * kMs - 1, 100 * kMs, 100 * kMs + 1}) {
+  for (const int64_t late_ns : {100 * kMilli - 1, 100 * kMilli, 100 * kMilli + 1}) {
     CAPTURE(late_ns);
-    Order order(64, 100 * kMs);
+    Order order(64, 100 * kMilli);
     REQUIRE(order.imu(5 * kSecond) == Verdict::accepted);
     REQUIRE(order.all(INT64_MAX).size() == 1);
-    const bool joins = late_ns <= 100 * kMs;
+    const bool joins = late_ns <= 100 * kMilli;
     CHECK(order.add(ODO_TYPE_FRAME, 5 * kSecond - late_ns) == (joins ? Verdict::accepted : Verdict::late));
     CHECK(order.add(ODO_TYPE_BAROMETER, 5 * kSecond - late_ns) == (joins ? Verdict::accepted : Verdict::late));
     CHECK(order.add(ODO_TYPE_RANGE, 5 * kSecond - late_ns) == Verdict::accepted);  // it may always be late
@@ -123,15 +123,16 @@ TEST_CASE("a starting sensor may be late by the longest wait and not a nanosecon
     REQUIRE(order.add(ODO_TYPE_FRAME, 5 * kSecond) == Verdict::accepted);  // in time from here on
     REQUIRE(order.imu(6 * kSecond) == Verdict::accepted);
     REQUIRE(order.all(INT64_MAX).size() == 5);
-    CHECK(order.add(ODO_TYPE_FRAME, 6 * kSecond - 10 * kMs) == Verdict::late);
+    CHECK(order.add(ODO_TYPE_FRAME, 6 * kSecond - 10 * kMilli) == Verdict::late);
     REQUIRE(order.imu(8 * kSecond) == Verdict::accepted);
     REQUIRE(order.all(INT64_MAX).size() == 1);
-    CHECK(order.add(ODO_TYPE_FRAME, 8 * kSecond - 10 * kMs) == Verdict::accepted);  // it starts again after its silence
+    CHECK(order.add(ODO_TYPE_FRAME, 8 * kSecond - 10 * kMilli) ==
+          Verdict::accepted);  // it starts again after its silence
   }
 }
 
 TEST_CASE("a sensor is waited for up to a second of silence, or the longest wait if that is longer") {
-  for (const int64_t wait : {200 * kMs, 1500 * kMs}) {
+  for (const int64_t wait : {200 * kMilli, 1500 * kMilli}) {
     const int64_t silent = std::max(wait, kSecond);
     for (const int64_t since : {silent - 1, silent, silent + 1}) {
       CAPTURE(wait);
@@ -150,26 +151,26 @@ TEST_CASE("a sensor is waited for up to a second of silence, or the longest wait
 
 TEST_CASE(
     "nothing is released before the longest wait since the first sample, then the slowest sensor determines the wait") {
-  for (const int64_t newest : {99 * kMs, 100 * kMs, 101 * kMs}) {
+  for (const int64_t newest : {99 * kMilli, 100 * kMilli, 101 * kMilli}) {
     CAPTURE(newest);
-    Order order(64, 100 * kMs);
+    Order order(64, 100 * kMilli);
     REQUIRE(order.imu(0) == Verdict::accepted);
     REQUIRE(order.imu(newest) == Verdict::accepted);
-    CHECK(order.ready() == (newest >= 100 * kMs));
-    CHECK(order.all().size() == (newest < 100 * kMs ? 0 : 2));
+    CHECK(order.ready() == (newest >= 100 * kMilli));
+    CHECK(order.all().size() == (newest < 100 * kMilli ? 0 : 2));
   }
-  Order order(64, 100 * kMs);
+  Order order(64, 100 * kMilli);
   CHECK(order.latest_waiting_ns() == INT64_MIN);
-  order.imu(0), order.add(ODO_TYPE_FRAME, 140 * kMs), order.imu(150 * kMs), order.imu(160 * kMs);
-  CHECK(order.latest_waiting_ns() == 160 * kMs);
-  CHECK(order.all() == std::vector<int64_t>{0, 140 * kMs});
-  CHECK(order.all(155 * kMs) == std::vector<int64_t>{150 * kMs});
+  order.imu(0), order.add(ODO_TYPE_FRAME, 140 * kMilli), order.imu(150 * kMilli), order.imu(160 * kMilli);
+  CHECK(order.latest_waiting_ns() == 160 * kMilli);
+  CHECK(order.all() == std::vector<int64_t>{0, 140 * kMilli});
+  CHECK(order.all(155 * kMilli) == std::vector<int64_t>{150 * kMilli});
 }
 
 TEST_CASE("an expected camera is waited for within the first second, and no longer once it has started") {
   for (const bool came : {false, true})
     for (const int64_t newest : {kSecond, kSecond + 1}) {
-      Order order(64, 100 * kMs);
+      Order order(64, 100 * kMilli);
       order.expect_camera();
       REQUIRE(order.imu(0) == Verdict::accepted);
       if (came) REQUIRE(order.add(ODO_TYPE_FRAME, newest - 1) == Verdict::accepted);
@@ -200,7 +201,7 @@ TEST_CASE("slow sensors and unknown messages are accepted however late, define n
 }
 
 TEST_CASE("a restart discards all times and counts, and a full queue accepts again after a release") {
-  Order order(2, 100 * kMs);
+  Order order(2, 100 * kMilli);
   REQUIRE(order.imu(50 * kSecond) == Verdict::accepted);
   REQUIRE(order.add(ODO_TYPE_FRAME, 50 * kSecond) == Verdict::accepted);
   CHECK(order.imu(50 * kSecond + 1) == Verdict::full);
@@ -214,8 +215,8 @@ TEST_CASE("a restart discards all times and counts, and a full queue accepts aga
   CHECK(order.imu(0) == Verdict::accepted);
   CHECK(order.imu(100 * kSecond) == Verdict::implausible);  // the first of three again
   CHECK(order.imu(101 * kSecond) == Verdict::implausible);
-  CHECK(order.imu(10 * kMs) == Verdict::accepted);
-  CHECK(order.imu(20 * kMs) == Verdict::full);
+  CHECK(order.imu(10 * kMilli) == Verdict::accepted);
+  CHECK(order.imu(20 * kMilli) == Verdict::full);
 }
 
 TEST_SUITE_END();

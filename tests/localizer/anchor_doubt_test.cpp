@@ -129,7 +129,7 @@ TEST_CASE(
 
 namespace {
 
-const std::string kInertial = "coupling: {type: localizer}\n",
+const std::string kLocalizer = "coupling: {type: localizer}\n",
                   kPlace = "start: {position: [0 m, 0 m, 0 m], heading: 0 rad}",
                   kOrigin = "origin: {latitude: 0.8 rad, longitude: 0.1 rad, height: 300 m}";
 
@@ -150,7 +150,7 @@ odo_anchor_place on_earth() {
   return out;
 }
 
-uint64_t make(const App& app, const odo_anchor_place& at) {
+uint64_t add_anchor(const App& app, const odo_anchor_place& at) {
   uint64_t id = 0;
   REQUIRE(odo_anchor_create(app.session, &at, &id) == ODO_OK);
   return id;
@@ -168,11 +168,11 @@ odo_anchor get(const App& app, uint64_t id) {
 TEST_CASE("n's origin and the phone's position in n are independent, and an anchor's reason names the missing one") {
   const double geodetic[3] = {0.8, 0.1, 300};
   double p_n[3];
-  App origin(kWalk + kInertial + navigation(kOrigin)), start(kWalk + kInertial + navigation(kPlace)),
-      both(kWalk + kInertial + navigation(kOrigin + ", " + kPlace));
+  App origin(kWalk + kLocalizer + navigation(kOrigin)), start(kWalk + kLocalizer + navigation(kPlace)),
+      both(kWalk + kLocalizer + navigation(kOrigin + ", " + kPlace));
   CHECK(odo_session_from_geodetic(origin.session, geodetic, p_n) == ODO_OK);  // conversion needs no position
   CHECK(odo_session_from_geodetic(start.session, geodetic, p_n) == ODO_NOT_READY);
-  for (App* app : {&origin, &start, &both}) make(*app, on_earth()), app->walk(0, 500);
+  for (App* app : {&origin, &start, &both}) add_anchor(*app, on_earth()), app->walk(0, 500);
   CHECK(get(origin, 1).reason == ODO_REASON_NO_FIX);
   CHECK(get(start, 1).reason == ODO_REASON_NO_ORIGIN);
   CHECK(std::string(odo_reason_text(ODO_REASON_NO_ORIGIN)) == "no origin on the Earth yet");
@@ -180,21 +180,21 @@ TEST_CASE("n's origin and the phone's position in n are independent, and an anch
 }
 
 TEST_CASE("an anchor is in front only on the side that the phone's camera faces") {
-  App app(kWalk + kInertial + navigation(kPlace));
+  App app(kWalk + kLocalizer + navigation(kPlace));
   app.walk(0, 500);
   // Without a camera the pose is the body's, whose z axis points out of the screen.
-  const uint64_t faced = make(app, in_view(-3)), behind = make(app, in_view(3));
+  const uint64_t faced = add_anchor(app, in_view(-3)), behind = add_anchor(app, in_view(3));
   CHECK(get(app, faced).flags == (ODO_ANCHOR_PLACED | ODO_ANCHOR_VIEW_POSE | ODO_ANCHOR_IN_FRONT));
   CHECK(get(app, behind).flags == (ODO_ANCHOR_PLACED | ODO_ANCHOR_VIEW_POSE));
 }
 
 TEST_CASE("a geodetic anchor made before the first sample has the correct position in both worlds, for any heading") {
   for (const char* heading : {"0 rad", "3.1 rad"}) {
-    App app(kWalk + kInertial +
+    App app(kWalk + kLocalizer +
             navigation(kOrigin + ", start: {position: [0 m, 0 m, 0 m], heading: " + std::string(heading) + "}"));
     odo_anchor_place place = on_earth();
     place.latitude_rad += 20 / 6.4e6;  // 20 m to the north
-    const uint64_t id = make(app, place);
+    const uint64_t id = add_anchor(app, place);
     int placed = 0;
     for (int i = 0; i < 2000; i += 10) {
       app.walk(i, i + 10);

@@ -13,6 +13,7 @@
 #include "plugins/step/odograph/gait_finder.hpp"
 #include "plugins/step/odograph/length_model.hpp"
 #include "plugins/step/odograph/walk_direction.hpp"
+#include "sdk/math/scalar.hpp"
 #include "sdk/tools/evaluation/walk_truth.hpp"
 #include "sdk/tools/simulation/carrying.hpp"
 #include "sdk/tools/simulation/random.hpp"
@@ -25,8 +26,6 @@ using namespace odograph::steps;
 TEST_SUITE_BEGIN("steps");
 
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 /// Motion of a phone on a person who walks with `step_hz`.
 struct Place {

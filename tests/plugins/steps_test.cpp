@@ -7,6 +7,7 @@
 
 #include "plugins/step/odograph/gait_finder.hpp"
 #include "plugins/step/odograph/carry_mode.hpp"
+#include "sdk/math/scalar.hpp"
 #include "sdk/tools/simulation/random.hpp"
 #include "tests/support/runs.hpp"
 
@@ -16,8 +17,6 @@ using namespace odograph::steps;
 TEST_SUITE_BEGIN("steps");
 
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 /// Feeds a walk of regular steps, standing before and after, and collects the found steps. `longer`: fraction by which
 /// every other step is longer, and the next one shorter.

@@ -10,6 +10,7 @@
 #include "plugins/vo/odograph/inertial/filter.hpp"
 #include "plugins/vo/odograph/inertial/update.hpp"
 #include "sdk/math/rotation.hpp"
+#include "sdk/math/scalar.hpp"
 
 namespace {
 
@@ -22,7 +23,7 @@ using odograph::CameraModel;
 using odograph::exp_rotation;
 using odograph::log_rotation;
 
-constexpr double kGravity = 9.81, kPi = 3.141592653589793, kFrame_s = 0.1, kSample_s = 0.005;
+constexpr double kGravity = 9.81, kFrame_s = 0.1, kSample_s = 0.005;
 constexpr int kWidth = 640, kHeight = 480;
 
 /// A phone in a walker's hand: 1.5 m/s towards x, two steps per second; later small steps of 0.2 m/s.

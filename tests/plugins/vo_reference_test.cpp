@@ -13,14 +13,14 @@ TEST_SUITE_BEGIN("vo_reference");
 
 namespace {
 
-constexpr int64_t kFrame_ns = 50'000'000;
+constexpr int64_t kReferenceFrame_ns = 50'000'000;
 
 const Quaterniond kMount = Quaterniond(0.2, 0.9, -0.3, 0.1).normalized();  // from c to b
 const Vector3d kLever(0.01, -0.02, 0.03);                                  // of c in b
 
 StampedPose body_at(int64_t i) {
   const double s = 0.05 * static_cast<double>(i);
-  return {i * kFrame_ns, Quaterniond(Eigen::AngleAxisd(0.8 * std::sin(s), Vector3d(0.3, 0.2, 1).normalized())),
+  return {i * kReferenceFrame_ns, Quaterniond(Eigen::AngleAxisd(0.8 * std::sin(s), Vector3d(0.3, 0.2, 1).normalized())),
           Vector3d(s, std::cos(s), 0)};
 }
 
@@ -40,7 +40,9 @@ Recording recording(bool mounted) {
   r.add(c.header);
   for (int64_t i = 0; i < 200; ++i) {
     const Eigen::AngleAxisd turned(body_at(i).q.conjugate() * body_at(i + 1).q);
-    r.add(imu_at(i * kFrame_ns + kFrame_ns / 2, turned.angle() / 0.05 * turned.axis(), {0, 0, 0}, ODO_IMU_GYRO).header);
+    r.add(imu_at(i * kReferenceFrame_ns + kReferenceFrame_ns / 2, turned.angle() / 0.05 * turned.axis(), {0, 0, 0},
+                 ODO_IMU_GYRO)
+              .header);
   }
   return r;
 }

@@ -48,7 +48,7 @@ fs::path small_recording(const TemporaryFolder& folder, int frames) {
   return path;
 }
 
-void picture(const fs::path& path) { cv::imwrite(path.string(), cv::Mat(48, 64, CV_8U, cv::Scalar(77))); }
+void small_picture(const fs::path& path) { cv::imwrite(path.string(), cv::Mat(48, 64, CV_8U, cv::Scalar(77))); }
 
 }  // namespace
 
@@ -133,7 +133,7 @@ TEST_CASE("pictures of a folder are in the order of their numbers, and an error 
   const TemporaryFolder folder;
   const auto images = folder / "images";
   fs::create_directories(images);
-  for (const char* name : {"2.png", "10.png", "1.png"}) picture(images / name);
+  for (const char* name : {"2.png", "10.png", "1.png"}) small_picture(images / name);
   write_text(images / "camera.yaml", "width: 64\nheight: 48\nfx: 50 px\nfy: 50\ncx: 32\ncy: 24\nfps: 10 Hz\n");
   const auto i = read_recording(images);
   REQUIRE_MESSAGE(i.ok(), (i.ok() ? "" : i.failure().text));
@@ -233,7 +233,7 @@ TEST_CASE("the camera of a written EuRoC folder is read back, and Kalibr's file 
   for (const uint32_t model : {ODO_CAMERA_PINHOLE, ODO_CAMERA_KANNALA_BRANDT}) {
     CAPTURE(model);
     const TemporaryFolder folder;
-    picture(folder / "a.png");
+    small_picture(folder / "a.png");
     const odo_calibration lens = a_lens(model, model == ODO_CAMERA_PINHOLE ? 5 : 4);
     const Recording original = one_frame(lens, folder / "a.png");
     REQUIRE(write_euroc(original, folder / "asl", nullptr).ok());

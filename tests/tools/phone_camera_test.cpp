@@ -5,6 +5,7 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "sdk/math/scalar.hpp"
 #include "sdk/tools/simulation/codec.hpp"
 #include "sdk/tools/simulation/random.hpp"
 #include "sdk/tools/simulation/walker.hpp"
@@ -18,7 +19,7 @@ TEST_SUITE_BEGIN("phone_camera");
 
 namespace {
 
-constexpr double kPi = 3.14159265358979323846, kDeg = kPi / 180;
+constexpr double kDeg = kPi / 180;
 
 Scenario tiny(const std::string& profile) {
   Scenario s;

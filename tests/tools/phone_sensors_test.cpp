@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <doctest/doctest.h>
 
+#include "sdk/math/scalar.hpp"
 #include "sdk/tools/evaluation/excitation.hpp"
 #include "sdk/tools/simulation/sensors.hpp"
 #include "sdk/tools/simulation/walker.hpp"
@@ -13,8 +14,6 @@ using Eigen::Vector3d;
 TEST_SUITE_BEGIN("phone_sensors");
 
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 Scenario walk_of(double metres) {
   Scenario s;

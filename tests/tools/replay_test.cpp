@@ -20,7 +20,7 @@ TEST_SUITE_BEGIN("replay");
 
 namespace {
 
-constexpr int64_t kSecond = 1'000'000'000;
+constexpr int64_t kReplaySecond = 1'000'000'000;
 
 /// 16 m with a corner and small pictures.
 const Recording& walk() {
@@ -99,7 +99,7 @@ TEST_CASE("waypoints on the way correct a track that is too short, and the recor
   CHECK(last(need(marked_run(street, run, marks, 1e9))) == last(told));
   CHECK(last(need(marked_run(street, run, {.sigma_m = 0.05, .every_s = 1, .seed = 2}, 1e9))) != last(told));
   Recording marked = street;  // another waypoint, far away
-  auto own = make_message<odo_waypoint>(ODO_TYPE_WAYPOINT, street.truth.back().t_ns - kSecond);
+  auto own = make_message<odo_waypoint>(ODO_TYPE_WAYPOINT, street.truth.back().t_ns - kReplaySecond);
   own.p_n[0] = 50, own.sigma_m = 0.05;
   marked.add(own.header);
   marked.sort();
@@ -111,8 +111,8 @@ TEST_CASE("a run limited to the first seconds ends there") {
   const int64_t start_ns = walk().messages.front().message.header().t_ns;
   const MarkedRun begun = need(marked_run(walk(), pipeline(folder, false), {}, 8));
   REQUIRE(begun.poses.size() > 3);
-  CHECK(begun.poses.back().header.t_ns <= start_ns + 8 * kSecond);
-  CHECK(begun.poses.back().header.t_ns > start_ns + 6 * kSecond);
+  CHECK(begun.poses.back().header.t_ns <= start_ns + 8 * kReplaySecond);
+  CHECK(begun.poses.back().header.t_ns > start_ns + 6 * kReplaySecond);
 }
 
 TEST_CASE("an app polls at its screen rate, ahead of its input, and once per picture") {
@@ -124,7 +124,7 @@ TEST_CASE("an app polls at its screen rate, ahead of its input, and once per pic
   CHECK(stream.poll_us.size() >= stream.poses.polls.size());
   CHECK(stream.statistics_us.size() == stream.poll_us.size());
   for (size_t i = 1; i < stream.poses.polls.size(); ++i)
-    REQUIRE(stream.poses.polls[i].t_ns - stream.poses.polls[i - 1].t_ns == kSecond / 50);
+    REQUIRE(stream.poses.polls[i].t_ns - stream.poses.polls[i - 1].t_ns == kReplaySecond / 50);
   CHECK(ahead.poses.polls.back().t_ns - stream.poses.polls.back().t_ns == 200'000'000);
   // The screen stops with the last input: 30 ms ahead of the recording's end and its latest picture.
   const double over_s =
@@ -143,7 +143,7 @@ TEST_CASE("an app polls at its screen rate, ahead of its input, and once per pic
 TEST_CASE("a waypoint on the way is a correction of the stream") {
   const TemporaryFolder folder;
   Recording told = walk();
-  auto mark = make_message<odo_waypoint>(ODO_TYPE_WAYPOINT, walk().truth.back().t_ns - kSecond);
+  auto mark = make_message<odo_waypoint>(ODO_TYPE_WAYPOINT, walk().truth.back().t_ns - kReplaySecond);
   mark.p_n[0] = 12, mark.p_n[1] = 4, mark.sigma_m = 0.05;
   told.add(mark.header);
   told.sort();

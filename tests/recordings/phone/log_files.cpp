@@ -14,7 +14,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr double kDegrees = 57.29577951308232;
+constexpr double kLoggedDegrees = 57.29577951308232;
 
 /// CDR of ROS 2: each number aligned to its size, counted from the end of the head.
 class Cdr {
@@ -64,7 +64,7 @@ std::string sample_of(const odo_header& header, std::string& topic) {
     topic = "NavSatFix";
     const auto& g = as<odo_gnss>(header);
     out.number<int8_t>(0), out.number<uint16_t>(1);
-    out.number<double>(g.latitude_rad * kDegrees), out.number<double>(g.longitude_rad * kDegrees);
+    out.number<double>(g.latitude_rad * kLoggedDegrees), out.number<double>(g.longitude_rad * kLoggedDegrees);
     out.number<double>(g.height_m);
     double covariance[9];
     east_north_up(g.covariance_n, covariance);
