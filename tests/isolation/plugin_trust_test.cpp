@@ -19,6 +19,7 @@
 #include "sdk/tools/validator/write_manifest.hpp"
 #include "tests/support/session_app.hpp"
 #include "tests/support/support.hpp"
+#include "tests/support/test_plugins.hpp"
 
 using namespace odograph;
 namespace fs = std::filesystem;

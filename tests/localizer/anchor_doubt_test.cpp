@@ -156,7 +156,7 @@ uint64_t add_anchor(const App& app, const odo_anchor_place& at) {
   return id;
 }
 
-odo_anchor get(const App& app, uint64_t id) {
+odo_anchor anchor_of(const App& app, uint64_t id) {
   odo_anchor anchor{};
   anchor.struct_size = sizeof anchor;
   REQUIRE(odo_anchor_get(app.session, id, ODO_WORLD_CORRECTED, ODO_TIME_LATEST, &anchor) == ODO_OK);
@@ -173,10 +173,10 @@ TEST_CASE("n's origin and the phone's position in n are independent, and an anch
   CHECK(odo_session_from_geodetic(origin.session, geodetic, p_n) == ODO_OK);  // conversion needs no position
   CHECK(odo_session_from_geodetic(start.session, geodetic, p_n) == ODO_NOT_READY);
   for (App* app : {&origin, &start, &both}) add_anchor(*app, on_earth()), app->walk(0, 500);
-  CHECK(get(origin, 1).reason == ODO_REASON_NO_FIX);
-  CHECK(get(start, 1).reason == ODO_REASON_NO_ORIGIN);
+  CHECK(anchor_of(origin, 1).reason == ODO_REASON_NO_FIX);
+  CHECK(anchor_of(start, 1).reason == ODO_REASON_NO_ORIGIN);
   CHECK(std::string(odo_reason_text(ODO_REASON_NO_ORIGIN)) == "no origin on the Earth yet");
-  CHECK(get(both, 1).state == ODO_TRACKING);
+  CHECK(anchor_of(both, 1).state == ODO_TRACKING);
 }
 
 TEST_CASE("an anchor is in front only on the side that the phone's camera faces") {
@@ -184,8 +184,8 @@ TEST_CASE("an anchor is in front only on the side that the phone's camera faces"
   app.walk(0, 500);
   // Without a camera the pose is the body's, whose z axis points out of the screen.
   const uint64_t faced = add_anchor(app, in_view(-3)), behind = add_anchor(app, in_view(3));
-  CHECK(get(app, faced).flags == (ODO_ANCHOR_PLACED | ODO_ANCHOR_VIEW_POSE | ODO_ANCHOR_IN_FRONT));
-  CHECK(get(app, behind).flags == (ODO_ANCHOR_PLACED | ODO_ANCHOR_VIEW_POSE));
+  CHECK(anchor_of(app, faced).flags == (ODO_ANCHOR_PLACED | ODO_ANCHOR_VIEW_POSE | ODO_ANCHOR_IN_FRONT));
+  CHECK(anchor_of(app, behind).flags == (ODO_ANCHOR_PLACED | ODO_ANCHOR_VIEW_POSE));
 }
 
 TEST_CASE("a geodetic anchor made before the first sample has the correct position in both worlds, for any heading") {

@@ -14,6 +14,7 @@
 
 namespace {
 
+using odograph::kPi;
 using namespace odograph::vio;
 using Eigen::Matrix3d;
 using Eigen::Quaterniond;

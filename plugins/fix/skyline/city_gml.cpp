@@ -20,7 +20,7 @@ namespace {
 using Eigen::Vector3d;
 using Rings = std::vector<std::vector<Vector3d>>;
 
-constexpr double kFarthest_m = 1e8;
+constexpr double kFarthestPoint_m = 1e8;
 constexpr size_t kMaxDepth = 256;  // nesting of elements; CityGML has about twenty
 
 constexpr std::array kBuilt = {"Building",
@@ -151,7 +151,8 @@ class Reader {
       const size_t to = std::min(text.find_first_of(kBlank, from), text.size());
       const auto value = parse_number(text.substr(from, to - from));
       if (!value) return stop("a ring's coordinates are no numbers");
-      if (!(std::abs(*value) < kFarthest_m)) return stop("a coordinate is farther than any reference system's zero");
+      if (!(std::abs(*value) < kFarthestPoint_m))
+        return stop("a coordinate is farther than any reference system's zero");
       at[k++] = *value;
       if (k == 3) ring_.emplace_back(at[0], at[1], at[2]), k = 0;
       from = text.find_first_not_of(kBlank, to);
@@ -208,7 +209,7 @@ std::vector<Edge> parse_city_gml(const std::string& text, const std::string& nam
     for (Vector3d& p : ring) {
       if (latitude_first) std::swap(p.x(), p.y());
       p = to_navigation(p);
-      if (!(p.cwiseAbs().maxCoeff() < kFarthest_m))
+      if (!(p.cwiseAbs().maxCoeff() < kFarthestPoint_m))
         throw std::runtime_error(name + ": a corner is farther than any reference system's zero");
     }
   auto edges = edges_of(reader.rings, reader.owners);

@@ -9,7 +9,7 @@
 namespace odograph::skyline {
 namespace {
 
-constexpr double kDegree = PhotographParameters::kDegree;
+constexpr double kPhotographDegree = PhotographParameters::kDegree;
 using Vector6 = Eigen::Matrix<double, 6, 1>;  // north, east, yaw, tilt_north, tilt_east, up
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
@@ -123,9 +123,9 @@ void PhotographMatcher::align(Candidate& at) {
         Guess g = at.guess;
         const double by = (k % 2 ? -1 : 1) * size;
         switch (k / 2) {
-          case 0: g.yaw += by * kDegree; break;
-          case 1: g.tilt_north += 0.5 * by * kDegree; break;
-          case 2: g.tilt_east += 0.5 * by * kDegree; break;
+          case 0: g.yaw += by * kPhotographDegree; break;
+          case 1: g.tilt_north += 0.5 * by * kPhotographDegree; break;
+          case 2: g.tilt_east += 0.5 * by * kPhotographDegree; break;
           default: g.up = std::clamp(g.up + 0.5 * by, -up_reach(), up_reach()); break;
         }
         if (const double c = cost_of(g); c < at.cost - 1e-4) at.guess = g, at.cost = c, better = true;

@@ -7,10 +7,11 @@
 #include <limits>
 #include <numbers>
 
+#include "sdk/math/scalar.hpp"
+
 namespace odograph::skyline {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180;
 constexpr int kSectors = SkylineDatabase::kSectors;
 constexpr double kLevels = 255 / (0.5 * std::numbers::pi);  // levels of a signature per radian
 constexpr size_t kSlice = 200;                              // places of the signature search between two spends
@@ -99,7 +100,7 @@ PlaceFinder::Hypothesis PlaceFinder::refine_coarse(const SeenSkyline& seen, cons
   Horizon horizon;
   if (!database_.horizon(static_cast<size_t>(at.cost), horizon)) return best;
   SeenSkyline::Twice twice;
-  const int middle = static_cast<int>(std::lround(at.yaw / (0.5 * kDegree)));
+  const int middle = static_cast<int>(std::lround(at.yaw / (0.5 * kRad_per_deg)));
   for (double up = -p_.high_m; up <= p_.high_m; up += p_.high_step_m) {
     for (size_t j = 0; j < Horizon::kDirections; ++j) {
       const float h = horizon.height_m[j] - static_cast<float>(up), d = horizon.distance_m[j];
@@ -108,7 +109,7 @@ PlaceFinder::Hypothesis PlaceFinder::refine_coarse(const SeenSkyline& seen, cons
     for (int rotation = -2 * p_.headings; rotation <= 2 * p_.headings; rotation += 2) {
       const double cost = seen.turned_loss(twice, middle + rotation, p_.max_rad);
       if (cost >= best.cost) continue;
-      best.cost = cost, best.yaw = (middle + rotation) * 0.5 * kDegree;
+      best.cost = cost, best.yaw = (middle + rotation) * 0.5 * kRad_per_deg;
       best.p.z() = at.p.z() - up;
     }
   }
@@ -150,7 +151,7 @@ double PlaceFinder::joint_cost(const Hypothesis& h, const Spend& spend) const {
       SeenSkyline::Twice twice;
       const auto middle = std::copy(horizon.elevation.begin(), horizon.elevation.end(), twice.begin());
       std::copy(horizon.elevation.begin(), horizon.elevation.end(), middle);
-      cost = picture.seen.turned_loss(twice, static_cast<int>(std::lround(h.yaw / (0.5 * kDegree))), p_.max_rad);
+      cost = picture.seen.turned_loss(twice, static_cast<int>(std::lround(h.yaw / (0.5 * kRad_per_deg))), p_.max_rad);
     }
     sum += cost, worst = std::max(worst, cost);
   }
@@ -175,7 +176,7 @@ PlaceFinder::Hypothesis PlaceFinder::refine(Hypothesis h, const Spend& spend) co
           else if (axis == 4)
             next.scale += sign * size * 0.02;
           else
-            next.yaw += sign * std::max(size * 2, 0.5) * kDegree;
+            next.yaw += sign * std::max(size * 2, 0.5) * kRad_per_deg;
           next.cost = joint_cost(next, spend);
           if (next.cost < h.cost - 1e-6) h = next, better = true;
         }

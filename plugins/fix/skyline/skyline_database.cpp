@@ -21,7 +21,7 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "the file is little-endian");
 constexpr int kN = Horizon::kDirections;
-constexpr double kFarthest_m = 1e7;  // max distance of a place or an edge from n's origin
+constexpr double kFarthestPlace_m = 1e7;  // max distance of a place or an edge from n's origin
 constexpr int kMaxCells = 4'000'000;
 constexpr double kCellsOfPlace = 16, kFewCells = 1024;  // a street leaves most of its bounding box empty
 
@@ -32,7 +32,7 @@ T read(const uint8_t* at) {
   return value;
 }
 
-bool is_near(const Eigen::Vector3d& p) { return p.allFinite() && p.cwiseAbs().maxCoeff() < kFarthest_m; }
+bool is_near(const Eigen::Vector3d& p) { return p.allFinite() && p.cwiseAbs().maxCoeff() < kFarthestPlace_m; }
 
 /// Start of a part of the file; null where the part exceeds the file.
 const uint8_t* part(const uint8_t* bytes, uint64_t size, uint64_t at, uint64_t count, uint64_t each) {
@@ -111,7 +111,7 @@ SkylineDatabase SkylineDatabase::view(std::string_view text, const std::string& 
     wrong("damaged: more edges than a run can refer to");
   d.edges_ = h.edges, d.places_ = h.places, d.runs_ = h.runs;
   d.origin_ = Eigen::Vector3d(h.origin[0], h.origin[1], h.origin[2]), d.spacing_m_ = h.spacing_m;
-  if (!d.origin_.allFinite() || !(h.spacing_m >= 0 && h.spacing_m < kFarthest_m)) wrong("damaged: invalid origin");
+  if (!d.origin_.allFinite() || !(h.spacing_m >= 0 && h.spacing_m < kFarthestPlace_m)) wrong("damaged: invalid origin");
   for (size_t i = 0; i < d.places_; ++i)
     if (!is_near(d.place(i))) wrong("damaged: place " + std::to_string(i) + " is invalid");
   d.index();

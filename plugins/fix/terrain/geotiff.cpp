@@ -15,12 +15,6 @@ namespace {
 constexpr ttag_t kPixelScale = 33550, kTiepoint = 33922, kTransformation = 34264, kGeoKeys = 34735, kNoData = 42113;
 constexpr uint16_t kRasterType = 1025, kPixelIsPoint = 2, kModelType = 1024, kModelGeographic = 2;
 constexpr uint16_t kGeographicType = 2048, kProjectedType = 3072, kVerticalUnits = 4099, kMetre = 9001;
-constexpr uint32_t kMaxNodes = 100'000'000;
-
-[[noreturn]] void refuse(const std::string& file, const std::string& why) {
-  throw std::runtime_error(file + ": " + why);
-}
-
 void declare_tags(TIFF* tiff) {
   static const TIFFFieldInfo fields[] = {
       {kPixelScale, -1, -1, TIFF_DOUBLE, FIELD_CUSTOM, 1, 1, const_cast<char*>("ModelPixelScale")},

@@ -14,12 +14,8 @@
 namespace odograph::terrain {
 namespace {
 
-constexpr size_t kMaxNodes = 100'000'000, kMaxVertices = 20'000'000;
+constexpr size_t kMaxVertices = 20'000'000;
 constexpr uintmax_t kLargest_bytes = 2'000'000'000;
-
-[[noreturn]] void refuse(const std::string& file, const std::string& why) {
-  throw std::runtime_error(file + ": " + why);
-}
 
 std::string lower(std::string text) {
   std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::tolower(c); });

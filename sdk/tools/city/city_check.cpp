@@ -136,7 +136,8 @@ class Checker {
     if (list == object.end()) return true;
     if (!list->is_array()) return wrong(id + ": \"geometry\" is not a list");
     for (const SortedJson& g : *list) {
-      if (!g.is_object() || !g.value("type", SortedJson()).is_string()) return wrong(id + ": a geometry without \"type\"");
+      if (!g.is_object() || !g.value("type", SortedJson()).is_string())
+        return wrong(id + ": a geometry without \"type\"");
       const auto type = g["type"].get<std::string>();
       const auto depth = depth_of(type);
       if (!depth && type != "GeometryInstance") {

@@ -69,7 +69,8 @@ Vector15 noise(const SmootherParameters& p, double dt) {
 }
 
 /// Updates with a measurement `hint` of three components of the state, `nominal`.
-void see(Vector15& error, Matrix15& P, ErrorIndex column, const Vector3d& nominal, const PseudoMeasurement::Vector& hint) {
+void see(Vector15& error, Matrix15& P, ErrorIndex column, const Vector3d& nominal,
+         const PseudoMeasurement::Vector& hint) {
   const Matrix3d S = P.block<3, 3>(column, column) + Matrix3d(hint.sigma.cwiseAbs2().asDiagonal());
   const Eigen::Matrix<double, 15, 3> PH = P.middleCols<3>(column);
   const Eigen::Matrix<double, 15, 3> K = S.llt().solve(PH.transpose()).transpose();
