@@ -165,7 +165,7 @@ def generate(abi):
 
 def write_bindings(abi, folder):
     shutil.rmtree(folder, ignore_errors=True)
-    shutil.copytree(HERE / "bindings", folder, ignore=shutil.ignore_patterns("vit", "__pycache__"))
+    shutil.copytree(HERE / "bindings", folder, ignore=shutil.ignore_patterns("vit", "__pycache__", "target", "node_modules", "*.egg-info", "Cargo.lock"))
     for name, text in {
         "python/odograph/abi.py": python(abi),
         "python/odograph/abi.pyi": stub(abi),

@@ -4,6 +4,7 @@
 #include <tiffio.h>
 
 #include <cmath>
+#include <cstdlib>
 #include <cstring>
 #include <limits>
 #include <memory>

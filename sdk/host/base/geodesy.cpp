@@ -6,8 +6,6 @@
 #include "sdk/math/scalar.hpp"
 
 namespace odograph {
-namespace {}
-
 bool Geodesy::has_origin() const {
   const std::lock_guard lock(mutex_);
   return local_.has_value();

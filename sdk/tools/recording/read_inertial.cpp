@@ -3,6 +3,7 @@
 // Readers of recordings with inertial sensors: EuRoC/ASL, ADVIO, Indoor Location Competition.
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 
 #include "sdk/host/config/camera_yaml.hpp"
 #include "sdk/host/config/spec.hpp"

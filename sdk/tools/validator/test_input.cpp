@@ -9,8 +9,6 @@
 #include "sdk/math/gravity.hpp"
 
 namespace odograph {
-namespace {}
-
 TestInput::TestInput(double seconds) {
   auto calibration = make_message<odo_calibration>(ODO_TYPE_CALIBRATION, 0);
   calibration.header.flags = ODO_CALIBRATION_EXTRINSICS;

@@ -4,6 +4,7 @@
 #include <cinttypes>
 #include <cstdio>
 #include <fstream>
+#include <string_view>
 
 #include <dlfcn.h>
 #include <unwind.h>
@@ -43,9 +44,10 @@ std::filesystem::path own_file() {
     uintptr_t from = 0, to = 0;
     if (std::sscanf(line.c_str(), "%" SCNxPTR "-%" SCNxPTR, &from, &to) != 2 || here < from || here >= to) continue;
     const size_t path = line.find('/');
-    std::error_code error;
-    const auto file = std::filesystem::canonical(path == std::string::npos ? "" : line.substr(path), error);
-    return error ? std::filesystem::path() : file;
+    if (path == std::string::npos) break;
+    constexpr std::string_view kReplaced = " (deleted)";  // by an upgrade: its folder is still the right one
+    if (line.ends_with(kReplaced)) line.erase(line.size() - kReplaced.size());
+    return std::filesystem::weakly_canonical(line.substr(path));
   }
   return {};
 }
