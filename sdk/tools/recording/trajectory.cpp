@@ -127,8 +127,6 @@ double path_length(const Trajectory& trajectory) {
   return length;
 }
 
-namespace {}  // namespace
-
 void write_tum(std::ostream& out, const Trajectory& trajectory) {
   out << std::setprecision(12);
   for (const auto& x : trajectory)
