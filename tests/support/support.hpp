@@ -3,7 +3,6 @@
 
 #include <filesystem>
 #include <fstream>
-#include <source_location>
 #include <sstream>
 #include <string>
 
@@ -30,8 +29,9 @@ inline bool contains(const std::string& text, const std::string& part) { return 
 
 /// The result, which must be good: a failure ends the case.
 template <class T>
-odograph::Result<T> required(odograph::Result<T> result, std::source_location from = std::source_location::current()) {
-  if (!result.ok()) ADD_FAIL_AT(from.file_name(), static_cast<int>(from.line()), result.failure().text);
+odograph::Result<T> required(odograph::Result<T> result, const char* file = __builtin_FILE(),
+                             int line = __builtin_LINE()) {
+  if (!result.ok()) ADD_FAIL_AT(file, line, result.failure().text);
   return result;
 }
 
