@@ -106,17 +106,17 @@ Result<std::unique_ptr<PluginBackend>> open_process(const PluginChoice& choice, 
 Result<std::unique_ptr<ProcessBackend>> ProcessBackend::load(const PluginChoice& choice, LibraryCheck check,
                                                              HostServices& host, const odo_sink& sink) {
   const std::string origin = choice.manifest.library.string() + ": ";
-  const fs::path program = choice.isolation.program.empty() ? plugin_host_program() : choice.isolation.program;
-  if (program.empty())
-    return Failure{ODO_E_NOT_FOUND, origin +
-                                        "isolation: process needs the program odograph-plugin-host beside the "
-                                        "library; expected it there, or its path as plugins.host"};
   if (host.shared_pixels().descriptor() < 0)
     return Failure{ODO_E_EXHAUSTED,
                    origin + (errno == EINVAL || errno == ENOSYS
                                  ? "isolation: process needs memory that can be sealed (memfd_create with "
                                    "F_SEAL_FUTURE_WRITE: Linux 5.1 or later)"
                                  : std::string("no memory can be shared with its process: ") + std::strerror(errno))};
+  const fs::path program = choice.isolation.program.empty() ? plugin_host_program() : choice.isolation.program;
+  if (program.empty())
+    return Failure{ODO_E_NOT_FOUND, origin +
+                                        "isolation: process needs the program odograph-plugin-host beside the "
+                                        "library; expected it there, or its path as plugins.host"};
   std::unique_ptr<ProcessBackend> made(new ProcessBackend(choice, host, sink));
   if (!made->launch(program))
     return Failure{ODO_E_EXHAUSTED,

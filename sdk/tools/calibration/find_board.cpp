@@ -11,6 +11,12 @@
 #include "sdk/tools/calibration/markers.hpp"
 
 namespace odograph {
+/// Layout of a printed board: the squares with markers, and the rotation of its markers in quarter turns.
+struct BoardPrint {
+  bool first_is_white = false;
+  int quarters = 0;
+};
+
 namespace {
 
 constexpr size_t kMinCorners = 8;
@@ -19,12 +25,6 @@ const cv::TermCriteria kFine(cv::TermCriteria::COUNT | cv::TermCriteria::EPS, 50
 float norm_of(const std::vector<cv::Point2f>& points, int a, int b) {
   return static_cast<float>(cv::norm(points[static_cast<size_t>(a)] - points[static_cast<size_t>(b)]));
 }
-
-/// Layout of a printed board: the squares with markers, and the rotation of its markers in quarter turns.
-struct Print {
-  bool first_is_white = false;
-  int quarters = 0;
-};
 
 /// The corner of a marker on the board, m.
 cv::Point2d corner_on_board(const Board& board, const cv::Point& square, size_t corner, int quarters) {
@@ -54,7 +54,7 @@ struct Agreement {
   bool good() const { return yes > 4 * no; }
 };
 
-Agreement agreement(const Board& board, const std::vector<SeenMarker>& seen, const Print& print) {
+Agreement agreement(const Board& board, const std::vector<SeenMarker>& seen, const BoardPrint& print) {
   const auto squares = marker_squares(board, print.first_is_white);
   Agreement agreement;
   for (const SeenMarker& a : seen)
@@ -72,15 +72,15 @@ Agreement agreement(const Board& board, const std::vector<SeenMarker>& seen, con
 }
 
 /// The print that explains the detections better than any other; nothing if two are equally good.
-std::optional<Print> print_of(const Board& board, const std::vector<SeenMarker>& seen) {
-  std::optional<Print> best;
+std::optional<BoardPrint> print_of(const Board& board, const std::vector<SeenMarker>& seen) {
+  std::optional<BoardPrint> best;
   int fewest = 0;
   for (const bool white : {false, true})
     for (int quarters = 0; quarters < 4; ++quarters) {
       const Agreement a = agreement(board, seen, {white, quarters});
       if (!a.good()) continue;
       if (best && a.no == fewest) return {};
-      if (!best || a.no < fewest) best = Print{white, quarters}, fewest = a.no;
+      if (!best || a.no < fewest) best = BoardPrint{white, quarters}, fewest = a.no;
     }
   return best;
 }
@@ -114,7 +114,7 @@ struct BoardFinder::Markers {
 
   MarkerFamily family;
   apriltag_detector_t* detector;
-  std::optional<Print> print;  // as determined by the first unambiguous picture
+  std::optional<BoardPrint> print;  // as determined by the first unambiguous picture
 };
 
 BoardFinder::BoardFinder(const Board& board) : board_(board) {

@@ -4,6 +4,7 @@
 #include <cinttypes>
 #include <cstdio>
 #include <fstream>
+#include <mutex>
 #include <string_view>
 
 #include <dlfcn.h>
@@ -18,6 +19,22 @@ namespace {
 void make_ready_for_foreign_exceptions() {
   static const auto looked = _Unwind_Backtrace([](_Unwind_Context*, void*) { return _URC_END_OF_STACK; }, nullptr);
   (void)looked;
+}
+
+/// From the list of mappings: dladdr() names the program by its argv[0], and a library by the path it was opened with,
+/// either of which another folder can answer to.
+std::filesystem::path file_that_holds(uintptr_t here) {
+  std::ifstream mappings("/proc/self/maps");
+  for (std::string line; std::getline(mappings, line);) {  // FROM-TO rights offset device inode PATH, addresses in hex
+    uintptr_t from = 0, to = 0;
+    if (std::sscanf(line.c_str(), "%" SCNxPTR "-%" SCNxPTR, &from, &to) != 2 || here < from || here >= to) continue;
+    const size_t path = line.find('/');
+    if (path == std::string::npos) break;
+    constexpr std::string_view kReplaced = " (deleted)";  // by an upgrade: its folder is still the right one
+    if (line.ends_with(kReplaced)) line.erase(line.size() - kReplaced.size());
+    return std::filesystem::weakly_canonical(line.substr(path));
+  }
+  return {};
 }
 
 }  // namespace
@@ -35,21 +52,12 @@ void* open_library(const std::filesystem::path& path, std::string& why) {
 
 void* library_symbol(void* library, const char* name) { return dlsym(library, name); }
 
-/// From the list of mappings: dladdr() names the program by its argv[0], and a library by the path it was opened with,
-/// either of which another folder can answer to.
 std::filesystem::path own_file() {
-  const auto here = reinterpret_cast<uintptr_t>(&own_file);
-  std::ifstream mappings("/proc/self/maps");
-  for (std::string line; std::getline(mappings, line);) {  // FROM-TO rights offset device inode PATH, addresses in hex
-    uintptr_t from = 0, to = 0;
-    if (std::sscanf(line.c_str(), "%" SCNxPTR "-%" SCNxPTR, &from, &to) != 2 || here < from || here >= to) continue;
-    const size_t path = line.find('/');
-    if (path == std::string::npos) break;
-    constexpr std::string_view kReplaced = " (deleted)";  // by an upgrade: its folder is still the right one
-    if (line.ends_with(kReplaced)) line.erase(line.size() - kReplaced.size());
-    return std::filesystem::weakly_canonical(line.substr(path));
-  }
-  return {};
+  static std::mutex mutex;
+  static std::filesystem::path found;  // kept: later there may be no free descriptor to read the list with
+  const std::lock_guard lock(mutex);
+  if (found.empty()) found = file_that_holds(reinterpret_cast<uintptr_t>(&own_file));
+  return found;
 }
 
 }  // namespace odograph
