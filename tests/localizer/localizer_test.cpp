@@ -103,7 +103,7 @@ TEST_SUITE("localizer") {
     Localizer localizer;
     localizer.set(kNorth, 1, 4);
     localizer.set(kBarometer, 2, 5);
-    Innovation<1> seen;  // measures the sum of both
+    Innovation seen(1);  // measures the sum of both
     seen.residual[0] = 3;
     seen.H(0, kNorth) = seen.H(0, kBarometer) = 1;
     seen.noise(0, 0) = 1;
@@ -120,7 +120,7 @@ TEST_SUITE("localizer") {
   TEST_CASE("A measurement from before the drift is weighted without the drift") {
     Localizer late, early;
     for (Localizer* localizer : {&late, &early}) localizer->set(kNorth, 0, 4);
-    Innovation<1> seen;
+    Innovation seen(1);
     seen.residual[0] = 1;
     seen.H(0, kNorth) = 1;
     seen.noise(0, 0) = 2;

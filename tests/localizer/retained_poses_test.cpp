@@ -82,7 +82,7 @@ TEST_CASE("updates that consider the pose leave held poses unchanged, and those 
   localizer.add_covariance(kHeading, kStepHeading, 0.03);
   const TrackPoint here;
   const uint64_t id = localizer.retain_pose(here, here);
-  Innovation<1> seen;
+  Innovation seen(1);
   seen.residual[0] = 0.2, seen.noise(0, 0) = 0.01;
   seen.H(0, kStepHeading) = 1;
   REQUIRE(localizer.update(seen, 0, all_but({kStepHeading})).accepted);

@@ -35,21 +35,21 @@ double yaw_variance(const odo_fix& fix) {
   return (fix.header.flags & ODO_FIX_ORIENTATION) ? fix.orientation_cov_n[8] : squared(fix.yaw_sigma_rad);
 }
 
-void ignore_row(Innovation<4>& seen, int row) {
+void ignore_row(Innovation& seen, int row) {
   seen.residual[row] = 0;
   seen.noise.row(row).setZero(), seen.noise.col(row).setZero();
   seen.noise(row, row) = kUninformedVariance;
 }
 
 /// Eq. (10): heading and position of the body at the fix's time, from the current state and the track in between.
-Innovation<4> innovation_of(const Localizer& localizer, const odo_fix& fix, const FixUpdate::Context& at) {
+Innovation innovation_of(const Localizer& localizer, const odo_fix& fix, const FixUpdate::Context& at) {
   const Quaterniond q_n_o = localizer.q_n_o(), q_n_b = q_n_o * at.then.q_o_b;
   const Vector3d since_n = q_n_o * (at.now.p_o_b - at.then.p_o_b);
   const double since_s = seconds(at.now.t_ns - at.then.t_ns);
   const Quaterniond q = (fix.header.flags & ODO_FIX_ORIENTATION) ? quaternion(fix.q_n_b) : q_n_b;
   const Vector3d lever_n =
       (fix.header.flags & ODO_FIX_LEVER) ? Vector3d(q * Vector3d(fix.lever_b)) : Vector3d(Vector3d::Zero());
-  Innovation<4> seen;
+  Innovation seen(4);
   seen.residual[kYaw] = has_yaw(fix) ? heading_residual(fix, q_n_b) : 0.0;
   seen.residual.tail<3>() = Vector3d(fix.p_n) - (localizer.p_n() - since_n + lever_n);
   seen.H(kYaw, kHeading) = 1;
@@ -97,7 +97,7 @@ bool FixUpdate::outweighs_fixes(int64_t t_ns, const Context& at) const {
 }
 
 /// The first position of an axis shifts the whole track to it and sets its covariance.
-void FixUpdate::place(Localizer& localizer, Innovation<4>& seen, uint32_t axes, double now_m) {
+void FixUpdate::place(Localizer& localizer, Innovation& seen, uint32_t axes, double now_m) {
   Vector3d moved_n = Vector3d::Zero();
   Matrix3d covariance = Matrix3d::Zero();
   const auto first = [&](int axis) { return (axes & (ODO_FIX_NORTH << axis)) != 0; };
@@ -115,7 +115,7 @@ void FixUpdate::place(Localizer& localizer, Innovation<4>& seen, uint32_t axes, 
 /// A heading that is off by more than a small angle is corrected first, so that the position innovation is computed
 /// with the corrected heading. If the fix is rejected, the caller restores the state.
 UpdateResult FixUpdate::rotate(Localizer& localizer, const odo_fix& fix, const Context& at) {
-  Innovation<4> heading = innovation_of(localizer, fix, at);
+  Innovation heading = innovation_of(localizer, fix, at);
   for (int row = 1; row < 4; ++row) ignore_row(heading, row);
   const StateSet considered = at.path_is_given ? only({kLogScale, kLogFactor, kStepHeading}) : StateSet{};
   const UpdateResult turned = localizer.update(heading, squared(gate_sigma_), considered);
@@ -153,7 +153,7 @@ UpdateResult FixUpdate::use(Localizer& localizer, const odo_fix& fix, const Cont
     before = localizer;
     localizer.inflate_heading(p_.start_heading_rad);
   }
-  Innovation<4> seen = innovation_of(localizer, fix, at);
+  Innovation seen = innovation_of(localizer, fix, at);
   const bool on_arc =
       has_yaw(fix) && (at.path_is_given || std::abs(seen.residual[kYaw]) > p_.arc_rad || (axes & ~placed_));
   const int dof = degrees_of_freedom(fix);

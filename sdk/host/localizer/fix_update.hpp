@@ -46,7 +46,7 @@ class FixUpdate {
  private:
   bool is_first_heading(const odo_fix& fix, const Context& at) const;
   bool outweighs_fixes(int64_t t_ns, const Context& at) const;
-  void place(Localizer& localizer, Innovation<4>& seen, uint32_t axes, double now_m);
+  void place(Localizer& localizer, Innovation& seen, uint32_t axes, double now_m);
   UpdateResult rotate(Localizer& localizer, const odo_fix& fix, const Context& at);
   void accept(const odo_fix& fix, double now_m);
 

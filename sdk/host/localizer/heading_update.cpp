@@ -47,9 +47,9 @@ bool HeadingUpdate::due(int64_t t_ns) const {
   return used_ns_ == INT64_MIN || seconds(t_ns - used_ns_) >= p_.interval_s;
 }
 
-Innovation<1> HeadingUpdate::difference(const Localizer& localizer, const Quaterniond& q_o_a, double sigma_rad) const {
+Innovation HeadingUpdate::difference(const Localizer& localizer, const Quaterniond& q_o_a, double sigma_rad) const {
   const double turned = -2 * std::atan2(q_o_a.z(), q_o_a.w());  // about down: heading minus the attitude source's
-  Innovation<1> seen;
+  Innovation seen(1);
   seen.residual[0] = std::remainder(turned - (localizer.x()[kHeading] - localizer.x()[kAttitudeHeading]), 2 * EIGEN_PI);
   seen.H(0, kHeading) = 1, seen.H(0, kAttitudeHeading) = -1;
   seen.noise(0, 0) = squared(sigma_rad);

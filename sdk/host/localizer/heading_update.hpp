@@ -42,7 +42,7 @@ class HeadingUpdate {
   void join(Localizer& localizer, const Eigen::Quaterniond& q_o_a) const;
 
  private:
-  Innovation<1> difference(const Localizer& localizer, const Eigen::Quaterniond& q_o_a, double sigma_rad) const;
+  Innovation difference(const Localizer& localizer, const Eigen::Quaterniond& q_o_a, double sigma_rad) const;
 
   Parameters p_;
   double mean_rad_ = 0, north_sigma_rad_ = 0;

@@ -41,7 +41,7 @@ class HeightUpdate {
     // Gusts and doors last for seconds: the error of the readings within that time is correlated.
     const double since_s = std::clamp(seconds(t_ns - used_ns_), 0.01, p_.correlation_s);
     used_ns_ = t_ns;
-    Innovation<1> height;
+    Innovation height(1);
     height.residual[0] = z_m - down_m - localizer.x()[kBarometer];
     height.H(0, kDown) = height.H(0, kBarometer) = 1;
     height.noise(0, 0) = squared(p_.sigma_m) * (steps ? 1.0 : p_.correlation_s / since_s);

@@ -36,13 +36,13 @@ void Localizer::move(const Vector3d& d_n, std::initializer_list<std::pair<StateI
   Eigen::Matrix<double, 3, kStates> F = Eigen::Matrix<double, 3, kStates>::Zero();
   F.leftCols<3>().setIdentity();
   for (const auto& [state, derivative] : by) F.col(state) += derivative;
-  const Eigen::Matrix<double, 3, kStates> FP = F * P_;
-  const Matrix3d FPF = FP * F.transpose();
+  const Eigen::Matrix<double, 3, kStates> FP = F.lazyProduct(P_);
+  const Matrix3d FPF = FP.lazyProduct(F.transpose());
   P_.topRows<3>() = FP;
   P_.leftCols<3>() = FP.transpose();
   P_.topLeftCorner<3, 3>() = 0.5 * (FPF + FPF.transpose());
   P_.topLeftCorner<3, 3>() += noise;
-  for (DelayedPose& pose : delayed_poses_) pose.cross.leftCols<3>() = (pose.cross * F.transpose()).eval();
+  for (DelayedPose& pose : delayed_poses_) pose.cross.leftCols<3>() = pose.cross.lazyProduct(F.transpose()).eval();
 }
 
 void Localizer::add_multiple(StateIndex to, StateIndex from, double factor) {
@@ -127,10 +127,10 @@ uint64_t Localizer::retain_pose(const TrackPoint& then, const TrackPoint& now) {
   since.head<3>() = now.drift_m2 - then.drift_m2;
   since[kHeading] = now.heading_drift_rad2 - then.heading_drift_rad2;
   since = since.cwiseMin(0.5 * P_.diagonal());
-  DelayedPose pose{++last_pose_id_, then.path_m, q_n_o() * then.q_o_b,
-                   p_n() - since_n, H * P_,      Eigen::Matrix4d::Zero()};
+  DelayedPose pose{++last_pose_id_, then.path_m,       q_n_o() * then.q_o_b,
+                   p_n() - since_n, H.lazyProduct(P_), Eigen::Matrix4d::Zero()};
   pose.cross -= H * since.asDiagonal();
-  pose.own = pose.cross * H.transpose();
+  pose.own = pose.cross.lazyProduct(H.transpose());
   pose.own = (0.5 * (pose.own + pose.own.transpose())).eval();
   delayed_poses_.push_back(pose);
   return last_pose_id_;

@@ -41,12 +41,18 @@ inline constexpr int kPose[4] = {kHeading, kNorth, kEast, kDown};
 using StateVector = Eigen::Matrix<double, kStates, 1>;
 using StateSet = std::bitset<kStates>;
 
-/// Residual z - h(x), Jacobian of h by the state, and covariance of z.
-template <int D>
+/// Of up to four rows: residual z - h(x), Jacobian of h by the state, and covariance of z.
 struct Innovation {
-  Eigen::Matrix<double, D, 1> residual = Eigen::Matrix<double, D, 1>::Zero();
-  Eigen::Matrix<double, D, kStates> H = Eigen::Matrix<double, D, kStates>::Zero();
-  Eigen::Matrix<double, D, D> noise = Eigen::Matrix<double, D, D>::Zero();
+  static constexpr int kMaxRows = 4;
+  using Vector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMaxRows, 1>;
+  using Square = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMaxRows, kMaxRows>;
+
+  explicit Innovation(int rows)
+      : residual(Vector::Zero(rows)), H(decltype(H)::Zero(rows, kStates)), noise(Square::Zero(rows, rows)) {}
+
+  Vector residual;
+  Eigen::Matrix<double, Eigen::Dynamic, kStates, 0, kMaxRows, kStates> H;
+  Square noise;
   /// Process noise that entered the state after the measurement's time; for a late one, eq. (9).
   StateVector since = StateVector::Zero();
 };
@@ -87,8 +93,7 @@ class Localizer {
 
   /// Kalman update with a gate on the normalised innovation squared (0: none), eq. (6) to (8). Considered states
   /// (Schmidt 1966) contribute their covariance but are not changed.
-  template <int D>
-  UpdateResult update(const Innovation<D>& innovation, double max_nis, StateSet considered = {});
+  UpdateResult update(const Innovation& innovation, double max_nis, StateSet considered = {});
   /// Shifts the position, and retained poses by their share (n was wrong, not the path), and sets its covariance.
   void shift(const Eigen::Vector3d& by_n, const Eigen::Matrix3d& covariance, double fixed_m, double now_m);
   /// Rotates everything in n about a point: body, retained poses and headings.

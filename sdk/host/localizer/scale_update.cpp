@@ -12,8 +12,8 @@ namespace {
 
 constexpr double kMinInformationRatio = 1.02;  // minimum ratio to the information so far; less adds nothing
 
-Innovation<1> of_log_scale(double value, const Localizer& localizer, double variance) {
-  Innovation<1> seen;
+Innovation of_log_scale(double value, const Localizer& localizer, double variance) {
+  Innovation seen(1);
   seen.residual[0] = value - localizer.x()[kLogScale];
   seen.H(0, kLogScale) = 1;
   seen.noise(0, 0) = variance;

@@ -83,7 +83,7 @@ UpdateResult StepUpdate::compare(Localizer& localizer, const odo_step& step, con
   if (moved < p_.min_moved || step.mode == ODO_MODE_STAIRS) return {};
   const auto& x = localizer.x();
   const bool heading = (step.header.flags & ODO_STEP_HEADING) != 0;
-  Innovation<2> seen;  // of two differences whose expected value is zero
+  Innovation seen(2);  // of two differences whose expected value is zero
   const double stretch = x[kLogFactor] + std::log(step.length_m / moved) - x[kLogScale];
   seen.residual[0] = -stretch;
   seen.H(0, kLogFactor) = 1, seen.H(0, kLogScale) = -1;

@@ -1,11 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <initializer_list>
+
 #include <CLI/CLI.hpp>
 
 #include "sdk/tools/console/console.hpp"
 
 namespace odograph {
+
+/// The main function of a program with these subcommands: returns the exit status.
+int run_command(int argc, char** argv, std::initializer_list<void (*)(CLI::App&, int&)> commands);
 
 /// Each adds its subcommand, whose callback writes the exit status.
 void add_run(CLI::App& app, int& status);
@@ -13,6 +18,7 @@ void add_eval(CLI::App& app, int& status);
 void add_sim(CLI::App& app, int& status);
 void add_config(CLI::App& app, int& status);
 void add_plugins(CLI::App& app, int& status);
+void add_plugin(CLI::App& app, int& status);
 void add_convert(CLI::App& app, int& status);
 void add_calibrate(CLI::App& app, int& status);
 void add_view(CLI::App& app, int& status);

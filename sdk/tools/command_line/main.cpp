@@ -1,39 +1,42 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cstdio>
+#include <cstring>
 
-#include <odograph/odograph.h>
+#include <unistd.h>
 
-#include "sdk/host/base/printable.hpp"
-#include "sdk/tools/benchmarks/benchmarks.hpp"
+#include "sdk/host/platform/library.hpp"
 #include "sdk/tools/command_line/commands.hpp"
 
+namespace odograph {
+namespace {
+
+/// The commands of odograph-tools, a program of its own, so that who runs and evaluates need not build it.
+constexpr const char* kOfTools[][2] = {
+    {"plugin", "For vendors: check a plugin library, write its manifest"},
+    {"calibrate", "Calibrate a camera from pictures of a board, and camera-IMU extrinsics from a recording"},
+    {"bench", "Run configs over many recordings and print a table"},
+    {"city", "3D city models: contents, skylines, routes through their streets"}};
+
+/// Does not return if the program is there.
+int run_tools(char** argv) {
+  const auto program = own_file().parent_path() / "odograph-tools";
+  execv(program.c_str(), argv);
+  std::fprintf(stderr, "odograph %s: this needs the program %s: %s\n", argv[1], program.c_str(), std::strerror(errno));
+  return kBadUsage;
+}
+
+void add_tools(CLI::App& app, int&) {
+  for (const auto& [name, help] : kOfTools) app.add_subcommand(name, help);
+}
+
+}  // namespace
+}  // namespace odograph
+
 int main(int argc, char** argv) {
-  CLI::App app{"Odograph: a metric 6-DoF pose from a hand-held phone's sensors"};
-  app.require_subcommand(1);
-  app.set_version_flag("--version", odo_version());
-  app.footer(
-      "Exit status: 0 done, 1 ran but lost tracking or placed no photograph, 2 bad usage or config, 3 bad data, or "
-      "some of the input was lost (what could be read was used), 4 plugin failure.");
-  int status = odograph::kDone;
-  odograph::add_run(app, status);
-  odograph::add_eval(app, status);
-  odograph::add_sim(app, status);
-  odograph::add_view(app, status);
-  odograph::add_steps(app, status);
-  odograph::add_compare(app, status);
-  odograph::add_config(app, status);
-  odograph::add_plugins(app, status);
-  odograph::add_convert(app, status);
-  odograph::add_calibrate(app, status);
-  odograph::add_bench(app, status);
-  odograph::add_city(app, status);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? odograph::kDone : odograph::kBadUsage;
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "odograph: %s\n", odograph::printable(error.what()).c_str());
-    return odograph::kBadData;
-  }
-  return status;
+  using namespace odograph;
+  for (const auto& command : kOfTools)
+    if (argc > 1 && std::strcmp(argv[1], command[0]) == 0) return run_tools(argv);
+  return run_command(
+      argc, argv,
+      {add_run, add_eval, add_sim, add_view, add_steps, add_compare, add_config, add_plugins, add_convert, add_tools});
 }
