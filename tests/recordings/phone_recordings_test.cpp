@@ -14,6 +14,7 @@
 #include "sdk/tools/recording/phone_format.hpp"
 #include "sdk/tools/recording/archive.hpp"
 #include "sdk/tools/replay/guessed_camera.hpp"
+#include "sdk/tools/replay/picture_source.hpp"
 #include "sdk/tools/replay/runner.hpp"
 #include "sdk/tools/simulation/simulate.hpp"
 #include "tests/recordings/phone/app_files.hpp"
@@ -178,6 +179,16 @@ TEST_CASE("a folder is read like its zip, and lossy video gives a similar track"
   const double off_m = apart(run(read(folder / "out")).track, direct_track(false, recording));
   MESSAGE("H.264 at CRF 23: ", 1e3 * off_m, " mm from the direct run");
   CHECK(off_m < 0.4);  // 3 % of the 12 m
+}
+
+TEST_CASE("the pictures of a video for a calibration are as stored, three a second") {
+  const TemporaryFolder folder;
+  REQUIRE(write_video(folder / "film.mp4", walk(false).pictures, walk(false).times_ns));
+  const auto sources = pictures_of((folder / "film.mp4").string());
+  REQUIRE(sources.ok());
+  const double span_s = 1e-9 * static_cast<double>(walk(false).times_ns.back() - walk(false).times_ns.front());
+  CHECK(static_cast<double>(sources->size()) == doctest::Approx(3 * span_s).epsilon(0.15));
+  CHECK(cv::norm(sources->front().grey(), walk(false).pictures.front(), cv::NORM_INF) == 0);
 }
 
 TEST_CASE("guesses are reported: the lens by the phone, the mount by the picture's shape, times by the file name") {

@@ -7,13 +7,9 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include <spawn.h>
-#include <sys/wait.h>
-#include <unistd.h>
-
-#include "sdk/host/platform/temporary_folder.hpp"
 #include "sdk/math/time.hpp"
 #include "sdk/tools/recording/recording.hpp"
+#include "sdk/tools/recording/video.hpp"
 
 namespace odograph {
 namespace {
@@ -33,8 +29,8 @@ bool is_picture(const fs::path& file) {
 bool is_video(const fs::path& file) { return ends_as(file, {".mp4", ".mov", ".m4v", ".avi", ".mkv", ".webm", ".3gp"}); }
 
 /// As stored: the EXIF rotation is ignored, because the lens parameters refer to the sensor's orientation.
-PictureSource of_file(const fs::path& file, std::shared_ptr<const void> keep = {}) {
-  return {file.filename().string(), [file, keep] {
+PictureSource of_file(const fs::path& file) {
+  return {file.filename().string(), [file] {
             try {
               return cv::imread(file.string(), cv::IMREAD_GRAYSCALE | cv::IMREAD_IGNORE_ORIENTATION);
             } catch (const cv::Exception&) {
@@ -43,19 +39,18 @@ PictureSource of_file(const fs::path& file, std::shared_ptr<const void> keep = {
           }};
 }
 
-std::vector<PictureSource> of_folder(const fs::path& folder, const std::shared_ptr<const void>& keep = {}) {
+std::vector<PictureSource> of_folder(const fs::path& folder) {
   std::vector<fs::path> files;
   std::error_code error;
   for (const auto& entry : fs::directory_iterator(folder, error))
     if (entry.is_regular_file(error) && is_picture(entry.path())) files.push_back(entry.path());
   std::sort(files.begin(), files.end());
   std::vector<PictureSource> sources;
-  for (const fs::path& file : files) sources.push_back(of_file(file, keep));
+  for (const fs::path& file : files) sources.push_back(of_file(file));
   return sources;
 }
 
-cv::Mat load_grey(const RecordedMessage& message) {
-  const auto frame = load_frame(message);
+cv::Mat load_grey(const Result<odo_frame>& frame) {
   if (!frame) return {};
   const cv::Mat grey = grey_of(*frame);
   frame->loan.release(frame->loan.owner);
@@ -73,30 +68,22 @@ Result<std::vector<PictureSource>> of_recording(const std::string& path) {
     if (header.type != ODO_TYPE_FRAME || header.t_ns - last_ns < kBetween_ns) continue;
     last_ns = header.t_ns;
     sources.push_back({"frame at " + std::to_string(header.t_ns) + " ns",
-                       [recording, i] { return load_grey(recording->messages[i]); }});
+                       [recording, i] { return load_grey(load_frame(recording->messages[i])); }});
   }
   return sources;
 }
 
 Result<std::vector<PictureSource>> of_video(const std::string& path) {
-  const auto folder = std::make_shared<TemporaryFolder>();
-  std::string in = "file:" + path, out = (folder->path() / "%05d.png").string();
-  std::string words[] = {"ffmpeg", "-v", "error", "-noautorotate", "-i", in, "-vf", "fps=3", out};
-  std::vector<char*> arguments;
-  for (std::string& word : words) arguments.push_back(word.data());
-  arguments.push_back(nullptr);
-  pid_t child = 0;
-  int status = 0;
-  const bool started = !folder->path().empty() &&
-                       posix_spawnp(&child, "ffmpeg", nullptr, nullptr, arguments.data(), environ) == 0 &&
-                       waitpid(child, &status, 0) == child;
-  // A program that cannot be run may also end with status 127 (POSIX, posix_spawn), as it does under qemu-user.
-  if (!started || (WIFEXITED(status) && WEXITSTATUS(status) == 127))
-    return Failure{ODO_E_UNSUPPORTED, path +
-                                          ": a video needs ffmpeg, which could not be run (on Debian: apt install "
-                                          "ffmpeg); a folder of pictures needs nothing"};
-  if (status != 0) return Failure{ODO_E_DATA, path + ": ffmpeg could not read this video"};
-  return of_folder(folder->path(), folder);
+  const auto video = Video::open(path);
+  if (!video) return video.failure();
+  std::vector<PictureSource> sources;
+  int64_t last_ns = INT64_MIN / 2;
+  for (size_t i = 0; i < (*video)->times_ns().size(); ++i) {
+    if ((*video)->times_ns()[i] - last_ns < kBetween_ns) continue;
+    last_ns = (*video)->times_ns()[i];
+    sources.push_back({"frame " + std::to_string(i), [video = *video, i] { return load_grey(video->load(i, {})); }});
+  }
+  return sources;
 }
 
 }  // namespace

@@ -23,8 +23,8 @@ struct PictureSource {
 /// A grey copy of a frame's pixels.
 cv::Mat grey_of(const odo_frame& frame);
 
-/// The pictures at a path, by content: a picture, a folder of pictures, a recording's frames, or a video (through
-/// ffmpeg, if installed). Frames are decimated to about three a second.
+/// The pictures at a path, by content: a picture, a folder of pictures, a recording's frames, or a video. Frames are
+/// decimated to about three a second.
 Result<std::vector<PictureSource>> pictures_of(const std::string& path);
 
 /// Trackability of corners in a recording's first frames, `most` at most. ODO_E_DATA with fewer than ten frames or
