@@ -6,7 +6,6 @@
 #include <deque>
 #include <numbers>
 #include <optional>
-#include <utility>
 #include <vector>
 
 #include "plugins/fix/known_object/sighting_validator.hpp"

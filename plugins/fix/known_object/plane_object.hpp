@@ -3,7 +3,6 @@
 
 #include <array>
 #include <string>
-#include <vector>
 
 #include <Eigen/Geometry>
 #include <opencv2/core.hpp>

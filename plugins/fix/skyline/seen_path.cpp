@@ -2,7 +2,6 @@
 #include "plugins/fix/skyline/seen_path.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <numbers>
 

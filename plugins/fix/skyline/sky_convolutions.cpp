@@ -2,7 +2,6 @@
 #include "plugins/fix/skyline/sky_convolutions.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cstring>
 
 namespace odograph::skyline {

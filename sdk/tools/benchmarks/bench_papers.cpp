@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The papers' walk and drive rebuilt: Table 5 of Antigny et al. 2019, Figures 9 and 11 of Gakne & O'Keefe 2018.
-#include <algorithm>
 
 #include "sdk/tools/benchmarks/benchmarks.hpp"
 #include "sdk/tools/city/model_errors.hpp"

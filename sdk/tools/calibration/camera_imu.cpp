@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include "sdk/math/rotation.hpp"
 #include "sdk/math/time.hpp"

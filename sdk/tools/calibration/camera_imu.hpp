@@ -3,9 +3,7 @@
 // Mount, time offset, row time and lens of a camera, from the rotation of its pictures and a gyroscope.
 #pragma once
 
-#include <array>
 #include <functional>
-#include <optional>
 #include <string>
 #include <vector>
 

@@ -2,9 +2,7 @@
 #pragma once
 
 #include <array>
-#include <memory>
 #include <string>
-#include <vector>
 
 #include <opencv2/core.hpp>
 

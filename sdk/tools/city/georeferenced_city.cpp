@@ -2,9 +2,7 @@
 #include "sdk/tools/city/georeferenced_city.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
-#include <numbers>
 
 #include "sdk/math/scalar.hpp"
 #include "sdk/tools/text/text.hpp"

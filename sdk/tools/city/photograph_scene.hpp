@@ -2,7 +2,6 @@
 #pragma once
 
 #include <memory>
-#include <vector>
 
 #include <Eigen/Geometry>
 #include <opencv2/core.hpp>

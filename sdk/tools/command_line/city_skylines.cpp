@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Databases of skylines: `odograph city build`, `query` and `show`. The plugin does the work through its extension
+// Databases of skylines: `odograph city build` and `query`. The plugin does the work through its extension
 // odo.skylines.
 #include <chrono>
 #include <cmath>
@@ -11,8 +11,6 @@
 
 #include <nlohmann/json.hpp>
 #include <odograph/skylines.h>
-#include <opencv2/imgcodecs.hpp>
-#include <opencv2/imgproc.hpp>
 
 #include "sdk/host/plugin_host/instance.hpp"
 #include "sdk/tools/city/street_places.hpp"
@@ -82,11 +80,6 @@ class Skylines {
     const auto done = result_of(status, "place " + std::to_string(place));
     if (!done) return done.failure();
     return s;
-  }
-  Vector3d place(uint64_t i) const {
-    Vector3d p_n = Vector3d::Zero();
-    table_->skyline(table_->user, i, p_n.data(), nullptr, nullptr, nullptr);
-    return p_n;
   }
 
  private:
@@ -217,66 +210,6 @@ int query(const SkylineArguments& a) {
   return kDone;
 }
 
-/// The skyline over azimuth, north at both ends, and below it a map of the places and of the skyline's points from this
-/// one.
-cv::Mat picture_of(const Skylines& skylines, const odo_skyline_database& what, const Skylines::Skyline& s) {
-  constexpr int kWidth = 1440, kSky = 360, kMap = 720;
-  const cv::Scalar paper(255, 255, 255), sky(250, 236, 218), ink(60, 60, 60), roof(40, 90, 200), grey(205, 205, 205);
-  cv::Mat picture(kSky + kMap, kWidth, CV_8UC3, paper);
-  picture.rowRange(0, kSky).setTo(sky);
-  const double max_rad = 0.5 * std::numbers::pi;
-  for (size_t j = 0; j < kN; ++j) {
-    const int x = static_cast<int>(j) * kWidth / static_cast<int>(kN);
-    const int y = kSky - static_cast<int>(static_cast<double>(s.elevation_rad[j]) / max_rad * kSky);
-    const double far = std::min(1.0, static_cast<double>(s.distance_m[j]) / 200);  // farther is paler
-    const double shade = 60 + 140 * far;
-    cv::rectangle(picture, {x, y}, {x + kWidth / static_cast<int>(kN) - 1, kSky}, cv::Scalar::all(shade), cv::FILLED);
-  }
-  const char* names[] = {"N", "E", "S", "W", "N"};
-  for (int k = 0; k <= 4; ++k)
-    cv::putText(picture, names[k], {std::min(kWidth - 18, k * kWidth / 4 + 4), 20}, cv::FONT_HERSHEY_SIMPLEX, 0.6, ink);
-  for (int degrees = 30; degrees < 90; degrees += 30) {
-    const int y = kSky - degrees * kSky / 90;
-    cv::line(picture, {0, y}, {kWidth, y}, grey);
-    cv::putText(picture, std::to_string(degrees), {kWidth / 2 + 4, y - 4}, cv::FONT_HERSHEY_SIMPLEX, 0.4, ink);
-  }
-  double reach_m = 20;
-  for (const float d : s.distance_m) reach_m = std::max(reach_m, std::min(250.0, static_cast<double>(d)));
-  const double scale = 0.48 * kMap / reach_m;
-  const cv::Point middle(kWidth / 2, kSky + kMap / 2);
-  cv::Mat map = picture.rowRange(kSky, kSky + kMap);
-  const auto at = [&](double north, double east) {
-    return cv::Point(middle.x + static_cast<int>(east * scale), kMap / 2 - static_cast<int>(north * scale));
-  };
-  for (uint64_t i = 0; i < what.places; ++i) {
-    const Vector3d d = skylines.place(i) - s.p_n;
-    if (std::abs(d.x()) < 1.1 * reach_m && std::abs(d.y()) < 2.2 * reach_m)
-      cv::circle(map, at(d.x(), d.y()), 1, grey, -1);
-  }
-  for (size_t j = 0; j < kN; ++j) {
-    const double azimuth = (static_cast<double>(j) + 0.5) * 2 * std::numbers::pi / static_cast<double>(kN);
-    const auto d = static_cast<double>(s.distance_m[j]);
-    if (d > 0) cv::circle(map, at(d * std::cos(azimuth), d * std::sin(azimuth)), 2, roof, -1);
-  }
-  cv::drawMarker(map, at(0, 0), ink, cv::MARKER_CROSS, 14, 2);
-  cv::line(map, {20, kMap - 20}, {20 + static_cast<int>(50 * scale), kMap - 20}, ink, 2);
-  cv::putText(map, "50 m", {20, kMap - 28}, cv::FONT_HERSHEY_SIMPLEX, 0.5, ink);
-  return picture;
-}
-
-int show(const SkylineArguments& a) {
-  auto skylines = Skylines::make("skylines", a.database);
-  if (!skylines) return print_failure(skylines.failure());
-  const auto what = (*skylines)->open(a.database);
-  if (!what) return print_failure(what.failure());
-  const auto skyline = (*skylines)->nearest(in_n(*what, a.at));
-  if (!skyline) return print_failure(skyline.failure());
-  if (!cv::imwrite(a.output, picture_of(**skylines, *what, *skyline)))
-    return print_failure({ODO_E_IO, a.output + ": cannot be written"});
-  std::printf("%s: skyline and map of easting %.1f, northing %.1f\n", a.output.c_str(), a.at[0], a.at[1]);
-  return kDone;
-}
-
 }  // namespace
 
 void add_city_skylines(CLI::App& city, int& status) {
@@ -302,11 +235,6 @@ void add_city_skylines(CLI::App& city, int& status) {
       ->check(CLI::Range(0.01, 1000.0));
   asked->add_flag("--json", a->json, "print one JSON array");
   asked->callback([a, &status] { status = query(*a); });
-  auto* shown = city.add_subcommand("show", "Draw the skyline of a place, and a map of what is visible from it");
-  shown->add_option("database", a->database, "database written by `city build`")->required();
-  shown->add_option("--at", a->at, "easting and northing in the model's reference system, m")->required()->expected(2);
-  shown->add_option("-o,--output", a->output, "picture to write: png, jpg")->required();
-  shown->callback([a, &status] { status = show(*a); });
 }
 
 }  // namespace odograph

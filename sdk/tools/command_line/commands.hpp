@@ -26,7 +26,7 @@ void add_steps(CLI::App& app, int& status);
 void add_compare(CLI::App& app, int& status);
 /// `odograph city ...`: city models, their skylines, routes through their streets.
 void add_city(CLI::App& app, int& status);
-/// `odograph city build`, `query` and `show`.
+/// `odograph city build` and `query`.
 void add_city_skylines(CLI::App& city, int& status);
 /// `odograph city locate`.
 void add_city_locate(CLI::App& city, int& status);

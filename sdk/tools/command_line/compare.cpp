@@ -2,7 +2,6 @@
 //
 // `odograph compare`: several configs over several recordings.
 #include <algorithm>
-#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <string>

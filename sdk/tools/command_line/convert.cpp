@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <array>
 #include <cstdio>
-#include <fstream>
 #include <optional>
 
 #include "sdk/host/base/geodesy.hpp"

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <vector>
-
 #include "sdk/tools/evaluation/evaluation.hpp"
 
 namespace odograph {

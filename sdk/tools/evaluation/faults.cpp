@@ -2,8 +2,6 @@
 #include "sdk/tools/evaluation/faults.hpp"
 
 #include <algorithm>
-#include <cmath>
-#include <limits>
 
 #include "sdk/host/config/table.hpp"
 #include "sdk/math/time.hpp"

@@ -12,7 +12,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-double seconds(int64_t from_ns, int64_t to_ns) { return odograph::seconds(to_ns - from_ns); }
+double seconds_between(int64_t from_ns, int64_t to_ns) { return seconds(to_ns - from_ns); }
 
 /// Indices of the poses that have a true pose, and the true path up to each.
 struct Matched {
@@ -146,12 +146,12 @@ void measure_start(const Trajectory& truth, const std::vector<odo_vo_motion>& mo
                                   [](const odo_vo_motion& m) { return (m.header.flags & ODO_VO_METRIC) != 0; });
   if (first == motions.end() || frames_ns.empty()) return;
   const int64_t known = emitted_ns[static_cast<size_t>(first - motions.begin())];
-  f.start_s = seconds(frames_ns.front(), known);
+  f.start_s = seconds_between(frames_ns.front(), known);
   const auto begin =
       std::find_if(truth.begin(), truth.end(), [&](const StampedPose& x) { return x.t_ns >= frames_ns.front(); });
   const auto moved =
       std::find_if(begin, truth.end(), [&](const StampedPose& x) { return (x.p - begin->p).norm() > first_motion_m; });
-  if (moved != truth.end()) f.start_from_motion_s = seconds(moved->t_ns, known);
+  if (moved != truth.end()) f.start_from_motion_s = seconds_between(moved->t_ns, known);
 }
 
 /// The metric poses rotated so that their stated gravity matches the reference's vertical; none if neither direction of
@@ -195,14 +195,14 @@ void sum_up(const VoFigureParameters& p, VoFigures& f) {
   for (const TrackedStretch& s : f.tracked) f.worst_tracked = std::fmax(f.worst_tracked, s.rmse_m / s.path_m);
   for (const StopFigures& s : f.stops) {
     if (s.measured()) f.worst_jump = std::fmax(f.worst_jump, std::abs(s.jump()));
-    if (s.drift_m > 0) drift_m += s.drift_m, standing_s += seconds(s.stop.from_ns, s.stop.to_ns);
+    if (s.drift_m > 0) drift_m += s.drift_m, standing_s += seconds_between(s.stop.from_ns, s.stop.to_ns);
   }
   if (standing_s > 0) f.standing_drift_m_min = 60 * drift_m / standing_s;
   double wrong_s = 0, all_s = 0, squares = 0;
   size_t count = 0;
   for (const ScaleWindow& w : f.windows) {
     if (w.sigma <= 0) continue;
-    const double normalised = w.log_scale / w.sigma, s = seconds(w.from_ns, w.to_ns);
+    const double normalised = w.log_scale / w.sigma, s = seconds_between(w.from_ns, w.to_ns);
     all_s += s, squares += normalised * normalised, ++count;
     if (std::abs(normalised) > p.confident_sigmas) wrong_s += s;
   }
@@ -217,13 +217,13 @@ std::vector<Stop> stops_of(const Trajectory& truth, const StandingParameters& p)
   constexpr int64_t kMoving = INT64_MIN;
   int64_t since_ns = kMoving;
   const auto end = [&](int64_t t_ns) {
-    if (since_ns != kMoving && seconds(since_ns, t_ns) >= p.min_s) stops.push_back({since_ns, t_ns});
+    if (since_ns != kMoving && seconds_between(since_ns, t_ns) >= p.min_s) stops.push_back({since_ns, t_ns});
     since_ns = kMoving;
   };
   for (const StampedPose& x : truth) {
     const int64_t from = std::max(truth.front().t_ns, x.t_ns - half), to = std::min(truth.back().t_ns, x.t_ns + half);
     const double moved_m = (position_at(truth, to) - position_at(truth, from)).norm();
-    if (moved_m >= p.speed_mps * seconds(from, to))
+    if (moved_m >= p.speed_mps * seconds_between(from, to))
       end(x.t_ns);
     else if (since_ns == kMoving)
       since_ns = x.t_ns;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Writes a recording as an EuRoC/ASL folder (Burri et al., IJRR 2016), with calibration files in Kalibr's form.
-#include <cstdarg>
 #include <cstdio>
 #include <fstream>
 #include <map>

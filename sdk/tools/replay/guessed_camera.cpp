@@ -2,7 +2,6 @@
 #include "sdk/tools/replay/guessed_camera.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 #include "sdk/math/scalar.hpp"
 #include "sdk/math/rotation.hpp"

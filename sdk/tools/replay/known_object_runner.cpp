@@ -2,7 +2,6 @@
 #include "sdk/tools/replay/known_object_runner.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <fstream>
 #include <map>
 #include <optional>

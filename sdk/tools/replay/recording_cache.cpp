@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sdk/tools/replay/recording_cache.hpp"
 
-#include <algorithm>
 #include <fstream>
 #include <sstream>
 

@@ -3,7 +3,6 @@
 
 #include <memory>
 #include <optional>
-#include <string>
 
 #include "sdk/host/config/pipeline_config.hpp"
 #include "sdk/tools/replay/runner.hpp"

@@ -3,8 +3,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <ctime>
-#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <sstream>

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sdk/tools/simulation/camera.hpp"
 
-#include <array>
 #include <cmath>
 
 #include <opencv2/calib3d.hpp>

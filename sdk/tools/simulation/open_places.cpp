@@ -2,7 +2,6 @@
 //
 // Squares and rivers along a street: areas without houses, distant fronts, water.
 #include <algorithm>
-#include <cmath>
 
 #include "sdk/tools/simulation/random.hpp"
 #include "sdk/tools/simulation/world.hpp"

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <cmath>
 
 #include <apriltag/tag36h11.h>
 #include <opencv2/imgproc.hpp>
