@@ -20,18 +20,19 @@ using Json = nlohmann::ordered_json;
 
 constexpr const char *kWorld = "world", *kCamera = "camera", *kImu = "imu";
 
-// JSON schemas, built from the field names.
-const Json kNumber = {{"type", "number"}}, kInteger = {{"type", "integer"}}, kText = {{"type", "string"}},
-           kBoolean = {{"type", "boolean"}}, kBytes = {{"type", "string"}, {"contentEncoding", "base64"}};
-Json object_schema(const char* title, const Json& fields) {
-  return {{"title", title}, {"type", "object"}, {"properties", fields}};
+/// The JSON schema of a value like this one.
+Json schema_of(const Json& value) {
+  if (value.is_array()) return {{"type", "array"}, {"items", schema_of(value.empty() ? Json(0.0) : value.front())}};
+  if (!value.is_object())
+    return {{"type", value.is_string()         ? "string"
+                     : value.is_boolean()      ? "boolean"
+                     : value.is_number_float() ? "number"
+                                               : "integer"}};
+  Json fields = Json::object();
+  for (const auto& [name, field] : value.items()) fields[name] = schema_of(field);
+  if (value.contains("data")) fields["data"]["contentEncoding"] = "base64";
+  return {{"type", "object"}, {"properties", fields}};
 }
-Json list_schema(const Json& items) { return {{"type", "array"}, {"items", items}}; }
-const Json kTime = object_schema("time", {{"sec", kInteger}, {"nsec", kInteger}});
-const Json kVector = object_schema("foxglove.Vector3", {{"x", kNumber}, {"y", kNumber}, {"z", kNumber}});
-const Json kQuaternion =
-    object_schema("foxglove.Quaternion", {{"x", kNumber}, {"y", kNumber}, {"z", kNumber}, {"w", kNumber}});
-const Json kPose = object_schema("foxglove.Pose", {{"position", kVector}, {"orientation", kQuaternion}});
 
 Json time_of(int64_t t_ns) {
   const int64_t t = std::max<int64_t>(t_ns, 0);
@@ -78,9 +79,13 @@ class FoxgloveWriter {
   }
 
  private:
-  void put(const char* topic, const char* type, int64_t t_ns, const Json& message, const Json& fields) {
+  void put(const char* topic, const char* type, int64_t t_ns, const Json& message) {
     const auto [known, fresh] = topics_.try_emplace(topic, uint16_t(0));
-    if (fresh) known->second = out_.add({topic, "json", type, "jsonschema", object_schema(type, fields).dump()});
+    if (fresh) {
+      Json schema = {{"title", type}};
+      schema.update(schema_of(message));
+      known->second = out_.add({topic, "json", type, "jsonschema", schema.dump()});
+    }
     out_.write(known->second, t_ns, message.dump(-1, ' ', false, Json::error_handler_t::replace));
   }
 
@@ -90,12 +95,7 @@ class FoxgloveWriter {
          {"parent_frame_id", parent},
          {"child_frame_id", child},
          {"translation", vector_of(pose.p)},
-         {"rotation", quaternion_of(pose.q)}},
-        {{"timestamp", kTime},
-         {"parent_frame_id", kText},
-         {"child_frame_id", kText},
-         {"translation", kVector},
-         {"rotation", kQuaternion}});
+         {"rotation", quaternion_of(pose.q)}});
   }
 
   const char* moved() const { return lens_ ? kCamera : kImu; }
@@ -104,8 +104,7 @@ class FoxgloveWriter {
     const StampedPose pose = in_world(pose_n);
     write_transform(pose.t_ns, kWorld, moved(), pose);
     put("/pose", "foxglove.PoseInFrame", pose.t_ns,
-        {{"timestamp", time_of(pose.t_ns)}, {"frame_id", kWorld}, {"pose", pose_of(pose)}},
-        {{"timestamp", kTime}, {"frame_id", kText}, {"pose", kPose}});
+        {{"timestamp", time_of(pose.t_ns)}, {"frame_id", kWorld}, {"pose", pose_of(pose)}});
     if (!run_.origin) return;
     const auto place = geodesy_.to_geodetic({pose_n.p.x(), pose_n.p.y(), pose_n.p.z()});
     write_place("/track/fix", pose.t_ns, place, nullptr);
@@ -119,8 +118,7 @@ class FoxgloveWriter {
     for (const StampedPose& pose : run_.track) poses.push_back(pose_of(in_world(pose)));
     if (!poses.empty())
       put("/track", "foxglove.PosesInFrame", t_ns,
-          {{"timestamp", time_of(t_ns)}, {"frame_id", kWorld}, {"poses", poses}},
-          {{"timestamp", kTime}, {"frame_id", kText}, {"poses", list_schema(kPose)}});
+          {{"timestamp", time_of(t_ns)}, {"frame_id", kWorld}, {"poses", poses}});
     if (!lens_ || !(lens_->header.flags & ODO_CALIBRATION_EXTRINSICS)) return;
     const Eigen::Quaterniond q_c_b = raw_quaternion(lens_->q_b_c).conjugate();
     write_transform(t_ns, kCamera, kImu, {t_ns, q_c_b, -(q_c_b * Eigen::Vector3d::Map(lens_->p_b_c))});
@@ -133,12 +131,10 @@ class FoxgloveWriter {
            {"scale", s.scale},
            {"sigma", s.sigma},
            {"source", s.source},
-           {"used", s.used}},
-          {{"timestamp", kTime}, {"scale", kNumber}, {"sigma", kNumber}, {"source", kText}, {"used", kBoolean}});
+           {"used", s.used}});
     for (const auto& s : run_.states)
       put("/state", "odograph.State", s.t_ns,
-          {{"timestamp", time_of(s.t_ns)}, {"state", s.state}, {"reason", s.reason}},
-          {{"timestamp", kTime}, {"state", kText}, {"reason", kText}});
+          {{"timestamp", time_of(s.t_ns)}, {"state", s.state}, {"reason", s.reason}});
   }
 
   void write_place(const char* topic, int64_t t_ns, const std::array<double, 3>& place, const double* covariance_n) {
@@ -154,14 +150,7 @@ class FoxgloveWriter {
          {"longitude", place[1] * kDeg_per_rad},
          {"altitude", place[2]},
          {"position_covariance", covariance},
-         {"position_covariance_type", covariance_n ? 3 : 0}},
-        {{"timestamp", kTime},
-         {"frame_id", kText},
-         {"latitude", kNumber},
-         {"longitude", kNumber},
-         {"altitude", kNumber},
-         {"position_covariance", list_schema(kNumber)},
-         {"position_covariance_type", kInteger}});
+         {"position_covariance_type", covariance_n ? 3 : 0}});
   }
 
   Result<bool> write_picture(const RecordedMessage& m) {
@@ -176,8 +165,7 @@ class FoxgloveWriter {
         {{"timestamp", time_of(t_ns)},
          {"frame_id", kCamera},
          {"data", base64(*bytes)},
-         {"format", bytes->front() == 0xFF ? "jpeg" : "png"}},
-        {{"timestamp", kTime}, {"frame_id", kText}, {"data", kBytes}, {"format", kText}});
+         {"format", bytes->front() == 0xFF ? "jpeg" : "png"}});
     ++exported_.pictures;
     return true;
   }
@@ -198,26 +186,12 @@ class FoxgloveWriter {
          {"D", d},
          {"K", {c.fx, 0.0, c.cx, 0.0, c.fy, c.cy, 0.0, 0.0, 1.0}},
          {"R", {1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0}},
-         {"P", {c.fx, 0.0, c.cx, 0.0, 0.0, c.fy, c.cy, 0.0, 0.0, 0.0, 1.0, 0.0}}},
-        {{"timestamp", kTime},
-         {"frame_id", kText},
-         {"width", kInteger},
-         {"height", kInteger},
-         {"distortion_model", kText},
-         {"D", list_schema(kNumber)},
-         {"K", list_schema(kNumber)},
-         {"R", list_schema(kNumber)},
-         {"P", list_schema(kNumber)}});
+         {"P", {c.fx, 0.0, c.cx, 0.0, 0.0, c.fy, c.cy, 0.0, 0.0, 0.0, 1.0, 0.0}}});
   }
 
   static Json header_of(int64_t t_ns) {
     const Json time = time_of(t_ns);
     return {{"stamp", {{"sec", time["sec"]}, {"nanosec", time["nsec"]}}}, {"frame_id", kImu}};
-  }
-  static Json header_schema() {
-    return object_schema(
-        "std_msgs/msg/Header",
-        {{"stamp", object_schema("time", {{"sec", kInteger}, {"nanosec", kInteger}})}, {"frame_id", kText}});
   }
 
   /// For sensors without a Foxglove schema: ROS schemas, as JSON.
@@ -230,23 +204,17 @@ class FoxgloveWriter {
       Json message = {{"header", header_of(t_ns)},
                       {"angular_velocity", vector_of(Eigen::Vector3d(imu.gyro_b))},
                       {"linear_acceleration", vector_of(Eigen::Vector3d(imu.accel_b))}};
-      if (!(header.flags & ODO_IMU_GYRO)) message["angular_velocity_covariance"] = {-1, 0, 0, 0, 0, 0, 0, 0, 0};
-      if (!(header.flags & ODO_IMU_ACCEL)) message["linear_acceleration_covariance"] = {-1, 0, 0, 0, 0, 0, 0, 0, 0};
-      put("/imu", "sensor_msgs/msg/Imu", t_ns, message,
-          {{"header", header_schema()},
-           {"angular_velocity", kVector},
-           {"angular_velocity_covariance", list_schema(kNumber)},
-           {"linear_acceleration", kVector},
-           {"linear_acceleration_covariance", list_schema(kNumber)}});
+      for (const auto& [name, flag] :
+           {std::pair{"angular_velocity_covariance", ODO_IMU_GYRO}, {"linear_acceleration_covariance", ODO_IMU_ACCEL}})
+        message[name] = {header.flags & flag ? 0.0 : -1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0};  // -1: not measured
+      put("/imu", "sensor_msgs/msg/Imu", t_ns, message);
     } else if (header.type == ODO_TYPE_MAGNETOMETER) {
       put("/magnetometer", "sensor_msgs/msg/MagneticField", t_ns,
           {{"header", header_of(t_ns)},
-           {"magnetic_field", vector_of(Eigen::Vector3d(as<odo_magnetometer>(header).field_b))}},
-          {{"header", header_schema()}, {"magnetic_field", kVector}});
+           {"magnetic_field", vector_of(Eigen::Vector3d(as<odo_magnetometer>(header).field_b))}});
     } else if (header.type == ODO_TYPE_BAROMETER) {
       put("/barometer", "sensor_msgs/msg/FluidPressure", t_ns,
-          {{"header", header_of(t_ns)}, {"fluid_pressure", as<odo_barometer>(header).pressure_pa}},
-          {{"header", header_schema()}, {"fluid_pressure", kNumber}});
+          {{"header", header_of(t_ns)}, {"fluid_pressure", as<odo_barometer>(header).pressure_pa}});
     } else if (header.type == ODO_TYPE_GNSS && (header.flags & ODO_GNSS_POSITION)) {
       const auto& g = as<odo_gnss>(header);
       write_place("/gnss", t_ns, {g.latitude_rad, g.longitude_rad, g.height_m},
