@@ -36,7 +36,6 @@ class BinaryFields : public LogFields {
     out.t_ns = int64_t(s) * 1'000'000'000 + ns;
     out.frame = text("");
   }
-  void stamp(LoggedMessage&) override { good_ = false; }  // only in JSON
   void numbers(const char*, double* out, size_t count) override {
     for (size_t i = 0; i < count; ++i) out[i] = number<double>();
   }
@@ -104,14 +103,11 @@ class JsonFields : public LogFields {
 
   void header(LoggedMessage& out) override {
     const Json* head = find("header");
-    if (!head || !head->is_object()) return fail();
-    take_stamp(head->contains("stamp") ? (*head)["stamp"] : Json(), out);
-    out.frame = text_of(head->contains("frame_id") ? &(*head)["frame_id"] : nullptr);
-  }
-  void stamp(LoggedMessage& out) override {
-    const Json* time = find("timestamp");
+    const Json& from = head ? *head : *at_;
+    if (!from.is_object() || !(head || from.contains("timestamp") || from.contains("frame_id"))) return fail();
+    const Json* time = find(head ? "header/stamp" : "timestamp");
     take_stamp(time ? *time : Json(), out);
-    out.frame = text("frame_id");
+    out.frame = text(head ? "header/frame_id" : "frame_id");
   }
   void numbers(const char* name, double* out, size_t count) override {
     if (!read_numbers(find(name), out, count)) fail();

@@ -17,10 +17,8 @@ struct LoggedMessage;
 class LogFields {
  public:
   virtual ~LogFields() = default;
-  /// std_msgs/Header: the time stamp and the frame.
+  /// std_msgs/Header, or in JSON Foxglove's `timestamp` and `frame_id`: the time stamp and the frame.
   virtual void header(LoggedMessage& out) = 0;
-  /// Foxglove's `timestamp` and `frame_id`.
-  virtual void stamp(LoggedMessage& out) = 0;
   /// `count` numbers of 8 bytes each; in JSON a number, a list, or x, y, z, w.
   virtual void numbers(const char* name, double* out, size_t count) = 0;
   /// The same, optional in JSON.

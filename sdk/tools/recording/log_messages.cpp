@@ -146,35 +146,7 @@ void read_transforms(LogFields& in, LoggedMessage& out) {
   }
 }
 
-// Foxglove's schemas, as JSON.
-void read_foxglove_image(LogFields& in, LoggedMessage& out) {
-  in.stamp(out);
-  LoggedMessage::Picture picture;
-  picture.width = in.word("width"), picture.height = in.word("height"), picture.step = in.word("step");
-  picture.encoding = in.text("encoding");
-  in.bytes("data", picture.bytes);
-  if (in.good()) out.picture = std::move(picture);
-}
-void read_foxglove_compressed(LogFields& in, LoggedMessage& out) {
-  in.stamp(out);
-  LoggedMessage::Picture picture;
-  in.bytes("data", picture.bytes);
-  if (in.good()) out.picture = std::move(picture);
-}
-void read_foxglove_place(LogFields& in, LoggedMessage& out) {
-  double place[3]{}, covariance[9]{};
-  in.stamp(out);
-  in.numbers("latitude", &place[0], 1), in.numbers("longitude", &place[1], 1), in.numbers("altitude", &place[2], 1);
-  in.optional_numbers("position_covariance", covariance, 9);
-  if (in.good()) take_place(place, covariance, in.word("position_covariance_type"), out);
-}
-void read_foxglove_lens(LogFields& in, LoggedMessage& out) {
-  double k[9]{};
-  in.stamp(out);
-  const uint32_t width = in.word("width"), height = in.word("height");
-  in.numbers("K", k, 9);
-  if (in.good()) take_lens(width, height, in.text("distortion_model"), in.list("D"), k, out);
-}
+/// Foxglove's, as JSON.
 void read_foxglove_transform(LogFields& in, LoggedMessage& out) {
   double p[3]{}, q[4]{};
   in.numbers("translation", p, 3), in.numbers("rotation", q, 4);
@@ -195,10 +167,10 @@ constexpr Type kTypes[] = {
     {"sensor_msgs/Image", read_image},
     {"sensor_msgs/CompressedImage", read_compressed},
     {"tf2_msgs/TFMessage", read_transforms},
-    {"foxglove.RawImage", read_foxglove_image, true},
-    {"foxglove.CompressedImage", read_foxglove_compressed, true},
-    {"foxglove.LocationFix", read_foxglove_place, true},
-    {"foxglove.CameraCalibration", read_foxglove_lens, true},
+    {"foxglove.RawImage", read_image, true},
+    {"foxglove.CompressedImage", read_compressed, true},
+    {"foxglove.LocationFix", read_place, true},
+    {"foxglove.CameraCalibration", read_lens, true},
     {"foxglove.FrameTransform", read_foxglove_transform, true},
 };
 
