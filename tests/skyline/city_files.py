@@ -53,7 +53,7 @@ def write_hostile(folder):
     texts = {
         "holes_90.json": (json.dumps(holes(90)), False),
         "holes_1000.json": (json.dumps(holes(1000)), False),
-        "holes_20000.json": (json.dumps(holes(20000)), False),
+        "holes_4000.json": (json.dumps(holes(4000)), False),
         "scribble_20000.json": (json.dumps(scribble(20000)), True),
         "vertex_1e400.json": (json.dumps(surface([[0, 1, 2]], triangle)).replace("9, 0", "1e400, 0"), True),
         "vertex_2_64.json": (json.dumps(surface([[0, 1, 2]], [[2**64, 0, 0]] + triangle[1:])), True),

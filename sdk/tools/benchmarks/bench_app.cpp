@@ -17,8 +17,6 @@ struct StreamBenchmark : Benchmark {
                   kConfigs | kSimulated | kRecordings, {"walk"}) {}
   void add_options(CLI::App& command) override {
     command.add_option("--ahead", timing.ahead_ms, "prediction time, ms");
-    command.add_option("--frame-late", timing.late.frame_late_ms, "delay from a picture's time to its pose, ms");
-    command.add_option("--imu-late", timing.late.imu_late_ms, "delay from a sample's time to its arrival, ms");
     command.add_option("--settle", settle_s, "time excluded at the start, s");
   }
 

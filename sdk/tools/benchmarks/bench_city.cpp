@@ -19,7 +19,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int64_t kTold_ns = 3'000'000'000;  // max delay of a fix
-constexpr uint64_t kOtherSky = 1000;         // added to a drive's seed for each sky after the first
 constexpr double kFittedStart_m = 50;        // over which start and heading of a track without a fix are fitted
 
 /// A track without a fix, with the true start, vertical and heading; and, if it is not metric, with the true scale
@@ -49,7 +48,6 @@ struct City : Benchmark {
         ->check(CLI::Range(1, 1000))
         ->group(kCases);
     command.add_option("--first-seed", options.first_seed, "first seed of route, sun, clouds and noise")->group(kCases);
-    command.add_option("--skies", skies, "number of suns and clouds for each route")->check(CLI::Range(1, 100));
     command.add_option("--length", length_m, "length of each drive, m");
     command.add_option("--missing", missing, "fraction of the buildings that are missing in the model")
         ->check(CLI::Range(0.0, 0.9));
@@ -81,8 +79,8 @@ struct City : Benchmark {
     std::vector<BenchCase> all;
     for (const std::string& lens : lenses)
       for (const std::string& model : models)
-        for (uint64_t k = 0; k < options.seeds * skies; ++k) {
-          auto one = drive(lens, model, options.first_seed + k / skies, k % skies);
+        for (uint64_t k = 0; k < options.seeds; ++k) {
+          auto one = drive(lens, model, options.first_seed + k);
           if (!one) return one.failure();
           all.push_back(std::move(*one));
         }
@@ -151,7 +149,7 @@ struct City : Benchmark {
   }
 
   /// Renders the drive unless it is cached; the model and its position replace those of the config.
-  Result<BenchCase> drive(const std::string& lens, const std::string& model, uint64_t seed, uint64_t sky) const {
+  Result<BenchCase> drive(const std::string& lens, const std::string& model, uint64_t seed) const {
     const fs::path file = fs::absolute(model);
     const std::string city = file.stem().stem().string();
     std::error_code error;
@@ -161,7 +159,7 @@ struct City : Benchmark {
     const auto origin =
         write_city_scenario({model, scenario.string(), lens, lens == "forward" ? "walker" : "car", seed, length_m});
     if (!origin) return origin.failure();
-    const auto recording = simulated_recording(scenario, seed + kOtherSky * sky);
+    const auto recording = simulated_recording(scenario, seed);
     if (!recording) return recording.failure();
     fs::path surveyed = file;
     const ModelErrors own{.missing = missing.value_or(0), .roof_sigma_m = roof_sigma_m.value_or(0), .seed = seed};
@@ -170,9 +168,7 @@ struct City : Benchmark {
                                                             own.roof_sigma_m, static_cast<unsigned long long>(seed)));
       if (const auto left = write_model_with_errors(file, surveyed, own); !left) return left.failure();
     }
-    const std::string plus = sky > 0 ? '+' + std::to_string(sky) : "";
-    BenchCase one{{{"name", city + ' ' + lens + ' ' + std::to_string(seed) + plus}, {"lens", lens}},
-                  {*recording, surveyed}};
+    BenchCase one{{{"name", city + ' ' + lens + ' ' + std::to_string(seed)}, {"lens", lens}}, {*recording, surveyed}};
     one.run.overrides = skyline_overrides(surveyed, *origin, skylines);
     one.run.asset_path = surveyed.parent_path().string();
     if (!skylines.empty()) one.files.emplace_back(skylines);
@@ -181,7 +177,6 @@ struct City : Benchmark {
 
   std::vector<std::string> models, lenses = {"wide"};
   std::string skylines;
-  uint64_t skies = 1;
   std::optional<double> missing, roof_sigma_m;
   PhotographBench photographs;
   double length_m = 300;

@@ -139,10 +139,6 @@ void PhotographBench::add_options(CLI::App& command) {
       ->check(CLI::Range(1, 10000))
       ->group(kCases);
   command
-      .add_option("--position-sigma", sigma_m,
-                  "of a photograph: standard deviation of north and of east that is known before, m")
-      ->check(CLI::Range(0.5, 100.0));
-  command
       .add_option("--heading-sigma", heading_sigma_deg,
                   "of a photograph's compass, degrees, up to 60; 180: there is none")
       ->check(CLI::Range(0.5, 60.0) | CLI::Range(180.0, 180.0));

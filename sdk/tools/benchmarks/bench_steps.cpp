@@ -15,17 +15,6 @@
 namespace odograph {
 namespace {
 
-std::string confusion_of(const std::string& config, const Rows& rows) {
-  std::map<std::pair<uint32_t, uint32_t>, double> modes_s;
-  for (const Json& row : rows)
-    for (const Json& one : row["_modes"])
-      modes_s[{one[0].get<uint32_t>(), one[1].get<uint32_t>()}] += one[2].get<double>();
-  std::string out = '\n' + config + ": seconds in which the true mode was classified as\n";
-  for (const auto& [modes, s] : modes_s)
-    out += text("  %-18s %-18s %9.1f\n", odo_mode_text(modes.first), odo_mode_text(modes.second), s);
-  return out;
-}
-
 struct Steps : Benchmark {
   Steps()
       : Benchmark(
@@ -46,7 +35,6 @@ struct Steps : Benchmark {
                     "Indoor Location Competition, *.odo")
         ->group(kCases);
     command.add_flag("--each", each, "with --data: one line per walk")->group(kOutput);
-    command.add_flag("--confusion", confusion, "print how long each true mode was classified as which")->group(kOutput);
   }
 
   Result<std::vector<BenchCase>> recordings() override {
@@ -69,23 +57,21 @@ struct Steps : Benchmark {
     }
     const WalkFigures f = walk_figures(recording, {r.steps, r.modes, r.attitudes});
     const Format mostly{.parts = {0.5, 0.9}}, size_mostly{.absolute = true, .parts = {0.5, 0.9}};
-    Json row = row_of({{"count", "%", "count_percent", 2, f.count_percent, {.absolute = true, .parts = {0.5, 1}}},
-                       {"", "", "count_percent/signed", -1, f.count_percent, kAll},
-                       {"times", "ms start", "start_ms", 0, f.start_ms},
-                       {"times", "ms end", "end_ms", 0, f.end_ms},
-                       {"latency", "ms", "latency_ms", 0, f.latency_ms, mostly},
-                       {"mode", "%", "mode_percent", 1, {f.mode_right_s, f.mode_all_s}, kShare},
-                       {"distance", "%", "distance_percent", 2, f.distance_percent, size_mostly},
-                       {"NEES", "", "normalised_error_squared", 2, f.normalised_error, kMean},
-                       {"false steps", "typing", "false_steps_in_10_min/handling", 1, false_in_10_min["handle"], kMean},
-                       {"in ten minutes", "turns", "false_steps_in_10_min/turning", 1, false_in_10_min["turn"], kMean},
-                       {"", "lifts", "false_steps_in_10_min/lifts", 1, false_in_10_min["lift"], kMean},
-                       {"", "car", "false_steps_in_10_min/car", 1, false_in_10_min["car"], kMean},
-                       {"tilt", "deg", "tilt_rms_deg", 2, f.tilt_deg},
-                       {"drift", "deg/min", "drift_deg_per_min", 2, f.drift_deg_min},
-                       {"stray", "deg", "heading_wander_deg", 2, f.heading_error_deg}});
-    for (const auto& [pair, seconds] : f.modes_s) row["_modes"].push_back({pair.first, pair.second, seconds});
-    return row;
+    return row_of({{"count", "%", "count_percent", 2, f.count_percent, {.absolute = true, .parts = {0.5, 1}}},
+                   {"", "", "count_percent/signed", -1, f.count_percent, kAll},
+                   {"times", "ms start", "start_ms", 0, f.start_ms},
+                   {"times", "ms end", "end_ms", 0, f.end_ms},
+                   {"latency", "ms", "latency_ms", 0, f.latency_ms, mostly},
+                   {"mode", "%", "mode_percent", 1, {f.mode_right_s, f.mode_all_s}, kShare},
+                   {"distance", "%", "distance_percent", 2, f.distance_percent, size_mostly},
+                   {"NEES", "", "normalised_error_squared", 2, f.normalised_error, kMean},
+                   {"false steps", "typing", "false_steps_in_10_min/handling", 1, false_in_10_min["handle"], kMean},
+                   {"in ten minutes", "turns", "false_steps_in_10_min/turning", 1, false_in_10_min["turn"], kMean},
+                   {"", "lifts", "false_steps_in_10_min/lifts", 1, false_in_10_min["lift"], kMean},
+                   {"", "car", "false_steps_in_10_min/car", 1, false_in_10_min["car"], kMean},
+                   {"tilt", "deg", "tilt_rms_deg", 2, f.tilt_deg},
+                   {"drift", "deg/min", "drift_deg_per_min", 2, f.drift_deg_min},
+                   {"stray", "deg", "heading_wander_deg", 2, f.heading_error_deg}});
   }
 
   BenchReport report(const Rows& rows) const override {
@@ -103,13 +89,6 @@ struct Steps : Benchmark {
             ? "walkers of 1.55 to 1.92 m, 195 m each with stops, the phone against a thigh, in a bag and in a pocket"
             : "walkers of 1.55 to 1.92 m, 175 m each with stops, looking around, evading, the phone held, "
               "swung\nand in a pocket");
-  }
-
-  std::string notes(const Rows& rows) const override {
-    std::string out;
-    for (const auto& [config, own] : groups_of(rows, "config"))
-      if (confusion) out += confusion_of(config, own);
-    return out;
   }
 
  private:
@@ -130,7 +109,7 @@ struct Steps : Benchmark {
 
   std::string walkers = "surveyors";
   std::vector<std::string> data;
-  bool confusion = false, each = false;
+  bool each = false;
 };
 
 const Format kTotal{.sign = true, .aggregate = Aggregate::share};

@@ -10,13 +10,13 @@ namespace odograph {
 namespace {
 
 constexpr double kWindows_s[] = {4, 8};
+constexpr size_t kFrames = 200;  // of each recording
 
 struct Tracks : Benchmark {
   Tracks()
       : Benchmark("tracks", "Tracking of corners through recordings: track lengths, inliers, flow",
                   kConfigs | kRecordings, {"monocular_odograph"}) {}
   void add_options(CLI::App& command) override {
-    command.add_option("--frames", frames, "number of frames of each recording");
     command.add_flag("--excitation-only", excitation_only,
                      "only S, N and the pull: rms of the true motion about a quadratic in time, rms error of a visual "
                      "trajectory (of the first config; vision only) after Sim(3), and S^2/(S^2+N^2), in windows of 4 "
@@ -57,7 +57,7 @@ struct Tracks : Benchmark {
       row = row_of(figures);
     }
     if (excitation_only) return row;
-    const auto tracks = measure_corner_flow(recording, frames, one.run.progress);
+    const auto tracks = measure_corner_flow(recording, kFrames, one.run.progress);
     if (!tracks) return tracks.failure();
     row.update(row_of({{"", "frames", "frames", 0, tracks->frames},
                        {"", "Hz", "rate_hz", 1, tracks->rate_hz},
@@ -88,7 +88,6 @@ struct Tracks : Benchmark {
            ": no such file (run from the source folder, or give its path), so there is no N.\n\n";
   }
 
-  size_t frames = 200;
   bool excitation_only = false, with_error = false;
 };
 

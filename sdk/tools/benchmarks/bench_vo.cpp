@@ -125,7 +125,6 @@ struct Vo : Benchmark {
                     "frame of the poses of --reference: camera, or body (the IMU)")
         ->check(CLI::IsMember({"camera", "body"}));
     command.add_flag("--stress", stress, "use the stress_*.yaml beside the scenario instead")->group(kCases);
-    command.add_option("--sensor-seed", sensor_seed, "seed of the faults' random numbers");
     command.add_option("--cut", cut_s, "start this long after the first frame, s")->check(CLI::NonNegativeNumber);
     command.add_option("--gap", gap,
                        "FROM:FOR, s: frames are missing for this long, from this time after the first one");

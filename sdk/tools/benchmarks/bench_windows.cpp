@@ -20,11 +20,8 @@ struct Windows : Benchmark {
   }
   void add_options(CLI::App& command) override {
     command.add_option("--from", from_s, "start of the first window after the first frame, s");
-    command.add_option("--until", until_s,
-                       "start of the last window after the first frame, s; default: the last possible");
     command.add_option("--every", every_s, "time between the starts of two windows, s")->check(CLI::PositiveNumber);
     command.add_option("--length", length_s, "length of a window, s; 0: to the recording's end");
-    command.add_option("--sensor-seed", sensor_seed, "seed of the faults' random numbers");
     command.add_option("--only", only, "faults of --sensors by name, instead of all");
   }
 
@@ -50,7 +47,7 @@ struct Windows : Benchmark {
     const double all_s = seconds(last_ns - first_ns);
     std::vector<StartWindow> windows;
     Json listed = Json::array();
-    for (double from = from_s; from + std::max(1.0, length_s) <= all_s + 1e-3 && from <= until_s; from += every_s) {
+    for (double from = from_s; from + std::max(1.0, length_s) <= all_s + 1e-3; from += every_s) {
       Degradation window;
       window.cut_s = from, window.length_s = length_s;
       const Recording part = degraded(recording, window, sensor_seed);
@@ -136,7 +133,7 @@ struct Windows : Benchmark {
     return BenchReport{.text = out};
   }
 
-  double from_s = 0, until_s = 1e9, every_s = 1, length_s = 8;
+  double from_s = 0, every_s = 1, length_s = 8;
   std::vector<std::string> only;
 };
 

@@ -21,12 +21,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr size_t kMostViews = 60;  // of which a lens is estimated
+
 struct CalibrateArguments {
   BoardOptions options;
   std::vector<std::string> inputs;
   std::string output = "calibration", print;
   CalibrateImuArguments imu;
-  size_t most = 60;
   bool json = false;
 };
 
@@ -159,7 +160,7 @@ int calibrate(const CalibrateArguments& a) {
   if (seen->other_size > 0)
     std::fprintf(stderr, "%zu of %zu pictures are not %dx%d like the first, and are skipped\n", seen->other_size,
                  seen->pictures, seen->size.width, seen->size.height);
-  const auto views = max_different(seen->views, seen->size, a.most);
+  const auto views = max_different(seen->views, seen->size, kMostViews);
   auto found = calibrate_lens(views, seen->size, a.options.lens());
   if (!found) {
     Failure failure = found.failure();
@@ -198,9 +199,6 @@ void add_calibrate(CLI::App& app, int& status) {
   a->options.add_lens(*command);
   a->options.add_board(*command);
   command->add_option("--print", a->print, "write the board as *.svg for printing, instead of calibrating");
-  command->add_option("--most", a->most, "maximum number of pictures used; the most different ones are selected")
-      ->capture_default_str()
-      ->check(CLI::Range(3, 1000));
   command->add_option("--imu", a->imu.recording,
                       "a recording with IMU and much rotation: camera-IMU rotation, time offset, row time; without "
                       "pictures of a board also the lens, as far as it is observable");

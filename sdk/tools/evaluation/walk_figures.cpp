@@ -44,7 +44,6 @@ void add_modes(const Recording& recording, const WalkEstimate& result, WalkFigur
         result.modes.empty() || result.modes[0].header.t_ns > state.t_ns ? ODO_MODE_UNKNOWN : result.modes[at].mode;
     f.mode_all_s += dt;
     if (seen == state.mode) f.mode_right_s += dt;
-    f.modes_s[{state.mode, seen}] += dt;
   }
 }
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <map>
 #include <utility>
 #include <vector>
 
@@ -24,7 +23,6 @@ struct WalkFigures {
   /// squared length error over its stated variance.
   std::vector<double> start_ms, end_ms, latency_ms, normalised_error;
   double mode_right_s = 0, mode_all_s = 0;
-  std::map<std::pair<uint32_t, uint32_t>, double> modes_s;  ///< by true and estimated mode
   /// Inclination after the first 10 s, heading drift after half a minute, and heading error (95 % of the time) against
   /// north or, without a magnetometer, against its value at that time. Empty if the walk is too short.
   std::vector<double> tilt_deg, drift_deg_min, heading_error_deg;
