@@ -14,7 +14,6 @@
 #include "sdk/tools/simulation/world.hpp"
 
 namespace odograph {
-namespace {
 
 using Eigen::Vector2d;
 using Eigen::Vector3d;
@@ -59,6 +58,8 @@ class Streets {
   std::vector<Vector3d> places_;
   cv::Mat clearance_;
 };
+
+namespace {
 
 /// The same city with a random height error of each building's roofs.
 CityModel with_other_roofs(CityModel city, uint64_t seed, const PhotographSceneParameters& p) {
