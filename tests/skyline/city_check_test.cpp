@@ -7,9 +7,8 @@
 #include <random>
 #include <set>
 
-#include <nlohmann/json.hpp>
-
 #include "plugins/fix/skyline/matcher.hpp"
+#include "sdk/tools/city/city_check.hpp"
 #include "sdk/tools/city/model_errors.hpp"
 #include "sdk/tools/city/street_route.hpp"
 #include "sdk/tools/simulation/city_model.hpp"
@@ -24,7 +23,7 @@ TEST_SUITE_BEGIN("city");
 namespace {
 
 std::string refusal(const std::string& text) {
-  const auto done = parse_city_json(text, "town.json");
+  const auto done = check_city_text(text, "town.json");
   return done ? std::string() : done.failure().text;
 }
 
@@ -38,18 +37,42 @@ const std::string kTriangle = "[[0,0,0],[10,0,0],[0,10,0]]";
 
 }  // namespace
 
+TEST_CASE("a city model's check counts what is in it") {
+  const auto one = check_city_text(town(kTriangle, "[[[0,1,2]]]"), "town.json");
+  REQUIRE(one);
+  CHECK(one->format == "CityJSON");
+  CHECK(one->objects == 1);
+  CHECK(one->surfaces == 1);
+  const auto lines = check_city_text(
+      R"({"type":"CityJSON","version":"2.0","CityObjects":{},"vertices":[],"transform":{"scale":[0.1,0.1,0.1],"translate":[0,0,0]}})"
+      "\n"
+      R"({"type":"CityJSONFeature","id":"b","CityObjects":{"b":{"type":"Building"}},"vertices":[[1,2,3]]})"
+      "\n",
+      "town.jsonl");
+  REQUIRE(lines);
+  CHECK(lines->format == "CityJSONSeq");
+  CHECK(lines->objects == 1);
+  const auto outside = check_city_text(
+      town(kTriangle, "[[[0,1,2]]]", R"("metadata":{"geographicalExtent":[0,0,0,5,5,5]},)"), "town.json");
+  REQUIRE(outside);
+  REQUIRE(outside->warnings.size() == 1);
+  CHECK(outside->warnings[0].find("geographicalExtent") != std::string::npos);
+}
+
 TEST_CASE("a damaged city model is refused in words that name the place") {
-  CHECK(refusal("{").find("town.json: not JSON at byte 2") == 0);
+  CHECK(refusal("{").find("town.json: not JSON at 1:2") == 0);
   CHECK(refusal("[]").find("expected an object") != std::string::npos);
-  CHECK(refusal(R"({"version":"2.0"})").find("\"type\": \"CityJSON\"") != std::string::npos);
+  CHECK(refusal(R"({"version":"2.0"})").find("no \"type\"") != std::string::npos);
   CHECK(refusal(R"({"type":"CityJSON","version":"0.8"})").find("CityJSON 1.0 to 2.0") != std::string::npos);
   CHECK(refusal(town(kTriangle, "[[[0,1,9]]]")).find("a: no vertex 9; there are 3") != std::string::npos);
-  CHECK(refusal(town(kTriangle, "[[0,1,2]]")).find("not a list") != std::string::npos);
+  CHECK(refusal(town(kTriangle, "[[0,1,2]]")).find("not nested") != std::string::npos);
   CHECK(refusal(town("[[18446744073709551616,0,0],[1,0,0],[0,1,0]]", "[[[0,1,2]]]")).find("vertex 0") !=
         std::string::npos);
   CHECK(refusal(town("[[1e400,0,0]]", "[]")).find("beyond all measure") != std::string::npos);
   CHECK(refusal(town(kTriangle, "[]", R"("transform":{"scale":[1,1,1],"translate":[1e300,0,0]},)"))
-            .find("vertex 0") != std::string::npos);
+            .find("\"translate\"") != std::string::npos);
+  CHECK(refusal(R"({"type":"CityJSONFeature","id":"x","CityObjects":{"b":{"type":"Building"}},"vertices":[]})")
+            .find("no city object of that id") != std::string::npos);
   std::string holes = "[[[0,1,2]";
   for (int i = 0; i < 200; ++i) holes += ",[0,1,2]";
   CHECK(refusal(town(kTriangle, holes + "]]")).find("cross each other") != std::string::npos);
@@ -97,7 +120,9 @@ TEST_CASE(
   CHECK(*left > 140);
   CHECK(*left < 180);
   CHECK(*write_model_with_errors(folder / "city.json", folder / "again.json", {.missing = 0.2, .seed = 7}) == *left);
-  CHECK(nlohmann::json::parse(read_text(folder / "less.json"))["CityObjects"].size() == 1 + 2 * *left);
+  const auto checked = check_city_model((folder / "less.json").string());
+  REQUIRE(checked);
+  CHECK(checked->objects == 1 + 2 * *left);
   CHECK_FALSE(write_model_with_errors(folder / "none.json", folder / "less.json", {.missing = 0.2, .seed = 7}));
 }
 
@@ -128,20 +153,25 @@ TEST_CASE("a model's roofs are off by one height for each building, its foot and
   CHECK(std::abs(roofs[0] - roofs[1]) > 0.05);
 }
 
-TEST_CASE("what is no regular file is not read") {
-  CHECK(read_city_model("/dev/zero").failure().text.find("a device") != std::string::npos);
+TEST_CASE("what is no regular file, or too large, is not read") {
+  CHECK(check_city_model("/dev/zero").failure().text.find("a device") != std::string::npos);
   const TemporaryFolder folder;
-  CHECK(read_city_model(folder / "none.json").failure().status == ODO_E_NOT_FOUND);
+  CHECK(check_city_model(folder / "none.json").failure().status == ODO_E_NOT_FOUND);
+  const auto file = write_text(folder / "town.json", town(kTriangle, "[[[0,1,2]]]"));
+  CHECK(check_city_model(file));
+  CityCheckLimits limits;
+  limits.file_bytes = 10;
+  CHECK(check_city_model(file, limits).failure().text.find("at most") != std::string::npos);
 }
 
 TEST_CASE("an OBJ model's faces are checked against its vertices") {
   const TemporaryFolder folder;
-  const auto good = read_city_model(write_text(folder / "a.obj", "o a\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 -1\n"));
+  const auto good = check_city_model(write_text(folder / "a.obj", "o a\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 -1\n"));
   REQUIRE(good);
-  CHECK(good->faces.size() == 1);
-  const auto bad = read_city_model(write_text(folder / "b.obj", "v 0 0 0\nf 1 2 3\n"));
+  CHECK(good->surfaces == 1);
+  const auto bad = check_city_model(write_text(folder / "b.obj", "v 0 0 0\nf 1 2 3\n"));
   REQUIRE_FALSE(bad);
-  CHECK(bad.failure().text.find("no such vertex") != std::string::npos);
+  CHECK(bad.failure().text.find("b.obj:2: no vertex 2; there are 1") != std::string::npos);
   // The reader of OBJ files does not parse this to a finite number.
   const auto wild = read_city_model(write_text(folder / "c.obj", "v 0 0 0\nv 0e9010 3 0\nv 0 1 0\nf 1 2 2 1 2 3\n"));
   REQUIRE_FALSE(wild);

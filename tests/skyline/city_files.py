@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Runs `odograph city check` on generated hostile models: each valid file must load, each invalid one be rejected with a
-message, in at most 2 s of processor time and 500 MB. Prints a table.
-Usage: city_files.py ODOGRAPH; ODOGRAPH_SLOWER=10 permits ten times the processor time, for an emulated processor"""
+"""Runs `odograph city check` on generated hostile models and, if given, a copy of 3DGI/cityjson-corpus: each
+valid file must load, each invalid one be rejected with a message, in at most 2 s of processor time and 500 MB. Prints a
+table.
+Usage: city_files.py ODOGRAPH [CORPUS]; ODOGRAPH_SLOWER=10 permits ten times the processor time, for an emulated processor"""
 import json
 import math
 import os
@@ -96,8 +97,16 @@ def judge(program, cases, root):
 
 
 def main():
+    program, corpus = sys.argv[1], pathlib.Path(sys.argv[2] if len(sys.argv) > 2 and sys.argv[2] else "/nowhere")
     with tempfile.TemporaryDirectory() as folder:
-        return 1 if judge(sys.argv[1], write_hostile(pathlib.Path(folder)), folder) else 0
+        failed = judge(program, write_hostile(pathlib.Path(folder)), folder)
+    about = ("case.json", "invariants.json", "profile.json", "acquisition.json")  # metadata files, not models
+    files = sorted(f for f in (corpus / "cases").rglob("*.json*") if f.name not in about)
+    if files:
+        failed += judge(program, [(f, "invalid" in f.relative_to(corpus).parts) for f in files], corpus / "cases")
+    else:
+        print("no corpus there")
+    return 1 if failed else 0
 
 
 if __name__ == "__main__":

@@ -130,7 +130,7 @@ grep -q phone.jpg stopped/photographs.csv && { echo "FAILED: the table came at t
 kill $! 2>/dev/null
 wait
 # The check reports what of a model is used.
-expect 0 "12 objects, " "$odograph" city check town.city.json
+expect 0 "CityJSON 2.0, 12 objects" "$odograph" city check town.city.json
 cp out check
 expect 0 "edges of buildings; they span latitudes 52.104" cat check
 expect 0 "edges of buildings; they span latitudes 52.104" "$odograph" city check town.gml

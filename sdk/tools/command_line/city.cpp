@@ -1,50 +1,52 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cstdio>
-#include <fstream>
 
 #include "sdk/tools/benchmarks/benchmarks.hpp"
+#include "sdk/tools/city/city_check.hpp"
 #include "sdk/tools/city/city_scenario.hpp"
 #include "sdk/tools/city/georeferenced_city.hpp"
 #include "sdk/tools/command_line/commands.hpp"
-#include "sdk/tools/simulation/city_model.hpp"
 
 namespace odograph {
 namespace {
 
-constexpr uintmax_t kLargest_bytes = 64u << 20;  // parsing takes 20 times as much memory
-
-/// Prints what is in a model, for the simulator (CityJSON, OBJ) and for `city locate` (CityGML, CityJSON).
-Result<bool> print_model(const std::filesystem::path& file) {
-  std::error_code error;
-  std::string head(64, '\0');
-  if (std::filesystem::is_regular_file(file, error)) std::ifstream(file, std::ios::binary).read(head.data(), 64);
-  if (const auto size = std::filesystem::file_size(file, error); !error && size > kLargest_bytes)
-    return Failure{ODO_E_DATA, file.string() + ": " + std::to_string(size >> 20) + " MB; at most " +
-                                   std::to_string(kLargest_bytes >> 20) + " MB are read: cut the model into tiles"};
-  const bool gml = is_xml(head);
-  if (!gml) {
-    const auto model = read_city_model(file);
-    if (!model) return model.failure();
-    std::printf("%s: %zu objects, %zu triangles\n", file.c_str(), model->objects.size(), model->faces.size());
-    if (file.extension() == ".obj") return true;
-  }
+/// Prints what `city locate` reads of CityGML and CityJSON, and whether it supports the reference system.
+Result<bool> print_buildings(const std::string& file) {
   const auto city = GeoreferencedCity::geodetic(file);
-  if (gml && (city || city.failure().status == ODO_E_UNSUPPORTED)) std::printf("%s: CityGML\n", file.c_str());
   if (city)
     std::printf("  %zu edges of buildings; they span %s\n", city->edges(), city->span().c_str());
   else if (city.failure().status == ODO_E_UNSUPPORTED)
     std::printf("  `city locate` needs --model-at or --at: %s\n", city.failure().text.c_str());
-  else if (gml)
-    return city.failure();
   else
-    std::printf("  warning: fix/skyline rejects it: %s\n", city.failure().text.c_str());
+    return city.failure();
   return true;
 }
 
 int check(const std::vector<std::string>& files) {
   int status = kDone;
-  for (const std::string& file : files)
-    if (const auto done = print_model(file); !done) status = print_failure(done.failure());
+  for (const std::string& file : files) {
+    const auto done = check_city_model(file);
+    if (!done) {
+      status = print_failure(done.failure());
+      continue;
+    }
+    const CityCheck& c = *done;
+    const bool gml = c.format == "CityGML";
+    if (gml)
+      std::printf("%s: CityGML\n", file.c_str());
+    else
+      std::printf("%s: %s%s%s, %zu objects, %zu vertices, %zu surfaces with %zu holes%s%s\n", file.c_str(),
+                  c.format.c_str(), c.version.empty() ? "" : " ", c.version.c_str(), c.objects, c.vertices, c.surfaces,
+                  c.holes, c.reference_system.empty() ? ", no reference system" : ", ", c.reference_system.c_str());
+    if (!gml && c.surfaces == 0) std::printf("  nothing that could be seen in it\n");
+    for (const auto& [type, count] : c.skipped)
+      std::printf("  %zu geometries of the type %s are not used\n", count, type.c_str());
+    for (const auto& warning : c.warnings) std::printf("  warning: %s\n", warning.c_str());
+    if (!gml && (c.format != "CityJSON" || c.surfaces == 0)) continue;
+    const auto read = print_buildings(file);
+    if (!read && gml) status = print_failure(read.failure());
+    if (!read && !gml) std::printf("  warning: fix/skyline rejects it: %s\n", read.failure().text.c_str());
+  }
   return status;
 }
 
@@ -56,7 +58,7 @@ void add_city(CLI::App& app, int& status) {
   auto files = std::make_shared<std::vector<std::string>>();
   auto* checked =
       city->add_subcommand("check", "Print the contents of city models, or why they are rejected; writes no file");
-  checked->add_option("model", *files, "city models: CityJSON, CityGML or OBJ")->required();
+  checked->add_option("model", *files, "city models: CityJSON, CityJSONSeq, CityGML or OBJ")->required();
   checked->callback([files, &status] { status = check(*files); });
   auto r = std::make_shared<CityScenario>();
   auto* draw =

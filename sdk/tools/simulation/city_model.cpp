@@ -242,14 +242,8 @@ Result<CityModel> parse_city_json(std::string_view text, const std::string& name
     return Failure{ODO_E_DATA, name +
                                    ": CityGML; this command reads CityJSON and OBJ alone: convert it, for example with "
                                    "`citygml-tools to-cityjson`"};
-  Json root;
-  try {
-    root = Json::parse(text);
-  } catch (const Json::parse_error& error) {
-    return Failure{ODO_E_DATA, name + ": not JSON at byte " + std::to_string(error.byte)};
-  } catch (const Json::exception&) {
-    return Failure{ODO_E_DATA, name + ": a number in it is beyond all measure"};
-  }
+  const Json root = Json::parse(text, nullptr, false);
+  if (root.is_discarded()) return Failure{ODO_E_DATA, name + ": not JSON; `odograph city check` reports where"};
   ModelCollector to(name, origin);
   const auto done = CityJson(root, name, to).read();
   if (!done) return done.failure();
@@ -257,13 +251,13 @@ Result<CityModel> parse_city_json(std::string_view text, const std::string& name
 }
 
 Result<CityModel> read_city_model(const fs::path& file, std::optional<Vector3d> origin) {
-  std::error_code error;
-  if (!fs::exists(file, error)) return Failure{ODO_E_NOT_FOUND, file.string() + ": no such file"};
-  if (!fs::is_regular_file(file, error))
+  std::ifstream in(file, std::ios::binary);
+  if (!in) return Failure{ODO_E_NOT_FOUND, file.string() + ": no such file"};
+  if (std::error_code error; !fs::is_regular_file(file, error))
     return Failure{ODO_E_DATA, file.string() + ": a folder or a device, not a file"};
   if (file.extension() == ".obj") return read_obj(file, origin);
   std::stringstream text;
-  text << std::ifstream(file, std::ios::binary).rdbuf();
+  text << in.rdbuf();
   return parse_city_json(text.str(), file.string(), origin);
 }
 
