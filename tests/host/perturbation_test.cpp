@@ -2,18 +2,13 @@
 //
 // The right perturbations listed in docs/notation.md: their derivatives against finite differences.
 #include "plugins/vo/odograph/visual/bundle_costs.hpp"
-#include "tests/support/support.hpp"
 #undef CHECK  // glog's, which Ceres includes
-#include <doctest/doctest.h>
-
-#include <array>
-#include <vector>
-
 #include <Eigen/LU>
 
 #include "plugins/vo/odograph/visual/pose_fit.hpp"
 #include "sdk/math/rotation.hpp"
 #include "sdk/tools/simulation/random.hpp"
+#include "tests/support/support.hpp"
 
 using namespace odograph::vo;
 using Eigen::MatrixXd;

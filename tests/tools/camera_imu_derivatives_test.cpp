@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sdk/tools/calibration/camera_imu_problem.hpp"
-#include "tests/support/support.hpp"
 #undef CHECK  // glog's, which Ceres includes
-#include <doctest/doctest.h>
-
 #include "sdk/tools/replay/camera_imu_source.hpp"
+#include "tests/support/support.hpp"
 #include "tests/tools/camera_imu_motion.hpp"
 
 TEST_SUITE_BEGIN("camera_imu");
