@@ -2,10 +2,6 @@
 //
 // Structs of other versions, and several plugins of a kind. Messages that pass through a session as a whole are a
 // subject of the conformance suite.
-#include <doctest/doctest.h>
-
-#include <algorithm>
-
 #include <odograph/messages.h>
 
 #include "sdk/host/core/scale_join.hpp"
@@ -13,8 +9,6 @@
 #include "tests/support/session_app.hpp"
 #include "tests/support/test_plugins.hpp"
 #include "tests/support/messages.hpp"
-
-using namespace odograph;
 
 TEST_SUITE_BEGIN("abi_growth");
 
@@ -77,21 +71,21 @@ TEST_CASE("a session accepts structs smaller or larger than its own, and names t
   App app(kWalk);
   auto pressure = pressure_at(1'000'000'000, 101325);
   pressure.header.struct_size = ODO_BAROMETER_SIZE_MIN;
-  CHECK(odo_session_push(app.session, &pressure.header) == ODO_OK);
+  CHECK(app.push(pressure) == ODO_OK);
   auto larger = vendor_message(ODO_TYPE_BAROMETER, 1'100'000'000, 200);
   reinterpret_cast<odo_barometer*>(larger.data())->pressure_pa = 101325;
   CHECK(odo_session_push(app.session, &head(larger)) == ODO_OK);
   pressure.header.struct_size = 47;
-  CHECK(odo_session_push(app.session, &pressure.header) == ODO_E_STRUCT_SIZE);
+  CHECK(app.push(pressure) == ODO_E_STRUCT_SIZE);
   odo_error error = app.last_error();
   CHECK(error.status == ODO_E_STRUCT_SIZE);
-  CHECK(std::string(error.message).find("struct_size = 47; expected 48 to 65536") != std::string::npos);
+  CHECK(contains(error.message, "struct_size = 47; expected 48 to 65536"));
   auto field = make_message<odo_magnetometer>(ODO_TYPE_MAGNETOMETER, 1'200'000'000);
   field.field_b[1] = std::nan("");
-  CHECK(odo_session_push(app.session, &field.header) == ODO_E_DISCARD);
+  CHECK(app.push(field) == ODO_E_DISCARD);
   CHECK(odo_session_last_error(app.session, &error) == ODO_OK);
   CHECK(error.status == ODO_E_DISCARD);
-  CHECK(std::string(error.message).find("field_b[1] = nan; expected a finite number") != std::string::npos);
+  CHECK(contains(error.message, "field_b[1] = nan; expected a finite number"));
 }
 
 TEST_CASE(
@@ -134,12 +128,12 @@ TEST_CASE("a late scale is published as not accepted and reported, unlike one fo
   RunningApp app(kWalk + "vo_frontend:\n  plugin: vo/five_point\nscale_source:\n  plugin: test/late_scale\n",
                  ODO_RUN_REPLAY, plugins.path());
   const odo_calibration camera = calibration(64, 48);
-  odo_session_push(app.session, &camera.header);
+  app.push(camera);
   for (int i = 0; i < 20; ++i) {
     app.walk(10 * i, 10 * i + 10);
     app.frame(1'000'000'000 + i * int64_t{100'000'000});
   }
-  odo_session_flush(app.session);
+  app.flush();
   const auto scales = app.all<odo_scale>(ODO_TYPE_SCALE);
   REQUIRE(scales.size() == 19);
   const auto accepted = [](const odo_scale& s) { return (s.header.flags & ODO_FLAG_ACCEPTED) != 0; };
@@ -155,8 +149,7 @@ TEST_CASE("the next step estimator replaces one that has failed") {
       "  - plugin: step/renaudin2012\n";
   const TestPlugins plugins{"failing_steps"};
   RunningApp app(yaml, ODO_RUN_REPLAY, plugins.path());
-  app.walk(0, 2000);
-  odo_session_flush(app.session);
+  app.run(0, 2000);
   CHECK(app.statistics().steps > 10);
   CHECK(app.pose(ODO_TIME_LATEST).reason != ODO_REASON_PLUGIN_FAILED);
 }
@@ -167,7 +160,7 @@ TEST_CASE("a report is an event with the plugin, a key, the status and a count")
   auto bad = make_message<odo_gnss>(ODO_TYPE_GNSS, 1'500'000'000);
   bad.header.flags = ODO_GNSS_POSITION;
   bad.latitude_rad = 3;
-  odo_session_push(app.session, &bad.header);
+  app.push(bad);
   app.walk(100, 101);
   REQUIRE(!app.reports.empty());
   const odo_report& report = app.reports.back();
@@ -178,5 +171,3 @@ TEST_CASE("a report is an event with the plugin, a key, the status and a count")
   CHECK(report.severity == ODO_SEVERITY_WARNING);
   CHECK(report.count == 1);
 }
-
-TEST_SUITE_END();

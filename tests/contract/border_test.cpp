@@ -1,14 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Boundaries of the host: null arguments, texts of numbers, services for plugins, saved anchors, bytes of recordings.
-#include <doctest/doctest.h>
-
-#include <cmath>
-#include <cstring>
-#include <limits>
-#include <map>
-#include <set>
-
 #include <odograph/anchor.h>
 #include <odograph/odograph.h>
 
@@ -17,9 +9,6 @@
 #include "sdk/host/plugin_host/plugin_call.hpp"
 #include "sdk/host/plugin_host/services.hpp"
 #include "tests/support/session_app.hpp"
-
-using namespace odograph;
-namespace fs = std::filesystem;
 
 TEST_SUITE_BEGIN("border");
 
@@ -137,9 +126,7 @@ TEST_CASE("a saved state whose plugin's part is rejected is restored in part, an
       .struct_size = sizeof place, .kind = ODO_ANCHOR_GEODETIC, .height_above = ODO_HEIGHT_ELLIPSOID};
   uint64_t id = 0;
   CHECK(odo_anchor_create(before.session, &place, &id) == ODO_OK);
-  std::string blob(static_cast<size_t>(odo_session_save(before.session, nullptr, 0)), '\0');
-  odo_session_save(before.session, blob.data(), blob.size());
-  std::string again = blob;
+  std::string blob = before.saved(), again = blob;
   sign_state(again);
   CHECK(again == blob);
   const size_t name = blob.find("step/odograph");
@@ -149,9 +136,9 @@ TEST_CASE("a saved state whose plugin's part is rejected is restored in part, an
   blob.replace(name + name_size, 8, 8, '\xff');
   sign_state(blob);
   App after(yaml);
-  CHECK(odo_session_load(after.session, blob.data(), blob.size()) == ODO_PARTIAL);
+  CHECK(after.load(blob) == ODO_PARTIAL);
   odo_error error = after.last_error();
-  CHECK(std::string(error.message).find("saved state rejected by: step/odograph") != std::string::npos);
+  CHECK(contains(error.message, "saved state rejected by: step/odograph"));
   CHECK(odo_anchor_list(after.session, nullptr, 0) == 1);
 }
 
@@ -188,15 +175,15 @@ TEST_CASE("relative names in a config's text are searched in asset_path alone, t
   fs::current_path(here.path());
   for (const std::string& line : {camera, search, program, path}) {
     CAPTURE(line);
-    CHECK(text(line, "").find("no folder to search; expected an absolute path") != std::string::npos);
+    CHECK(contains(text(line, ""), "no folder to search; expected an absolute path"));
   }
   const std::string both = other.path().string() + kPlatform.path_separator + here.path().string();
   CHECK(text(camera, here.path().string()) == "");
   CHECK(text(camera, both) == "");
   fs::rename(here / "lens.yaml", here / "moved.yaml");
   const std::string missing = text(camera, both);
-  CHECK(missing.find("'lens.yaml' is in none of the folders searched: " + other.path().string() + ", " +
-                     here.path().string()) != std::string::npos);
+  CHECK(contains(missing, "'lens.yaml' is in none of the folders searched: " + other.path().string() + ", " +
+                              here.path().string()));
   const std::string file = write_text(other / "c.yaml", "odograph: 1\ncamera: moved.yaml\n").string();
   CHECK(made("", file, "") != "");  // not in the current folder either
   CHECK(made("", file, here.path().string()) == "");
@@ -352,5 +339,3 @@ TEST_CASE("a recording is written byte for byte as its format specifies, and rea
     CHECK(RecordReader::open(write_text(folder / "c.odo", version)).failure().status == ODO_E_VERSION);
   }
 }
-
-TEST_SUITE_END();

@@ -1,16 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Conventions of the ABI: the point of a fix, true north, one camera among several.
-#include <doctest/doctest.h>
-
-#include <algorithm>
-#include <cmath>
-
 #include "sdk/math/rotation.hpp"
 #include "tests/support/session_app.hpp"
 #include "tests/support/test_plugins.hpp"
 
-using namespace odograph;
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
@@ -29,9 +23,8 @@ odo_pose pose_by_mark(const Vector3d* lever_b, Quaterniond& q_n_b) {
   mark.header.flags = ODO_WAYPOINT_VERTICAL | (lever_b ? ODO_WAYPOINT_LEVER : 0);
   mark.p_n[0] = 10, mark.p_n[1] = 20, mark.sigma_m = 0.01;
   if (lever_b) Vector3d::Map(mark.lever_b) = *lever_b;
-  odo_session_push(app.session, &mark.header);
-  app.walk(300, 400);
-  odo_session_flush(app.session);
+  app.push(mark);
+  app.run(300, 400);
   REQUIRE(app.statistics().fixes_accepted == 1);
   const auto fixes = app.all<odo_fix>(ODO_TYPE_FIX);
   CHECK(fixes.at(0).p_n[0] == 10);  // published as emitted by the fixer
@@ -50,11 +43,11 @@ std::vector<odo_attitude> attitudes(const std::string& config, const odo_header*
     const int64_t t_ns = 1'000'000'000 + i * 10'000'000LL;
     auto field = make_message<odo_magnetometer>(ODO_TYPE_MAGNETOMETER, t_ns);
     field.field_b[1] = 2e-5, field.field_b[2] = -4e-5;  // the phone's top to magnetic north, screen up
-    odo_session_push(app.session, &field.header);
+    app.push(field);
     const double rate[3] = {0, 0, 0}, force[3] = {0, 0, 9.81};
     odo_session_push_imu(app.session, t_ns, rate, force);
   }
-  odo_session_flush(app.session);
+  app.flush();
   if (last) *last = app.pose(ODO_TIME_LATEST);
   return app.all<odo_attitude>(ODO_TYPE_ATTITUDE);
 }
@@ -110,7 +103,7 @@ TEST_CASE("no plugin can emit inputs, the host's own events, reserved numbers or
     head.struct_size = sizeof bytes, head.type = ODO_TYPE_VENDOR(0, 1), head.t_ns = t_ns;
     event.struct_size = sizeof(odo_report), event.type = type, event.t_ns = t_ns;
     odo_session_push(app.session, &head);
-    odo_session_flush(app.session);
+    app.flush();
     return std::any_of(app.events.begin(), app.events.end(), [&](const std::string& e) {
       return reinterpret_cast<const odo_header*>(e.data())->type == type;
     });
@@ -127,11 +120,8 @@ TEST_CASE("a vendor's message from the far future does not make later ones late"
   app.walk(0, 100);
   auto far = make_message<odo_imu>(ODO_TYPE_IMU, int64_t(1) << 61);
   far.header.type = ODO_TYPE_VENDOR(0, 1);
-  CHECK(odo_session_push(app.session, &far.header) == ODO_OK);
-  odo_session_flush(app.session);
-  CHECK(app.walk(100, 200) == ODO_OK);
-  odo_session_flush(app.session);
+  CHECK(app.push(far) == ODO_OK);
+  app.flush();
+  CHECK(app.run(100, 200) == ODO_OK);
   CHECK(app.statistics().late == 0);
 }
-
-TEST_SUITE_END();

@@ -1,23 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The validator against faulty plugins: each is detected by the case that its file is named for.
-#include <doctest/doctest.h>
-
-#include <algorithm>
-#include <fstream>
-#include <iterator>
-#include <set>
-#include <string>
-
 #include <nlohmann/json.hpp>
 
 #include "sdk/tools/validator/check.hpp"
 #include "sdk/tools/validator/statement.hpp"
 #include "sdk/tools/validator/write_manifest.hpp"
 #include "tests/support/support.hpp"
-
-using namespace odograph;
-namespace fs = std::filesystem;
 
 TEST_SUITE_BEGIN("faulty_plugins");
 
@@ -66,8 +55,8 @@ TEST_CASE("there are at least 80 cases with unique ids, and most of them have a 
 TEST_CASE("the documents state the correct numbers of cases and faulty plugins") {
   std::ifstream file(source("docs/plugins.md").string());
   const std::string text{std::istreambuf_iterator<char>(file), {}};
-  CHECK(text.find("runs " + std::to_string(plugin_check_cases().size()) + " cases") != std::string::npos);
-  CHECK(text.find("contain " + std::to_string(plugins_of_kind(false).size()) + " faulty plugins") != std::string::npos);
+  CHECK(contains(text, "runs " + std::to_string(plugin_check_cases().size()) + " cases"));
+  CHECK(contains(text, "contain " + std::to_string(plugins_of_kind(false).size()) + " faulty plugins"));
 }
 
 TEST_CASE("each faulty plugin is detected by the case that it is named for") {
@@ -99,10 +88,10 @@ TEST_CASE("the end of a plugin is reported with its place, also an exit with sta
   const auto detail = [](const char* faulty) {
     return check(kFaultyPlugins / (std::string(faulty) + ".so"), "process.works", 4).front().detail;
   };
-  CHECK(detail("process_works__exit").find("ended the process with status 0 in process of") != std::string::npos);
-  CHECK(detail("process_works__segfault").find("Segmentation fault in process of") != std::string::npos);
-  CHECK(detail("process_works__hangs").find("took longer than 4 s in process of") != std::string::npos);
-  CHECK(detail("process_works__throws").find("the fortieth sample is unlucky") != std::string::npos);
+  CHECK(contains(detail("process_works__exit"), "ended the process with status 0 in process of"));
+  CHECK(contains(detail("process_works__segfault"), "Segmentation fault in process of"));
+  CHECK(contains(detail("process_works__hangs"), "took longer than 4 s in process of"));
+  CHECK(contains(detail("process_works__throws"), "the fortieth sample is unlucky"));
 }
 
 TEST_CASE("the file's cases detect a missing library or manifest, another library's manifest and a false one") {
@@ -132,7 +121,7 @@ TEST_CASE("a plugin that ends the process has no manifest, and the reason is rep
     fs::copy_file(kFaultyPlugins / (std::string(faulty) + ".so"), library);
     const auto manifest = write_manifest_beside(library);
     REQUIRE_FALSE(manifest.ok());
-    CHECK(manifest.failure().text.find("the plugin ended the process with status 0 in loading") != std::string::npos);
+    CHECK(contains(manifest.failure().text, "the plugin ended the process with status 0 in loading"));
   }
 }
 
@@ -151,7 +140,7 @@ TEST_CASE("a call that hangs is named and not made again: its other cases are no
     const auto checks = check_plugin(kFaultyPlugins / (row.faulty + ".so"), options);
     CHECK(ended == plugin_check_cases().size());
     const auto names_call = [&](const PluginCheck& check) {
-      return check.detail.find("took longer than 2 s in " + row.call) != std::string::npos;
+      return contains(check.detail, "took longer than 2 s in " + row.call);
     };
     const auto hung = std::find_if(checks.begin(), checks.end(), names_call);
     REQUIRE(hung != checks.end());
@@ -163,7 +152,7 @@ TEST_CASE("a call that hangs is named and not made again: its other cases are no
         CHECK(check.detail == row.call + " hangs, see " + hung->id);
       }
     CHECK(not_run >= row.least);
-    CHECK(counts_as_text(checks).find(", " + std::to_string(not_run) + " not run;") != std::string::npos);
+    CHECK(contains(counts_as_text(checks), ", " + std::to_string(not_run) + " not run;"));
     CHECK(nlohmann::json::parse(check_as_json("a", checks))["not_run"] == not_run);
   }
 }
@@ -176,27 +165,25 @@ TEST_CASE("a fault that several cases find is printed once; the others refer to 
                                            {"b.two", "stops", Outcome::failed, "too slow", 0},
                                            {"c.one", "ends", Outcome::failed, "no model", 0}};
   std::string text = counts_as_text(checks);
-  CHECK(text.find("5 cases: 1 passed, 4 failed") != std::string::npos);
+  CHECK(contains(text, "5 cases: 1 passed, 4 failed"));
   for (auto end = checks.begin(); end != checks.end();) text += last_as_text({checks.begin(), ++end}, false);
   CHECK(text.find("no model") == text.rfind("no model"));
-  CHECK(text.find("c.one                          ends: the same fault as a.one\n") != std::string::npos);
-  CHECK(text.find("too slow") != std::string::npos);
+  CHECK(contains(text, "c.one                          ends: the same fault as a.one\n"));
+  CHECK(contains(text, "too slow"));
   const std::string statement = conformance_statement({}, checks);
-  CHECK(statement.find("the same fault in 2 further cases: b.one, c.one\n") != std::string::npos);
+  CHECK(contains(statement, "the same fault in 2 further cases: b.one, c.one\n"));
 }
 
 TEST_CASE("results are text, JSON and JUnit") {
   const auto checks = check(kFaultyPlugins / "scale_unit__millimetres.so", "scale.");
   std::string text = counts_as_text(checks);
   for (auto end = checks.begin(); end != checks.end();) text += last_as_text({checks.begin(), ++end}, true);
-  CHECK(text.find("FAIL scale.unit") != std::string::npos);
-  CHECK(text.find("4 cases: 3 passed, 1 failed, 0 do not apply") != std::string::npos);
+  CHECK(contains(text, "FAIL scale.unit"));
+  CHECK(contains(text, "4 cases: 3 passed, 1 failed, 0 do not apply"));
   const auto json = nlohmann::json::parse(check_as_json("a/b.so", checks));
   CHECK(json["failed"] == 1);
   CHECK(json["cases"].size() == 4);
   const std::string junit = check_as_junit("<a>&.so", checks);
-  CHECK(junit.find("<testsuite name=\"&lt;a&gt;&amp;.so\" tests=\"4\" failures=\"1\"") != std::string::npos);
-  CHECK(junit.find("<testcase classname=\"scale\" name=\"unit\"") != std::string::npos);
+  CHECK(contains(junit, "<testsuite name=\"&lt;a&gt;&amp;.so\" tests=\"4\" failures=\"1\""));
+  CHECK(contains(junit, "<testcase classname=\"scale\" name=\"unit\""));
 }
-
-TEST_SUITE_END();

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Registered plugins that are linked into the program: the test program's own.
-#include <doctest/doctest.h>
-
 #include <odograph/odograph.h>
 #include <odograph/plugin.hpp>
 
@@ -11,11 +9,10 @@
 #include "sdk/host/plugin_host/instance.hpp"
 #include "sdk/host/plugin_host/services.hpp"
 #include "tests/support/session_app.hpp"
-#include "tests/support/support.hpp"
 
 extern "C" {
-int32_t ODO_CALL same_entry_1(const struct odo_host* host, struct odo_plugin* out);
-int32_t ODO_CALL same_entry_2(const struct odo_host* host, struct odo_plugin* out);
+int32_t ODO_CALL twin_entry_1(const struct odo_host* host, struct odo_plugin* out);
+int32_t ODO_CALL twin_entry_2(const struct odo_host* host, struct odo_plugin* out);
 }
 
 namespace {
@@ -72,15 +69,12 @@ std::string id_of(odo_plugin_entry entry) {
 
 }  // namespace
 
-using namespace odograph;
-
 TEST_SUITE_BEGIN("linked_plugins");
 
 TEST_CASE("a registered plugin is found by its id without a file, and its parameters are checked") {
   REQUIRE(odo_register_plugin(linked_entry, nullptr) == ODO_OK);
   RunningApp app("odograph: 1\nattitude: {plugin: linked/one, parameters: {gain: 2 m}}\n");
-  app.walk(0, 20);
-  odo_session_flush(app.session);
+  app.run(0, 20);
   CHECK(app.all<odo_attitude>(ODO_TYPE_ATTITUDE).size() == 20);
   CHECK(contains(app.said(), "linked/one: gain 2.0"));
   CHECK(contains(App("odograph: 1\nattitude: {plugin: linked/one, parameters: {gain: 3 m}}\n").message,
@@ -92,20 +86,14 @@ TEST_CASE("a registered plugin is found by its id without a file, and its parame
 TEST_CASE("saved state belongs to the plugin's id, and a new version of the plugin keeps it") {
   REQUIRE(odo_register_plugin(linked_entry, nullptr) == ODO_OK);
   const std::string yaml = "odograph: 1\nattitude: {plugin: linked/one}\n";
-  const auto saved = [](const App& app) {
-    std::string blob(static_cast<size_t>(odo_session_save(app.session, nullptr, 0)), '\0');
-    odo_session_save(app.session, blob.data(), blob.size());
-    return blob;
-  };
   App first(yaml);
-  first.walk(0, 20);
-  odo_session_flush(first.session);
-  const std::string blob = saved(first);
+  first.run(0, 20);
+  const std::string blob = first.saved();
   CHECK(contains(blob, "linked/one\x14"));
   CHECK_FALSE(contains(blob, ODO_INTERFACE_ATTITUDE));
   const App second(yaml);
-  CHECK(odo_session_load(second.session, blob.data(), blob.size()) == ODO_OK);
-  CHECK(saved(second) == blob);
+  CHECK(second.load(blob) == ODO_OK);
+  CHECK(second.saved() == blob);
 }
 
 TEST_CASE("a plugin is created again where its reset fails, and only there") {
@@ -143,17 +131,15 @@ TEST_CASE("a registered plugin cannot be isolated, and the allow list applies to
 }
 
 TEST_CASE("plugins with the same class name share nothing, linked or loaded") {
-  CHECK(id_of(same_entry_1) == "same/linked_1");
-  CHECK(id_of(same_entry_2) == "same/linked_2");
-  for (const char* number : {"1", "2"}) {
-    const auto library = built("tests/same_class") / (std::string("same_class_") + number + ODOGRAPH_LIBRARY);
+  CHECK(id_of(twin_entry_1) == "twin/one");
+  CHECK(id_of(twin_entry_2) == "twin/two");
+  for (const auto& [number, id] : {std::pair{"3", "twin/three"}, {"4", "twin/four"}}) {
+    const auto library = built("tests/same_class") / (std::string("twin_") + number + ODOGRAPH_LIBRARY);
     std::string why;
     void* handle = open_library(library, why);
     REQUIRE_MESSAGE(handle, why);
     const auto entry = reinterpret_cast<odo_plugin_entry>(library_symbol(handle, ODO_PLUGIN_ENTRY_SYMBOL));
     REQUIRE((entry != nullptr));
-    CHECK(id_of(entry) == std::string("same/library_") + number);
+    CHECK(id_of(entry) == id);
   }
 }
-
-TEST_SUITE_END();

@@ -1,14 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Messages by value: ownership of frames, sets of types, sizes.
-#include <doctest/doctest.h>
-
-#include <vector>
-
 #include "sdk/host/core/event_queue.hpp"
 #include "sdk/host/messages/messages.hpp"
-
-using namespace odograph;
+#include "tests/support/support.hpp"
 
 TEST_SUITE_BEGIN("message_copies");
 
@@ -144,5 +139,3 @@ TEST_CASE("a queue of events keeps their order and limits those of one sample, h
   queue.begin();  // a new sample; events of the old one still wait
   CHECK_FALSE(queue.push(event(9)));
 }
-
-TEST_SUITE_END();

@@ -1,22 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Validation of messages: every number of every type in turn, at and beside its limits.
-#include <doctest/doctest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <limits>
-#include <map>
 #include <regex>
-#include <set>
-#include <string>
-#include <vector>
 
 #include "sdk/host/messages/messages.hpp"
 #include "sdk/tools/validator/message_fields.hpp"
 #include "tests/support/support.hpp"
-
-using namespace odograph;
 
 TEST_SUITE_BEGIN("messages");
 
@@ -285,5 +274,3 @@ TEST_CASE("a motion and a step have a duration of at least a nanosecond") {
     CHECK(message_is_good(step.header) == (end > 500));
   }
 }
-
-TEST_SUITE_END();

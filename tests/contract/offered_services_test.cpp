@@ -1,12 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Services offered to plugins by host and app, and wake-up calls on request.
-#include <doctest/doctest.h>
-
 #include <chrono>
-#include <cstring>
 #include <thread>
-#include <vector>
 
 #include <odograph/plugin.hpp>
 
@@ -14,8 +10,6 @@
 #include "tests/support/session_app.hpp"
 #include "tests/support/test_plugins.hpp"
 #include "tests/support/replay_session.hpp"
-
-using namespace odograph;
 
 TEST_SUITE_BEGIN("offered_services");
 
@@ -123,13 +117,12 @@ TEST_CASE("a plugin that requests it is called without a message, at the latest 
   std::thread([] {
     for (int i = 0; i < 3; ++i) CHECK(Radio::newest->wake());
   }).join();
-  app.walk(3, 4);
-  odo_session_flush(app.session);
+  app.run(3, 4);
   CAPTURE(app.said());
   CHECK(app.all<odo_attitude>(ODO_TYPE_ATTITUDE).size() == 1);  // one call serves several requests
   Radio::requests_wake = true;
   CHECK(Radio::newest->wake());
-  CHECK(odo_session_flush(app.session) == ODO_OK);  // returns although each call requests another
+  CHECK(app.flush() == ODO_OK);  // returns although each call requests another
   Radio::requests_wake = false;
 }
 
@@ -198,5 +191,3 @@ TEST_CASE("a plugin's reports do not suppress the host's reports about it") {
   REQUIRE(!told.empty());
   CHECK(told.back().text == "was ended by a signal");
 }
-
-TEST_SUITE_END();

@@ -1,12 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // A plugin's parameters from its table to its instance, the types of its kind, and texts of limited size.
-#include <doctest/doctest.h>
-
-#include <algorithm>
-#include <cstring>
-#include <set>
-
 #include <odograph/absolute_fixer.h>
 #include <odograph/attitude.h>
 #include <odograph/messages.h>
@@ -19,8 +13,6 @@
 #include "sdk/host/plugin_host/instance.hpp"
 #include "sdk/host/plugin_host/wire.hpp"
 #include "tests/support/support.hpp"
-
-using namespace odograph;
 
 TEST_SUITE_BEGIN("parameters");
 
@@ -49,8 +41,8 @@ TEST_CASE("every column of a parameter table is written to the manifest and read
   plugin.abi_major = 4, plugin.abi_minor = 9;
   plugin.interfaces = interfaces, plugin.interface_count = 2;
   plugin.parameters = rows, plugin.parameter_count = 6, plugin.parameter_stride = sizeof(odo_parameter);
-  const auto manifest = parse_manifest(write_manifest(plugin, "all.so", std::string(64, 'a')), "/x/all.odoplugin.json");
-  REQUIRE_MESSAGE(manifest.ok(), (manifest.ok() ? "" : manifest.failure().text));
+  const auto manifest =
+      required(parse_manifest(write_manifest(plugin, "all.so", std::string(64, 'a')), "/x/all.odoplugin.json"));
   CHECK(manifest->id == "acme/all");
   CHECK(manifest->version == "1.2.3");
   CHECK(manifest->summary == "says \"all\"");
@@ -283,5 +275,3 @@ TEST_CASE("data written to shared memory is read in order, and neither side pass
   CHECK(longer.get_bytes().empty());
   CHECK_FALSE(longer.good());
 }
-
-TEST_SUITE_END();

@@ -3,14 +3,6 @@
 // Recordings through the C API: frames, damage, validation, bit-identical replays, concurrent recorders. What is read
 // back as written is a subject of the conformance suite.
 // Recordings through the C API: what cannot be read, written or recorded.
-#include <doctest/doctest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <cstring>
-#include <fstream>
-#include <vector>
-
 #include <odograph/messages.h>
 #include <odograph/odograph.hpp>
 #include <odograph/recording.h>
@@ -20,10 +12,7 @@
 #include "tests/support/messages.hpp"
 #include "tests/support/recording_files.hpp"
 #include "tests/support/session_app.hpp"
-#include "tests/support/support.hpp"
 #include "tests/support/test_plugins.hpp"
-
-using namespace odograph;
 
 TEST_SUITE_BEGIN("recording_api");
 
@@ -114,7 +103,7 @@ TEST_CASE("a pipeline with two step estimators, two scale sources and vendors' m
     wifi.header.struct_size = sizeof wifi, wifi.header.type = kWifi, wifi.header.t_ns = imu.header.t_ns + 7;
     if (i % 100 == 50) push(wifi.header);
   }
-  odo_session_flush(live.session);
+  live.flush();
   CHECK(odo_recorder_close(out) == ODO_OK);
   CHECK(live.all<odo_fix>(ODO_TYPE_FIX).size() == 15);
   CHECK(live.statistics().unknown == 0);
@@ -126,7 +115,7 @@ TEST_CASE("a pipeline with two step estimators, two scale sources and vendors' m
   const odo_header* message = nullptr;
   while (odo_recording_next(in, &message, nullptr, nullptr) == ODO_OK)
     CHECK(odo_session_push(again.session, message) == ODO_OK);
-  odo_session_flush(again.session);
+  again.flush();
   odo_recording_close(in);
   CHECK(live.events.size() > 1500);
   CHECK(live.events == again.events);
@@ -142,7 +131,7 @@ TEST_CASE("the second recorder on a path is rejected, for new and existing files
     odo_error error{sizeof error, ODO_OK, {}};
     CHECK(odo_recorder_create(&name, &second, &error) == ODO_E_STATE);
     CHECK(second == nullptr);
-    CHECK(std::string(error.message).find("is being written by another recorder") != std::string::npos);
+    CHECK(contains(error.message, "is being written by another recorder"));
     for (int i = 0; i < count; ++i) {
       auto imu = imu_at(1'000'000'000 + 5'000'000LL * i, {0, 0, 0}, {0, 0, 0}, ODO_IMU_GYRO);
       CHECK(odo_recorder_write(first, &imu.header, nullptr, 0) == ODO_OK);
@@ -200,12 +189,12 @@ TEST_CASE("records that become unreadable after opening cost themselves alone, a
   odo_recording_close(in);
 
   odo::Recording wrapped(path.string());
-  CHECK(wrapped.loss().find("3 of 10 records are lost") != std::string::npos);
+  CHECK(contains(wrapped.loss(), "3 of 10 records are lost"));
   put_in(path, 16 + 5 * kRecord + 40, '#');
   times.clear();
   for (const odo::Recorded& recorded : wrapped) times.push_back(recorded.message.header().t_ns);
   CHECK(times == std::vector<int64_t>{0, 1, 4, 6, 7, 8});
-  CHECK(wrapped.loss().find("1 record could be read when it was opened") != std::string::npos);
+  CHECK(contains(wrapped.loss(), "1 record could be read when it was opened"));
 }
 
 TEST_CASE("a closed recording without messages is complete, an unclosed one is damaged") {
@@ -222,5 +211,3 @@ TEST_CASE("a closed recording without messages is complete, an unclosed one is d
   std::filesystem::resize_file(folder / "empty.odo", 16);
   CHECK(recording(folder / "empty.odo", ODO_E_DATA) == nullptr);
 }
-
-TEST_SUITE_END();

@@ -1,14 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Basic utilities: texts, saturating times, the Earth, a value read while it is written.
-#include <doctest/doctest.h>
-
-#include <array>
-#include <cmath>
-#include <cstdio>
-#include <limits>
-#include <vector>
-
 #include "sdk/host/base/geodesy.hpp"
 #include "sdk/host/base/json_text.hpp"
 #include "sdk/host/base/nearest.hpp"
@@ -17,8 +9,7 @@
 #include "sdk/host/base/snapshot.hpp"
 #include "sdk/host/core/sensor_watch.hpp"
 #include "sdk/host/messages/messages.hpp"
-
-using namespace odograph;
+#include "tests/support/support.hpp"
 
 TEST_SUITE_BEGIN("texts");
 
@@ -197,5 +188,3 @@ TEST_CASE("a sensor is silent beyond the longest gap, not at it, and each gap co
     CHECK((watch.now_ns() == 0 && watch.gaps() == 1));
   }
 }
-
-TEST_SUITE_END();

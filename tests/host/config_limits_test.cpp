@@ -1,14 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Defaults of configs, camera.yaml and manifests: every key, every unit, every limit.
-#include <doctest/doctest.h>
-
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <functional>
-#include <map>
-
 #include "sdk/host/config/camera_yaml.hpp"
 #include "sdk/host/config/manifest.hpp"
 #include "sdk/host/config/overrides.hpp"
@@ -16,15 +8,12 @@
 #include "sdk/host/config/table.hpp"
 #include "tests/support/support.hpp"
 
-using namespace odograph;
-
 TEST_SUITE_BEGIN("config_limits");
 
 namespace {
 
 PipelineConfig read(const std::string& yaml) {
-  auto config = read_pipeline_config("odograph: 1\n" + yaml, "f.yaml", {plugin_folder()}, {"/folder"});
-  REQUIRE_MESSAGE(config.ok(), (config.ok() ? "" : config.failure().text));
+  auto config = required(read_pipeline_config("odograph: 1\n" + yaml, "f.yaml", {plugin_folder()}, {"/folder"}));
   return std::move(*config);
 }
 
@@ -274,5 +263,3 @@ TEST_CASE("a default equals the value of its text for every type") {
   CHECK(default_value({.type = SpecType::reals, .fallback = "[1]", .count = 2}).reals == std::vector<double>{1, 0});
   CHECK_FALSE(default_value({.type = SpecType::real}).given);
 }
-
-TEST_SUITE_END();

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <doctest/doctest.h>
 #include <nlohmann/json.hpp>
 #include <rapidcheck.h>
 #include <valijson/adapters/nlohmann_json_adapter.hpp>
@@ -12,8 +11,6 @@
 #include "sdk/host/config/pipeline_config.hpp"
 #include "sdk/tools/simulation/scenario.hpp"
 #include "tests/support/support.hpp"
-
-using namespace odograph;
 
 TEST_SUITE_BEGIN("config");
 
@@ -29,7 +26,7 @@ std::string mistake(const std::string& yaml) {
 }  // namespace
 
 TEST_CASE("every setting of a config is read into its own field") {
-  const auto config = read_pipeline_config(
+  const auto config = required(read_pipeline_config(
       "odograph: 1\nplugins: {verify_hash: false}\n"
       "navigation:\n  origin: {latitude: 47 deg, longitude: 8 deg, height: 400 m}\n"
       "  start: {position: [1 m, 2 m, 3 m], heading: 0.4 rad}\n"
@@ -39,8 +36,7 @@ TEST_CASE("every setting of a config is read into its own field") {
       "coupling: {type: localizer, orientation: gyroscope, vertical: scaled, fix_gate: 4.5, bridge: 7 s,\n"
       "           fastest: 13 m/s, odometry_covariance: 2.25}\n"
       "replay: {start_at_first_waypoint: true, align_heading_over: 17 m}\n",
-      "f.yaml", {plugin_folder()});
-  REQUIRE_MESSAGE(config.ok(), (config.ok() ? "" : config.failure().text));
+      "f.yaml", {plugin_folder()}));
   const PipelineConfig& c = *config;
   CHECK(c.library_check == LibraryCheck::none);
   REQUIRE(c.origin);
@@ -281,8 +277,7 @@ TEST_CASE("a file named relative to a config is found from any folder, with and 
   write_text(folder / "vqf.odoplugin.json", "{}");
   const std::string file = write_text(folder / "c.yaml", yaml).string();
   CHECK(*effective_config(file, {}) == yaml);
-  const auto text = effective_config(file, {{"coupling.fix_gate", "4"}, {"time_ordering.queue", "77"}});
-  REQUIRE(text.ok());
+  const auto text = required(effective_config(file, {{"coupling.fix_gate", "4"}, {"time_ordering.queue", "77"}}));
   const auto root = required(parse_yaml(*text, "c.yaml"));
   const auto value = [&](const char* path) {
     const YamlNode* node = node_at(*root, path);
@@ -297,8 +292,7 @@ TEST_CASE("a file named relative to a config is found from any folder, with and 
   CHECK(value("plugins.allow.1") == "attitude/vqf");
   CHECK(value("plugins.isolation") == "none");
   CHECK(value("coupling.fix_gate") == "4");
-  const auto config = read_pipeline_config_file(write_text(elsewhere / "c.yaml", *text).string(), {});
-  REQUIRE_MESSAGE(config.ok(), (config.ok() ? "" : config.failure().text));
+  const auto config = required(read_pipeline_config_file(write_text(elsewhere / "c.yaml", *text).string(), {}));
   REQUIRE(config->camera);
   CHECK(config->camera->fx == 431.5);
   CHECK(config->ordering.queue == 77);
@@ -313,10 +307,8 @@ TEST_CASE("a camera file of a config that is not one is reported without quoting
         read_pipeline_config("odograph: 1\ncamera: " + (folder / "secret").string() + "\n", "f.yaml", {});
     REQUIRE_FALSE(config.ok());
     const std::string& text = config.failure().text;
-    CHECK_MESSAGE(text.find("no camera's description; expected a map with width") != std::string::npos, text);
+    CHECK_MESSAGE(contains(text, "no camera's description; expected a map with width"), text);
     for (const char* part : {"root:x", "daemon", "hunter", "token", "BEGIN"})
-      CHECK_MESSAGE(text.find(part) == std::string::npos, text);
+      CHECK_MESSAGE(!contains(text, part), text);
   }
 }
-
-TEST_SUITE_END();

@@ -1,14 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <doctest/doctest.h>
-
-#include <algorithm>
-#include <vector>
-
 #include "sdk/host/base/pixels.hpp"
 #include "sdk/host/core/frame_store.hpp"
 #include "sdk/host/messages/messages.hpp"
-
-using namespace odograph;
+#include "tests/support/support.hpp"
 
 TEST_SUITE_BEGIN("frame_store");
 
@@ -118,5 +112,3 @@ TEST_CASE("a copied frame has every sample of every plane in each format, at odd
           }
         }
 }
-
-TEST_SUITE_END();

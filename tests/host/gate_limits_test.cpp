@@ -1,19 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Plausible ranges of sensors, at each limit and for each component; joined scales, at each limit.
-#include <doctest/doctest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <vector>
-
 #include "sdk/host/core/sample_gate.hpp"
 #include "sdk/host/core/scale_join.hpp"
 #include "sdk/host/messages/imu_joiner.hpp"
 #include "sdk/host/messages/messages.hpp"
 #include "tests/support/messages.hpp"
-
-using namespace odograph;
+#include "tests/support/support.hpp"
 
 TEST_SUITE_BEGIN("gate_limits");
 
@@ -191,5 +184,3 @@ TEST_CASE("a gyroscope sample waits 0.1 s for its accelerometer sample, at most 
     CHECK(taken.size() == 1);
   }
 }
-
-TEST_SUITE_END();

@@ -3,16 +3,11 @@
 // Rings and intervals of samples; validity of covariances, against eigenvalues; numbers as texts: the fallback
 // functions for C++ libraries without std::from_chars and std::to_chars of double, against those of a library that has
 // them.
-#include <doctest/doctest.h>
-
 #include <bit>
 #include <clocale>
-#include <cmath>
-#include <cstdlib>
 #include <deque>
 #include <random>
 #include <tuple>
-#include <vector>
 
 #include <Eigen/Eigenvalues>
 
@@ -24,8 +19,7 @@
 #include "sdk/math/ring.hpp"
 #include "sdk/math/sample_intervals.hpp"
 #include "sdk/math/time.hpp"
-
-using namespace odograph;
+#include "tests/support/support.hpp"
 
 TEST_SUITE_BEGIN("numbers");
 
@@ -248,5 +242,3 @@ TEST_CASE("numbers as texts have a decimal point in every locale") {
   }
   std::setlocale(LC_NUMERIC, before.c_str());
 }
-
-TEST_SUITE_END();

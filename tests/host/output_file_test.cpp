@@ -1,15 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Destination of an output: through all kinds of links, from any working folder.
-#include <doctest/doctest.h>
-
-#include <filesystem>
-
 #include "sdk/host/base/output_file.hpp"
 #include "tests/support/support.hpp"
-
-using namespace odograph;
-namespace fs = std::filesystem;
 
 TEST_SUITE_BEGIN("output_file");
 
@@ -104,7 +97,7 @@ TEST_CASE("two writers of one destination exclude each other, in either mode and
             const auto other = OutputFile::create(name, second);
             REQUIRE_FALSE(other.ok());
             CHECK(other.failure().status == ODO_E_STATE);
-            CHECK(other.failure().text.find("is being written by another") != std::string::npos);
+            CHECK(contains(other.failure().text, "is being written by another"));
           }
           REQUIRE(out->commit().ok());
           CHECK(read_text(file) == "first");
@@ -112,5 +105,3 @@ TEST_CASE("two writers of one destination exclude each other, in either mode and
         CHECK(OutputFile::create(file, second).ok());
       }
 }
-
-TEST_SUITE_END();

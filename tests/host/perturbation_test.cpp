@@ -3,18 +3,13 @@
 // The right perturbations listed in docs/notation.md: their derivatives against finite differences.
 #include "plugins/vo/odograph/visual/bundle_costs.hpp"
 #undef CHECK  // glog's, which Ceres includes
-#include <doctest/doctest.h>
-
-#include <array>
-#include <vector>
-
 #include <Eigen/LU>
 
 #include "plugins/vo/odograph/visual/pose_fit.hpp"
 #include "sdk/math/rotation.hpp"
 #include "sdk/tools/simulation/random.hpp"
+#include "tests/support/support.hpp"
 
-using namespace odograph;
 using namespace odograph::vo;
 using Eigen::MatrixXd;
 using Eigen::Quaterniond;
@@ -136,9 +131,6 @@ TEST_CASE("a fitted pose's covariance is that of a right perturbation, by finite
   }
   Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
   T.linear() = q.toRotationMatrix(), T.translation() = p;
-  const auto fit = fit_pose(points, T, kSigma, kSigma, std::nullopt);
-  REQUIRE(fit);
+  const auto fit = required(fit_pose(points, T, kSigma, kSigma, std::nullopt));
   CHECK((MatrixXd(fit->covariance) * information - MatrixXd::Identity(6, 6)).norm() < 1e-5);
 }
-
-TEST_SUITE_END();

@@ -1,16 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Rotations against Eigen's angle-axis, the matrix exponential and logarithm, and numeric derivatives.
-#include <doctest/doctest.h>
-
-#include <cmath>
-#include <vector>
-
 #include <Eigen/Dense>
 #include <unsupported/Eigen/MatrixFunctions>
 
 #include "sdk/math/rotation.hpp"
 #include "sdk/tools/simulation/random.hpp"
+#include "tests/support/support.hpp"
 
 TEST_SUITE_BEGIN("rotation");
 
@@ -97,5 +93,3 @@ TEST_CASE("a rear camera looks away from the viewer, its picture upright on an u
   CHECK(q_b_c * Vector3d::UnitY() == -Vector3d::UnitY());
   CHECK(q_b_c * Vector3d::UnitZ() == -Vector3d::UnitZ());
 }
-
-TEST_SUITE_END();

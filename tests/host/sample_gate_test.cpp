@@ -1,15 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <doctest/doctest.h>
 #include <rapidcheck.h>
-
-#include <cmath>
-#include <vector>
 
 #include "sdk/host/core/sample_gate.hpp"
 #include "sdk/host/messages/messages.hpp"
 #include "tests/support/messages.hpp"
-
-using namespace odograph;
+#include "tests/support/support.hpp"
 
 TEST_SUITE_BEGIN("sample_gate");
 
@@ -73,5 +68,3 @@ TEST_CASE("all motions possible for a hand pass") {
     RC_ASSERT(passed.out.size() == 400u);
   });
 }
-
-TEST_SUITE_END();

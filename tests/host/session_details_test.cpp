@@ -1,12 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Details of a session's interaction with plugins and app: calibrations, sizes, flags, states, reports, saved names.
-#include <doctest/doctest.h>
-
 #include <cfenv>
 #include <chrono>
-#include <cmath>
-#include <map>
 #include <thread>
 
 #include <odograph/odograph.h>
@@ -15,8 +11,6 @@
 #include "tests/support/session_app.hpp"
 #include "tests/support/test_plugins.hpp"
 #include "tests/support/messages.hpp"
-
-using namespace odograph;
 
 TEST_SUITE_BEGIN("session_details");
 
@@ -44,7 +38,7 @@ int32_t push_frame(App& app, int64_t t_ns, uint32_t width, uint32_t height, uint
   static const std::vector<uint8_t> pixels(100 * 100, 90);
   auto f = grey_frame_at(t_ns, pixels.data(), width, height);
   f.header.flags = flags, f.line_time_ns = line_ns, f.fx = f.fy = 50;
-  return odo_session_push(app.session, &f.header);
+  return app.push(f);
 }
 
 /// A message for `test/echo`, which emits its content.
@@ -59,7 +53,7 @@ void echo(App& app, Event event, int64_t t_ns) {
   told.head.struct_size = sizeof told, told.head.type = ODO_TYPE_VENDOR(0, 1);
   told.event = event;
   odo_session_push(app.session, &told.head);
-  odo_session_flush(app.session);
+  app.flush();
 }
 
 }  // namespace
@@ -83,10 +77,10 @@ TEST_CASE(
       auto c = calibration(64, 48);
       c.header.flags = pushed;
       c.q_b_c[0] = 1, c.p_b_c[1] = 2, c.time_offset_ns = 20'000'000, c.line_time_ns = 20'000;
-      CHECK(odo_session_push(app.session, &c.header) == ODO_OK);
+      CHECK(app.push(c) == ODO_OK);
       CHECK(push_frame(app, 2'000'000'000, 64, 48) == ODO_OK);
       CHECK(push_frame(app, 2'100'000'000, 64, 48, ODO_FRAME_LINE_TIME, 5'000) == ODO_OK);
-      odo_session_flush(app.session);
+      app.flush();
       const auto cameras = given<odo_calibration>(app, ODO_TYPE_CALIBRATION);
       const auto frames = given<odo_frame>(app, ODO_TYPE_FRAME);
       REQUIRE(!cameras.empty());
@@ -114,18 +108,16 @@ TEST_CASE("after a clock that was set back each camera and each IMU is described
     auto c = calibration(64, 48);
     app.walk(0, 1);
     c.header.source = id, c.fx = 100 * id + 1;
-    odo_session_push(app.session, &c.header);
+    app.push(c);
   }
   for (const uint32_t source : {1u, 2u}) {
     auto noise = make_message<odo_imu_noise>(ODO_TYPE_IMU_NOISE, 1'000'000'000);
     noise.header.source = source, noise.gyro_noise = source;
-    odo_session_push(app.session, &noise.header);
+    app.push(noise);
   }
-  app.walk(1000, 1100);
-  odo_session_flush(app.session);
+  app.run(1000, 1100);
   app.events.clear();
-  app.walk(0, 200);
-  odo_session_flush(app.session);
+  app.run(0, 200);
   const auto cameras = given<odo_calibration>(app, ODO_TYPE_CALIBRATION);
   const auto noises = given<odo_imu_noise>(app, ODO_TYPE_IMU_NOISE);
   REQUIRE(cameras.size() == 2);
@@ -140,8 +132,7 @@ TEST_CASE("a frame has the size of its camera's calibration in both dimensions, 
   const TestPlugins plugins{"listens"};
   RunningApp app(kListens, ODO_RUN_REPLAY, plugins.path());
   CHECK(push_frame(app, 900'000'000, 10, 10) == ODO_OK);  // the lens is unknown
-  const auto c = calibration(64, 48);
-  odo_session_push(app.session, &c.header);
+  app.push(calibration(64, 48));
   int64_t t_ns = 1'000'000'000;
   for (const auto& [w, h] : {std::pair{64u, 48u}, {64u, 47u}, {63u, 48u}, {48u, 64u}}) {
     CHECK(push_frame(app, t_ns += 10'000'000, w, h) == (w == 64 && h == 48 ? ODO_OK : ODO_E_DISCARD));
@@ -181,14 +172,13 @@ TEST_CASE("a fix far from the origin of n is rejected, counted and reported") {
       gnss.header.flags = ODO_GNSS_POSITION | ODO_GNSS_COVARIANCE;
       gnss.latitude_rad = latitude * degree, gnss.longitude_rad = 11 * degree;
       for (int k = 0; k < 3; ++k) gnss.covariance_n[4 * k] = 9;
-      CHECK(odo_session_push(app.session, &gnss.header) == ODO_OK);
+      CHECK(app.push(gnss) == ODO_OK);
     }
-    app.walk(300, 1000);
-    odo_session_flush(app.session);
+    app.run(300, 1000);
     const bool far = latitude > 50;
     CHECK((app.statistics().fixes_accepted == 0) == far);
     CHECK((app.statistics().fixes_rejected >= 4) == far);
-    CHECK((app.said().find("km from the origin of n") != std::string::npos) == far);
+    CHECK(contains(app.said(), "km from the origin of n") == far);
     CHECK((std::abs(app.pose(ODO_TIME_LATEST).p_n[0]) < 100) == far);
   }
 }
@@ -197,12 +187,10 @@ TEST_CASE("the time in each state is that between the reported states") {
   RunningApp app(kWalk);
   const auto barometer = [&](int from_ms, int to_ms) {
     for (int ms = from_ms; ms < to_ms; ms += 50) {
-      auto b = pressure_at(1'000'000'000 + ms * 1'000'000LL, 101325);
-      odo_session_push(app.session, &b.header);
+      app.push(pressure_at(1'000'000'000 + ms * 1'000'000LL, 101325));
     }
   };
-  app.walk(0, 1000), barometer(10'000, 18'000), app.walk(1800, 3000), barometer(30'000, 33'000), app.walk(3300, 4500);
-  odo_session_flush(app.session);
+  app.run(0, 1000), barometer(10'000, 18'000), app.walk(1800, 3000), barometer(30'000, 33'000), app.walk(3300, 4500);
   const auto states = app.all<odo_state>(ODO_TYPE_STATE);
   const auto poses = app.all<odo_pose>(ODO_TYPE_POSE);
   REQUIRE(states.size() >= 4);
@@ -220,14 +208,13 @@ TEST_CASE("the time in each state is that between the reported states") {
 
 TEST_CASE("a report has its count, status and newest time, and the last error has that status") {
   App app(kWalk);
-  app.walk(0, 100);
-  odo_session_flush(app.session);
+  app.run(0, 100);
   auto small = make_message<odo_imu>(ODO_TYPE_IMU, 5);
   small.header.struct_size = ODO_IMU_SIZE_MIN - 1;
-  for (int i = 0; i < 3; ++i) CHECK(odo_session_push(app.session, &small.header) == ODO_E_STRUCT_SIZE);
+  for (int i = 0; i < 3; ++i) CHECK(app.push(small) == ODO_E_STRUCT_SIZE);
   std::this_thread::sleep_for(std::chrono::milliseconds(1020));
-  odo_session_push(app.session, &small.header);
-  odo_session_flush(app.session);
+  app.push(small);
+  app.flush();
   std::erase_if(app.reports, [](const odo_report& report) { return report.severity == ODO_SEVERITY_INFO; });
   REQUIRE(app.reports.size() == 2);
   for (const odo_report& report : app.reports) {
@@ -245,13 +232,12 @@ TEST_CASE("a report has its count, status and newest time, and the last error ha
 
 TEST_CASE("each rejected sample is the last error, also within the second in which its kind is not reported") {
   App app(kWalk);
-  app.walk(0, 100);
-  odo_session_flush(app.session);
+  app.run(0, 100);
   auto imu = imu_at(2'000'000'000, {0, 0, 0}, {0, 0, 0});
   for (const double wrong : {std::nan(""), HUGE_VAL, 1e5}) {
     imu.gyro_b[1] = wrong;
     for (int i = 0; i < 2; ++i) {
-      CHECK(odo_session_push(app.session, &imu.header) == ODO_E_DISCARD);
+      CHECK(app.push(imu) == ODO_E_DISCARD);
       odo_error error = app.last_error();
       CHECK(error.status == ODO_E_DISCARD);
       CHECK(std::string(error.message).find("host: dropped a sample of imu") == 0);
@@ -263,13 +249,12 @@ TEST_CASE("a calibration without a mount keeps the mount, and another camera's d
   App app(kWalk);
   auto c = calibration(64, 48);
   c.header.flags = ODO_CALIBRATION_EXTRINSICS, c.q_b_c[1] = 1, c.p_b_c[0] = 0.3, c.p_b_c[2] = 0.4;
-  odo_session_push(app.session, &c.header);
+  app.push(c);
   c.header.flags = 0, c.p_b_c[0] = 9;
-  odo_session_push(app.session, &c.header);
+  app.push(c);
   c.header.flags = ODO_CALIBRATION_EXTRINSICS, c.header.source = 2;
-  odo_session_push(app.session, &c.header);
-  app.walk(0, 1000);
-  odo_session_flush(app.session);
+  app.push(c);
+  app.run(0, 1000);
   odo_pose body{}, camera{};
   body.header.struct_size = camera.header.struct_size = sizeof body;
   REQUIRE(odo_session_get_pose_of(app.session, ODO_OF_BODY, 0, 9'000'000'000, &body) == ODO_OK);
@@ -281,10 +266,8 @@ TEST_CASE("a calibration without a mount keeps the mount, and another camera's d
 
 TEST_CASE("without extrinsics there is no camera pose of a walker") {
   App app(kWalk);
-  auto c = calibration(64, 48);
-  odo_session_push(app.session, &c.header);
-  app.walk(0, 1000);
-  odo_session_flush(app.session);
+  app.push(calibration(64, 48));
+  app.run(0, 1000);
   odo_pose pose{};
   pose.header.struct_size = sizeof pose;
   CHECK(odo_session_get_pose_of(app.session, ODO_OF_BODY, ODO_WORLD_SMOOTH, 9'000'000'000, &pose) == ODO_OK);
@@ -299,18 +282,13 @@ TEST_CASE("two instances of one plugin are saved under separate names, and each 
   RunningApp app(yaml, ODO_RUN_REPLAY, plugins.path()), second(yaml, ODO_RUN_REPLAY, plugins.path());
   Order o = order(1'000'000'000);
   o.learn = 7;
-  odo_session_push(app.session, &o.header);
-  odo_session_flush(app.session);
-  const auto blob_of = [](App& of) {
-    std::string blob(static_cast<size_t>(odo_session_save(of.session, nullptr, 0)), '\0');
-    odo_session_save(of.session, blob.data(), blob.size());
-    return blob;
-  };
-  const std::string blob = blob_of(app);
-  CHECK(blob.find("test/obeys #2") != std::string::npos);
-  CHECK(blob.find("#1") == std::string::npos);
-  REQUIRE(odo_session_load(second.session, blob.data(), blob.size()) == ODO_OK);
-  CHECK(blob_of(second) == blob);
+  app.push(o);
+  app.flush();
+  const std::string blob = app.saved();
+  CHECK(contains(blob, "test/obeys #2"));
+  CHECK_FALSE(contains(blob, "#1"));
+  REQUIRE(second.load(blob) == ODO_OK);
+  CHECK(second.saved() == blob);
 }
 
 TEST_CASE("a live session processes pushes without a flush") {
@@ -343,15 +321,14 @@ TEST_CASE("the rounding mode of an app's thread, or one left by a plugin, change
     int64_t t_ns = 1'000'000'000;
     for (const Sample& s : samples) {
       odo_session_push_imu(app.session, t_ns += 10'000'000, s.gyro, s.accel);
-      if (t_ns == 2'000'000'000) odo_session_push(app.session, &o.header);
+      if (t_ns == 2'000'000'000) app.push(o);
     }
-    odo_session_flush(app.session);
+    app.flush();
     const odo_pose last = app.pose(ODO_TIME_LATEST);
     app.events.emplace_back(reinterpret_cast<const char*>(last.p_n), sizeof last.p_n);
     CHECK(std::fegetround() == app_rounds);
     std::fesetround(FE_TONEAREST);
-    CHECK((app.said().find("test/obeys: left another rounding mode behind in process") != std::string::npos) ==
-          (plugin_rounds != 0));
+    CHECK(contains(app.said(), "test/obeys: left another rounding mode behind in process") == (plugin_rounds != 0));
     return app.events;
   };
   const auto plain = walked(FE_TONEAREST, 0);
@@ -375,5 +352,3 @@ TEST_CASE("invalid positions are rejected in both directions") {
       CHECK(odo_session_from_geodetic(app.session, bad, out) == ODO_E_ARGUMENT);
     }
 }
-
-TEST_SUITE_END();

@@ -1,19 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // An app that calls from several threads at once. Most useful under ThreadSanitizer (preset `tsan`).
-#include <doctest/doctest.h>
-
 #include <atomic>
 #include <thread>
-#include <vector>
 
 #include <odograph/anchor.h>
 #include <odograph/odograph.h>
 
 #include "tests/support/session_app.hpp"
 #include "tests/support/messages.hpp"
-
-using namespace odograph;
 
 TEST_SUITE_BEGIN("threads");
 
@@ -62,8 +57,7 @@ TEST_CASE("with eight threads that push and poll, live and in replay, every samp
   for (const uint32_t run : {ODO_RUN_LIVE, ODO_RUN_REPLAY}) {
     CAPTURE(run);
     RunningApp app((kCameraPlugins ? kCamera : kWalk) + "absolute_fixers:\n  plugin: fix/waypoint\n", run);
-    const auto lens = calibration(64, 48);
-    odo_session_push(app.session, &lens.header);
+    app.push(calibration(64, 48));
     std::atomic<uint64_t> pushed{1};
     std::vector<std::thread> threads;
     for (int k = 0; k < kThreads; ++k)
@@ -74,7 +68,7 @@ TEST_CASE("with eight threads that push and poll, live and in replay, every samp
         }
       });
     for (std::thread& thread : threads) thread.join();
-    odo_session_flush(app.session);
+    app.flush();
     const odo_statistics s = app.statistics();
     CHECK(pushed == 1 + kThreads * kRounds);
     CHECK(s.pushed == pushed);
@@ -82,5 +76,3 @@ TEST_CASE("with eight threads that push and poll, live and in replay, every samp
     CHECK(s.processed > 0);
   }
 }
-
-TEST_SUITE_END();

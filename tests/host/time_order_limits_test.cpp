@@ -1,46 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Merging by time at its limits: restarted counts, times just within and just beyond.
-#include <doctest/doctest.h>
+#include "tests/host/merged.hpp"
 
-#include <algorithm>
-#include <set>
-#include <vector>
-
-#include "sdk/host/core/time_order.hpp"
-
-using namespace odograph;
 using Verdict = TimeOrder::Verdict;
 
 TEST_SUITE_BEGIN("time_order_limits");
 
-namespace {
-
 constexpr int64_t kMilli = 1'000'000, kSecond = 1000 * kMilli;
-
-OwnedMessage sample(uint32_t type, int64_t t_ns, uint32_t source = 0, uint32_t flags = 0) {
-  alignas(8) unsigned char bytes[ODO_LARGEST_MESSAGE] = {};
-  auto& header = *reinterpret_cast<odo_header*>(bytes);
-  const MessageInfo* info = message_info(type);
-  header.struct_size = static_cast<uint32_t>(info ? info->size : sizeof header);
-  header.type = type, header.t_ns = t_ns, header.source = source, header.flags = flags;
-  return OwnedMessage(header);
-}
-
-struct Order : TimeOrder {
-  using TimeOrder::TimeOrder;
-  Verdict add(uint32_t type, int64_t t_ns, uint32_t source = 0, uint32_t flags = 0) {
-    return push(sample(type, t_ns, source, flags));
-  }
-  Verdict imu(int64_t t_ns) { return add(ODO_TYPE_IMU, t_ns); }
-  std::vector<int64_t> all(int64_t flush_until_ns = INT64_MIN) {
-    std::vector<int64_t> times;
-    for (OwnedMessage m; pop(m, flush_until_ns);) times.push_back(m.header().t_ns);
-    return times;
-  }
-};
-
-}  // namespace
 
 TEST_CASE("isolated implausible times are never accepted, however many, while good samples are between them") {
   Order order(1024, 50 * kMilli);
@@ -218,5 +185,3 @@ TEST_CASE("a restart discards all times and counts, and a full queue accepts aga
   CHECK(order.imu(10 * kMilli) == Verdict::accepted);
   CHECK(order.imu(20 * kMilli) == Verdict::full);
 }
-
-TEST_SUITE_END();

@@ -1,14 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <doctest/doctest.h>
 #include <rapidcheck.h>
 
-#include <algorithm>
-
-#include "sdk/host/core/time_order.hpp"
 #include "sdk/host/messages/imu_joiner.hpp"
+#include "tests/host/merged.hpp"
 #include "tests/support/messages.hpp"
 
-using namespace odograph;
+using Verdict = TimeOrder::Verdict;
 
 TEST_SUITE_BEGIN("time_order");
 
@@ -16,61 +13,48 @@ namespace {
 
 constexpr int64_t kMs = 1'000'000;
 
-odo_header message(uint32_t type, int64_t t_ns) {
-  odo_header h{};
-  h.type = type;
-  h.t_ns = t_ns;
-  return h;
-}
-
-/// Whole messages for the queue, which copies by type.
-AnyMessage whole(uint32_t type, int64_t t_ns) {
-  odo_pose largest{};  // larger than any sample here
-  largest.header = message(type, t_ns);
-  largest.header.struct_size = static_cast<uint32_t>(message_info(type)->size);
-  return AnyMessage(largest.header);
-}
-
-std::vector<std::pair<int64_t, uint32_t>> drain(TimeOrder& order) {
-  std::vector<std::pair<int64_t, uint32_t>> out;
-  OwnedMessage m;
-  while (order.pop(m, INT64_MAX)) out.emplace_back(m.header().t_ns, m.header().type);
-  return out;
-}
+/// Inertial samples of one or both sensors as joined.
+struct Joined {
+  ImuJoiner joiner;
+  std::vector<odo_imu> samples;
+  void push(uint32_t flag, int64_t t_ns, double x = 0) {
+    auto imu = imu_at(t_ns, {0, 0, 0}, {0, 0, 0}, flag);
+    (flag == ODO_IMU_GYRO ? imu.gyro_b : imu.accel_b)[0] = x;
+    joiner.push(imu, [&](const odo_imu& whole) { samples.push_back(whole); });
+  }
+};
 
 }  // namespace
 
 TEST_CASE("the order of release is independent of the arrival within the wait") {
   rc::check("shuffled arrivals", [] {
-    std::vector<std::pair<int64_t, AnyMessage>> arrivals;  // arrival time, message
+    struct Arrival {
+      int64_t at_ns;
+      uint32_t type;
+      int64_t t_ns;
+    };
+    std::vector<Arrival> arrivals;
+    const auto add = [&](uint32_t type, int64_t t_ns, int64_t since_ns) {
+      arrivals.push_back({since_ns + *rc::gen::inRange<int64_t>(0, 90 * kMs), type, t_ns});
+    };
     for (int i = 0; i < 200; ++i) {
       const int64_t t = i * 5 * kMs;
-      arrivals.emplace_back(t + *rc::gen::inRange<int64_t>(0, 90 * kMs), whole(ODO_TYPE_IMU, t));
-      if (i % 7 == 0)
-        arrivals.emplace_back(t + *rc::gen::inRange<int64_t>(0, 90 * kMs), whole(ODO_TYPE_MAGNETOMETER, t + kMs));
-      if (i % 10 == 0)
-        arrivals.emplace_back(t + *rc::gen::inRange<int64_t>(0, 90 * kMs), whole(ODO_TYPE_FRAME, t + 2 * kMs));
+      add(ODO_TYPE_IMU, t, t);
+      if (i % 7 == 0) add(ODO_TYPE_MAGNETOMETER, t + kMs, t);
+      if (i % 10 == 0) add(ODO_TYPE_FRAME, t + 2 * kMs, t);
     }
     // Each sensor delivers in its own order; only the order between sensors is shuffled.
-    std::stable_sort(arrivals.begin(), arrivals.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
-    for (const uint32_t type : {ODO_TYPE_IMU, ODO_TYPE_MAGNETOMETER, ODO_TYPE_FRAME}) {
-      std::vector<AnyMessage> of_type;
-      for (const auto& a : arrivals)
-        if (a.second.header().type == type) of_type.push_back(a.second);
-      std::sort(of_type.begin(), of_type.end(),
-                [](const auto& a, const auto& b) { return a.header().t_ns < b.header().t_ns; });
-      size_t k = 0;
-      for (auto& a : arrivals)
-        if (a.second.header().type == type) a.second = of_type[k++];
-    }
-    TimeOrder order(1024, 200 * kMs);
+    std::map<uint32_t, std::vector<int64_t>> times;
+    for (auto a = arrivals.rbegin(); a != arrivals.rend(); ++a) times[a->type].push_back(a->t_ns);
+    std::ranges::stable_sort(arrivals, {}, &Arrival::at_ns);
+    for (Arrival& a : arrivals) a.t_ns = times[a.type].back(), times[a.type].pop_back();
+    Order order(1024, 200 * kMs);
     std::vector<std::pair<int64_t, uint32_t>> released;
-    OwnedMessage m;
-    for (const auto& [at, sample] : arrivals) {
-      RC_ASSERT(order.push(OwnedMessage(sample.header())) == TimeOrder::Verdict::accepted);
-      while (order.pop(m)) released.emplace_back(m.header().t_ns, m.header().type);
+    for (const Arrival& a : arrivals) {
+      RC_ASSERT(order.add(a.type, a.t_ns) == Verdict::accepted);
+      for (const auto& one : order.released()) released.push_back(one);
     }
-    for (const auto& rest : drain(order)) released.push_back(rest);
+    for (const auto& rest : order.released(INT64_MAX)) released.push_back(rest);
     RC_ASSERT(released.size() == arrivals.size());
     RC_ASSERT(std::is_sorted(released.begin(), released.end()));
   });
@@ -79,18 +63,16 @@ TEST_CASE("the order of release is independent of the arrival within the wait") 
 TEST_CASE("a described camera is waited for before its first frame too, for a second") {
   for (const int first_ms : {200, 900, 1500}) {
     CAPTURE(first_ms);
-    TimeOrder order(1024, 200 * kMs);
-    OwnedMessage m;
+    Order order(1024, 200 * kMs);
     std::vector<std::pair<int64_t, uint32_t>> released;
-    CHECK(order.push(OwnedMessage(whole(ODO_TYPE_CALIBRATION, 0).header())) == TimeOrder::Verdict::accepted);
+    CHECK(order.add(ODO_TYPE_CALIBRATION, 0) == Verdict::accepted);
     for (int t_ms = 0; t_ms < 2000; t_ms += 5) {
-      order.push(OwnedMessage(whole(ODO_TYPE_IMU, t_ms * kMs).header()));
+      order.imu(t_ms * kMs);
       const int frame_ms = t_ms - 45;  // a picture is delivered late
-      if (frame_ms >= first_ms && frame_ms % 50 == 0)
-        order.push(OwnedMessage(whole(ODO_TYPE_FRAME, frame_ms * kMs).header()));
-      while (order.pop(m)) released.emplace_back(m.header().t_ns, m.header().type);
+      if (frame_ms >= first_ms && frame_ms % 50 == 0) order.add(ODO_TYPE_FRAME, frame_ms * kMs);
+      for (const auto& one : order.released()) released.push_back(one);
     }
-    for (const auto& rest : drain(order)) released.push_back(rest);
+    for (const auto& rest : order.released(INT64_MAX)) released.push_back(rest);
     CHECK(released.front().second == ODO_TYPE_CALIBRATION);
     CHECK(std::is_sorted(released.begin() + 1, released.end()) == (first_ms < 1000));
     CHECK(released.size() == 401 + static_cast<size_t>((1950 - first_ms) / 50 + 1));
@@ -98,56 +80,50 @@ TEST_CASE("a described camera is waited for before its first frame too, for a se
 }
 
 TEST_CASE("late, duplicate and implausible samples are distinguished") {
-  TimeOrder order(64, 50 * kMs);
-  OwnedMessage m;
-  for (int i = 0; i < 20; ++i) order.push(OwnedMessage(whole(ODO_TYPE_IMU, i * 10 * kMs).header()));
-  while (order.pop(m)) {
-  }
-  CHECK(order.push(OwnedMessage(whole(ODO_TYPE_IMU, 190 * kMs).header())) == TimeOrder::Verdict::duplicate);
-  CHECK(order.push(OwnedMessage(whole(ODO_TYPE_IMU, 20 * kMs).header())) == TimeOrder::Verdict::late);
-  CHECK(order.push(OwnedMessage(whole(ODO_TYPE_IMU, 3'000'000 * kMs).header())) == TimeOrder::Verdict::implausible);
-  CHECK(order.push(OwnedMessage(whole(ODO_TYPE_IMU, 200 * kMs).header())) == TimeOrder::Verdict::accepted);
-  CHECK(order.push(OwnedMessage(whole(ODO_TYPE_GNSS, 10 * kMs).header())) ==
-        TimeOrder::Verdict::accepted);  // slow sensors may be late
+  Order order(64, 50 * kMs);
+  for (int i = 0; i < 20; ++i) order.imu(i * 10 * kMs);
+  order.all();
+  CHECK(order.imu(190 * kMs) == Verdict::duplicate);
+  CHECK(order.imu(20 * kMs) == Verdict::late);
+  CHECK(order.imu(3'000'000 * kMs) == Verdict::implausible);
+  CHECK(order.imu(200 * kMs) == Verdict::accepted);
+  CHECK(order.add(ODO_TYPE_GNSS, 10 * kMs) == Verdict::accepted);  // slow sensors may be late
 }
 
 TEST_CASE("a sensor clock that is set back restarts the order instead of dropping everything") {
-  TimeOrder order(256, 50 * kMs);
+  Order order(256, 50 * kMs);
   OwnedMessage m;
   for (int i = 1000; i < 1100; ++i) {
-    order.push(OwnedMessage(whole(ODO_TYPE_IMU, i * 10 * kMs).header()));
-    while (order.pop(m)) {
-    }
+    order.imu(i * 10 * kMs);
+    order.all();
   }
   int pushes = 0;
-  while (order.push(OwnedMessage(whole(ODO_TYPE_IMU, pushes * 10 * kMs).header())) != TimeOrder::Verdict::restarted)
-    REQUIRE(++pushes < 100);
+  while (order.imu(pushes * 10 * kMs) != Verdict::restarted) REQUIRE(++pushes < 100);
   while (order.drain(m)) {
   }
   order.restart();
-  CHECK(order.push(OwnedMessage(whole(ODO_TYPE_IMU, ++pushes * 10 * kMs).header())) == TimeOrder::Verdict::accepted);
+  CHECK(order.imu(++pushes * 10 * kMs) == Verdict::accepted);
 }
 
 TEST_CASE("a full queue reports it and loses nothing that it holds") {
-  TimeOrder order(64, 10'000 * kMs);
+  Order order(64, 10'000 * kMs);
   int accepted = 0;
   for (int i = 0; i < 100; ++i)
-    if (order.push(OwnedMessage(whole(ODO_TYPE_IMU, i * kMs).header())) == TimeOrder::Verdict::accepted) ++accepted;
+    if (order.imu(i * kMs) == Verdict::accepted) ++accepted;
   CHECK(accepted == 64);
-  CHECK(drain(order).size() == 64);
+  CHECK(order.released(INT64_MAX).size() == 64);
 }
 
 TEST_CASE("a sensor that starts while others run is waited for from its first sample on, and loses none") {
-  TimeOrder order(256, 200 * kMs);
+  Order order(256, 200 * kMs);
   OwnedMessage m;
   std::vector<int64_t> frames, imu;
   int refused = 0;
   for (int i = 0; i < 400; ++i) {
-    order.push(OwnedMessage(whole(ODO_TYPE_IMU, i * 5 * kMs).header()));
+    order.imu(i * 5 * kMs);
     const int64_t frame_ms = i * 5 - 60;  // delivered 60 ms after its time
     if (frame_ms >= 1000 && frame_ms % 30 == 10)
-      refused +=
-          order.push(OwnedMessage(whole(ODO_TYPE_FRAME, frame_ms * kMs).header())) != TimeOrder::Verdict::accepted;
+      refused += order.add(ODO_TYPE_FRAME, frame_ms * kMs) != Verdict::accepted;
     while (order.pop(m)) (m.header().type == ODO_TYPE_FRAME ? frames : imu).push_back(m.header().t_ns);
     if (frames.size() > 5) CHECK(imu.back() <= frames.back() + 31 * kMs);
   }
@@ -158,38 +134,26 @@ TEST_CASE("a sensor that starts while others run is waited for from its first sa
 }
 
 TEST_CASE("a stalled stream that arrives late all at once does not restart the clock") {
-  TimeOrder order(256, 50 * kMs);
-  OwnedMessage m;
-  const auto gyro = [](int i) {
-    auto imu = whole(ODO_TYPE_IMU, i * 5 * kMs);
-    imu.header().flags = ODO_IMU_GYRO;
-    return imu;
-  };
-  const auto accel = [&](int i) {
-    auto imu = gyro(i);
-    imu.header().flags = ODO_IMU_ACCEL;
-    return imu;
-  };
+  Order order(256, 50 * kMs);
   for (int i = 0; i < 600; ++i) {
-    order.push(OwnedMessage(gyro(i).header()));
+    order.add(ODO_TYPE_IMU, i * 5 * kMs, 0, ODO_IMU_GYRO);
     if (i < 200 || i == 599)
       for (int late = i < 200 ? i : 200; late <= i; ++late) {
-        const auto verdict = order.push(OwnedMessage(accel(late).header()));
-        CHECK(verdict != TimeOrder::Verdict::restarted);
-        CHECK((verdict == TimeOrder::Verdict::late) == (i == 599 && late * 5 < 598 * 5 - 50));
+        const auto verdict = order.add(ODO_TYPE_IMU, late * 5 * kMs, 0, ODO_IMU_ACCEL);
+        CHECK(verdict != Verdict::restarted);
+        CHECK((verdict == Verdict::late) == (i == 599 && late * 5 < 598 * 5 - 50));
       }
-    while (order.pop(m)) {
-    }
+    order.all();
   }
 }
 
 TEST_CASE("a silent sensor no longer delays the others") {
-  TimeOrder order(256, 200 * kMs);
+  Order order(256, 200 * kMs);
   OwnedMessage m;
   int64_t released = 0;
   for (int i = 0; i < 600; ++i) {
-    order.push(OwnedMessage(whole(ODO_TYPE_IMU, i * 5 * kMs).header()));
-    if (i < 100 && i % 6 == 0) order.push(OwnedMessage(whole(ODO_TYPE_FRAME, i * 5 * kMs).header()));
+    order.imu(i * 5 * kMs);
+    if (i < 100 && i % 6 == 0) order.add(ODO_TYPE_FRAME, i * 5 * kMs);
     while (order.pop(m)) released = m.header().t_ns;
     if (i == 200) CHECK(released == 800 * kMs);  // bounded by the wait
     if (i > 320) CHECK(released == i * 5 * kMs);
@@ -197,73 +161,54 @@ TEST_CASE("a silent sensor no longer delays the others") {
 }
 
 TEST_CASE("times at the ends of the range cause no overflow") {
-  TimeOrder order(16, 200 * kMs);
-  for (const int64_t t : {INT64_MAX, INT64_MAX - 1, INT64_MIN + 1, int64_t(0), INT64_MAX})
-    order.push(OwnedMessage(whole(ODO_TYPE_IMU, t).header()));
-  OwnedMessage m;
-  while (order.pop(m, INT64_MAX)) {
-  }
+  Order order(16, 200 * kMs);
+  for (const int64_t t : {INT64_MAX, INT64_MAX - 1, INT64_MIN + 1, int64_t(0), INT64_MAX}) order.imu(t);
+  order.all(INT64_MAX);
   CHECK(order.size() == 0);
 }
 
 TEST_CASE("calibrations come before the frames of the same time") {
-  TimeOrder order(64, 0);
-  order.push(OwnedMessage(whole(ODO_TYPE_FRAME, 5).header()));
-  order.push(OwnedMessage(whole(ODO_TYPE_CALIBRATION, 5).header()));
-  const auto out = drain(order);
+  Order order(64, 0);
+  order.add(ODO_TYPE_FRAME, 5);
+  order.add(ODO_TYPE_CALIBRATION, 5);
+  const auto out = order.released(INT64_MAX);
   CHECK(out.front().second == ODO_TYPE_CALIBRATION);
 }
 
 TEST_CASE("separate accelerometer and gyroscope samples are joined by interpolation") {
-  ImuJoiner joiner;
-  std::vector<odo_imu> whole_samples;
-  const auto push = [&](uint32_t flag, int64_t t, double x) {
-    auto imu = imu_at(t, {0, 0, 0}, {0, 0, 0}, flag);
-    (flag == ODO_IMU_GYRO ? imu.gyro_b : imu.accel_b)[0] = x;
-    joiner.push(imu, [&](const odo_imu& w) { whole_samples.push_back(w); });
-  };
-  push(ODO_IMU_GYRO, 50, 1.0);  // before the first accelerometer sample: no interpolation possible
-  push(ODO_IMU_ACCEL, 100, 10.0);
-  push(ODO_IMU_GYRO, 125, 2.0);
-  push(ODO_IMU_GYRO, 175, 3.0);
-  push(ODO_IMU_ACCEL, 200, 20.0);
-  REQUIRE(whole_samples.size() == 2);
-  CHECK(whole_samples[0].accel_b[0] == doctest::Approx(12.5));
-  CHECK(whole_samples[1].accel_b[0] == doctest::Approx(17.5));
-  CHECK(whole_samples[1].gyro_b[0] == 3.0);
+  Joined joined;
+  joined.push(ODO_IMU_GYRO, 50, 1.0);  // before the first accelerometer sample: no interpolation possible
+  joined.push(ODO_IMU_ACCEL, 100, 10.0);
+  joined.push(ODO_IMU_GYRO, 125, 2.0);
+  joined.push(ODO_IMU_GYRO, 175, 3.0);
+  joined.push(ODO_IMU_ACCEL, 200, 20.0);
+  REQUIRE(joined.samples.size() == 2);
+  CHECK(joined.samples[0].accel_b[0] == doctest::Approx(12.5));
+  CHECK(joined.samples[1].accel_b[0] == doctest::Approx(17.5));
+  CHECK(joined.samples[1].gyro_b[0] == 3.0);
 }
 
 TEST_CASE("samples of both sensors at one time are joined in either order of arrival") {
   for (const bool gyro_first : {false, true}) {
     CAPTURE(gyro_first);
-    ImuJoiner joiner;
-    std::vector<odo_imu> whole_samples;
-    const auto push = [&](uint32_t flag, int64_t t) {
-      auto imu = imu_at(t, {0, 0, 0}, {0, 0, 0}, flag);
-      (flag == ODO_IMU_GYRO ? imu.gyro_b : imu.accel_b)[0] = static_cast<double>(t);
-      joiner.push(imu, [&](const odo_imu& w) { whole_samples.push_back(w); });
-    };
+    Joined joined;
     for (int64_t t = 100; t <= 500; t += 100) {
-      push(gyro_first ? ODO_IMU_GYRO : ODO_IMU_ACCEL, t);
-      push(gyro_first ? ODO_IMU_ACCEL : ODO_IMU_GYRO, t);
+      joined.push(gyro_first ? ODO_IMU_GYRO : ODO_IMU_ACCEL, t, static_cast<double>(t));
+      joined.push(gyro_first ? ODO_IMU_ACCEL : ODO_IMU_GYRO, t, static_cast<double>(t));
     }
-    REQUIRE(whole_samples.size() == 4);  // the first has no accelerometer sample before it, or the last none after it
-    for (const odo_imu& w : whole_samples) CHECK(w.accel_b[0] == w.gyro_b[0]);
+    REQUIRE(joined.samples.size() == 4);  // the first has no accelerometer sample before it, or the last none after it
+    for (const odo_imu& w : joined.samples) CHECK(w.accel_b[0] == w.gyro_b[0]);
   }
 }
 
 TEST_CASE("a gyroscope without an accelerometer is passed on alone, in order, and once") {
-  ImuJoiner joiner;
-  std::vector<odo_imu> taken;
-  const auto push = [&](uint32_t flag, int64_t t_ns) {
-    auto imu = imu_at(t_ns, {0, 0, 0}, {0, 0, 0}, flag);
-    joiner.push(imu, [&](const odo_imu& x) { taken.push_back(x); });
-  };
-  for (int64_t t = 0; t <= 1000; t += 5) push(ODO_IMU_GYRO, t * kMs);
+  Joined joined;
+  const auto& taken = joined.samples;
+  for (int64_t t = 0; t <= 1000; t += 5) joined.push(ODO_IMU_GYRO, t * kMs);
   REQUIRE(taken.size() == 180);  // all but those of the last 100 ms
-  push(ODO_IMU_ACCEL, 1002 * kMs);
-  push(ODO_IMU_GYRO, 1005 * kMs);
-  push(ODO_IMU_ACCEL, 1010 * kMs);
+  joined.push(ODO_IMU_ACCEL, 1002 * kMs);
+  joined.push(ODO_IMU_GYRO, 1005 * kMs);
+  joined.push(ODO_IMU_ACCEL, 1010 * kMs);
   REQUIRE(taken.size() == 181);
   for (size_t i = 0; i + 1 < taken.size(); ++i) CHECK(taken[i].header.flags == ODO_IMU_GYRO);
   for (size_t i = 0; i + 1 < taken.size(); ++i) CHECK(taken[i].header.t_ns < taken[i + 1].header.t_ns);
@@ -271,16 +216,13 @@ TEST_CASE("a gyroscope without an accelerometer is passed on alone, in order, an
 }
 
 TEST_CASE("another sensor's sample as old as the last released one is in time, and an older one is late") {
-  TimeOrder order(64, 0);
-  for (const uint32_t type : {ODO_TYPE_IMU, ODO_TYPE_MAGNETOMETER})
-    REQUIRE(order.push(OwnedMessage(whole(type, kMs).header())) == TimeOrder::Verdict::accepted);
-  REQUIRE(drain(order).size() == 2);  // both have joined
-  REQUIRE(order.push(OwnedMessage(whole(ODO_TYPE_IMU, 10 * kMs).header())) == TimeOrder::Verdict::accepted);
-  REQUIRE(drain(order).size() == 1);
-  CHECK(order.push(OwnedMessage(whole(ODO_TYPE_MAGNETOMETER, 10 * kMs).header())) == TimeOrder::Verdict::accepted);
-  REQUIRE(order.push(OwnedMessage(whole(ODO_TYPE_IMU, 20 * kMs).header())) == TimeOrder::Verdict::accepted);
-  REQUIRE(drain(order).size() == 2);
-  CHECK(order.push(OwnedMessage(whole(ODO_TYPE_MAGNETOMETER, 19 * kMs).header())) == TimeOrder::Verdict::late);
+  Order order(64, 0);
+  for (const uint32_t type : {ODO_TYPE_IMU, ODO_TYPE_MAGNETOMETER}) REQUIRE(order.add(type, kMs) == Verdict::accepted);
+  REQUIRE(order.released(INT64_MAX).size() == 2);  // both have joined
+  REQUIRE(order.imu(10 * kMs) == Verdict::accepted);
+  REQUIRE(order.released(INT64_MAX).size() == 1);
+  CHECK(order.add(ODO_TYPE_MAGNETOMETER, 10 * kMs) == Verdict::accepted);
+  REQUIRE(order.imu(20 * kMs) == Verdict::accepted);
+  REQUIRE(order.released(INT64_MAX).size() == 2);
+  CHECK(order.add(ODO_TYPE_MAGNETOMETER, 19 * kMs) == Verdict::late);
 }
-
-TEST_SUITE_END();

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Differences on Windows: lists of folders at ';', names beyond ASCII, its loader's messages, access lists, locks.
-#include <doctest/doctest.h>
-
 #include <windows.h>
 
 #include <aclapi.h>
@@ -17,9 +15,6 @@
 #include "sdk/host/plugin_host/services.hpp"
 #include "tests/support/session_app.hpp"
 #include "tests/support/test_plugins.hpp"
-
-using namespace odograph;
-namespace fs = std::filesystem;
 
 TEST_SUITE_BEGIN("windows");
 
@@ -173,5 +168,3 @@ TEST_CASE("two writers of one file exclude each other, and the complete file rep
   CHECK(read_text(file) == "newer");
   CHECK_FALSE(fs::exists(folder / "out.txt.part"));
 }
-
-TEST_SUITE_END();

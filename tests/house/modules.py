@@ -41,7 +41,7 @@ SYSTEM_FILES = {PLUGIN_HOST + name for name in (
 # Of the tools, which run on a developer's machine: child processes, pipes, the terminal.
 SYSTEM_FILES |= {"sdk/tools/" + name for name in (
     "console/console.cpp", "replay/marked_run.cpp", "replay/picture_source.cpp", "replay/run_files.cpp", "validator/child.cpp", "validator/entry_cases.cpp",
-    "validator/fault_cases.cpp", "validator/life_cases.cpp", "validator/plugin_driver.cpp")}
+    "validator/life_cases.cpp", "validator/plugin_driver.cpp")}
 GENERATOR = r"\b(?:random|generator)_?\b"
 # Functions, lambdas among them, that draw in their first lines.
 DRAWING = re.compile(r"^\s*[\w:]+ (\w+)\([^()]*\)(?: const)? \{[^{}]*" + GENERATOR + r"|\b(\w+) = \[[^\]]*\](?:\([^()]*\))? \{[^{}]*" + GENERATOR, re.M)

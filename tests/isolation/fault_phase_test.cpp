@@ -1,15 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Every fault that ends or stops a program, in every phase of a plugin's life: isolated, and in the app's thread.
-#include <doctest/doctest.h>
-
-#include <algorithm>
 #include <chrono>
 #include <csignal>
-#include <cstdlib>
-#include <map>
 #include <mutex>
-#include <set>
 #include <thread>
 
 #include <fcntl.h>
@@ -25,9 +19,6 @@
 #include "tests/support/obeys.hpp"
 #include "tests/support/session_app.hpp"
 #include "tests/support/test_plugins.hpp"
-
-using namespace odograph;
-namespace fs = std::filesystem;
 
 TEST_SUITE_BEGIN("fault_phase");
 
@@ -88,8 +79,7 @@ Outcome walk(const std::string& plugins) {
     out.status = app.status;
     out.said = app.message + "\n";
     if (!app.session) return out;
-    app.walk(0, 200);
-    odo_session_flush(app.session);
+    app.run(0, 200);
     out.poses = app.all<odo_pose>(ODO_TYPE_POSE).size();
     out.said += app.said();
   }
@@ -124,9 +114,8 @@ HostEnd run_long_walk(const std::string& plugins, const std::string& words) {
         "odograph: 1\nattitude:\n  - plugin: attitude/vqf\n  - {plugin: test/fault_phase, isolation: process}\n"
         "step_estimator:\n  plugin: step/renaudin2012\n",
         ODO_RUN_REPLAY, plugins);
-    app.walk(0, 6000);
-    odo_session_flush(app.session);
-    _exit(app.said().find(words) != std::string::npos ? 0 : 1);
+    app.run(0, 6000);
+    _exit(contains(app.said(), words) ? 0 : 1);
   }
   constexpr int kLongest_s = 60;
   int status = 0;
@@ -155,9 +144,9 @@ TEST_CASE("the host continues and publishes poses for every fault in every phase
       ++runs;
       if (out.opened) CHECK(out.poses > 0);
       // An exception in entry or create is a refusal with a reason; all else is opened and named.
-      if (!out.opened) CHECK(out.said.find(fault + "__" + phase) != std::string::npos);
+      if (!out.opened) CHECK(contains(out.said, fault + "__" + phase));
       if (!out.opened) CHECK((fault.find("throws") == 0 || kForged.count(fault) > 0));
-      named_count += out.said.find("test/fault_phase: ") != std::string::npos || !out.opened ? 1 : 0;
+      named_count += contains(out.said, "test/fault_phase: ") || !out.opened ? 1 : 0;
     }
   MESSAGE(runs << " plugins, " << named_count << " named before the end");
   CHECK(runs == 120);
@@ -207,7 +196,7 @@ TEST_CASE("every fault in every phase in the app's thread is survived or named w
       CHECK_FALSE((WIFEXITED(status) && WEXITSTATUS(status) == 0 && fault != "quick_exit"));
       if (lived || kUnnamed.count(fault) > 0 || fault == "scribbles") continue;
       const std::string call = phase == "entry" ? "load" : phase;
-      const bool names = said.find("test/fault_phase in " + call) != std::string::npos;
+      const bool names = contains(said, "test/fault_phase in " + call);
       CHECK(names);
       named += names;
     }
@@ -230,9 +219,8 @@ TEST_CASE("a hanging call in the app's thread is reported once, while it lasts")
     std::this_thread::sleep_for(std::chrono::milliseconds(1500));  // reports of a kind are limited to one per second
   }
   const std::lock_guard lock(mutex);
-  CHECK(std::count_if(said.begin(), said.end(), [](const std::string& text) {
-          return text.find("plugin acme/slow in process for ") != std::string::npos;
-        }) == 1);
+  CHECK(std::count_if(said.begin(), said.end(),
+                      [](const std::string& text) { return contains(text, "plugin acme/slow in process for "); }) == 1);
 }
 
 TEST_CASE("a late call in the app's thread is reported when it returns, and nothing else changes") {
@@ -241,12 +229,10 @@ TEST_CASE("a late call in the app's thread is reported when it returns, and noth
   copy_plugin(built("tests/faulty_plugins/cost_imu__120_ms.so"), library);
   RunningApp app("odograph: 1\nattitude: {plugin: test/faulty, time_limit: 0.05 s}\n", ODO_RUN_REPLAY,
                  folder.path().string());
-  app.walk(0, 3);
-  odo_session_flush(app.session);
+  app.run(0, 3);
   REQUIRE_FALSE(app.reports.empty());
   CHECK(std::string(app.reports[0].key) == "late");
-  CHECK(std::string(app.reports[0].text).find("s in process; expected at most 0.05 s (time_limit)") !=
-        std::string::npos);
+  CHECK(contains(std::string(app.reports[0].text), "s in process; expected at most 0.05 s (time_limit)"));
   CHECK(app.all<odo_attitude>(ODO_TYPE_ATTITUDE).size() == 3);
   CHECK(app.statistics().plugin_faults == 0);
 }
@@ -259,11 +245,11 @@ TEST_CASE("an app can query a hanging call in a session's thread while it lasts"
   Order hang = order(1'000'000'000);
   hang.sleep_ms = 9000;
   const auto start = std::chrono::steady_clock::now();
-  CHECK(odo_session_push(app.session, &hang.header) == ODO_OK);
+  CHECK(app.push(hang) == ODO_OK);
   odo_error error{sizeof error, ODO_OK, {}};
   const auto named = [&] {
     odo_session_last_error(app.session, &error);
-    return std::string(error.message).find("plugin test/obeys in process for ") != std::string::npos;
+    return contains(error.message, "plugin test/obeys in process for ");
   };
   bool is_named = named();
   while (!is_named && std::chrono::steady_clock::now() - start < std::chrono::seconds(9)) {
@@ -272,5 +258,3 @@ TEST_CASE("an app can query a hanging call in a session's thread while it lasts"
   }
   CHECK(is_named);
 }
-
-TEST_SUITE_END();

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Use of inherited objects by a forked child of the app's process.
-#include <doctest/doctest.h>
-
 #include <csignal>
 
 #include <sys/wait.h>
@@ -10,26 +8,21 @@
 
 #include "sdk/host/base/output_file.hpp"
 #include "tests/support/session_app.hpp"
-#include "tests/support/support.hpp"
-
-using namespace odograph;
-namespace fs = std::filesystem;
 
 TEST_SUITE_BEGIN("forked");
 
 TEST_CASE("flush in a child forked beside a live session returns an error and does not wait for the missing thread") {
   RunningApp app(kWalk, ODO_RUN_LIVE);
-  app.walk(0, 100);
-  odo_session_flush(app.session);
+  app.run(0, 100);
   const pid_t child = fork();
   if (child == 0) {
     alarm(5);
-    _exit(odo_session_flush(app.session) == ODO_E_STATE ? 0 : 1);
+    _exit(app.flush() == ODO_E_STATE ? 0 : 1);
   }
   int status = -1;
   waitpid(child, &status, 0);
   CHECK(status == 0);
-  CHECK(odo_session_flush(app.session) == ODO_OK);
+  CHECK(app.flush() == ODO_OK);
 }
 
 TEST_CASE("files left by a terminated writer lock nobody out, and neither does a child forked meanwhile") {
@@ -52,5 +45,3 @@ TEST_CASE("files left by a terminated writer lock nobody out, and neither does a
   kill(child, SIGKILL);
   waitpid(child, nullptr, 0);
 }
-
-TEST_SUITE_END();

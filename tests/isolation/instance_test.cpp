@@ -1,21 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Life cycle of a plugin at its limits: reset, disabling, restart, save.
-#include <doctest/doctest.h>
-
-#include <map>
-#include <string>
-#include <vector>
-
 #include <odograph/scale_source.h>
 
 #include "sdk/host/plugin_host/instance.hpp"
 #include "tests/support/obeys.hpp"
-#include "tests/support/support.hpp"
 #include "tests/support/test_plugins.hpp"
-
-using namespace odograph;
-namespace fs = std::filesystem;
 
 TEST_SUITE_BEGIN("instance");
 
@@ -38,8 +28,7 @@ struct Obedient {
   std::unique_ptr<PluginInstance> plugin;
 
   explicit Obedient(const PluginChoice& choice) {
-    auto made = PluginInstance::make(choice, LibraryCheck::none, 3, host);
-    REQUIRE_MESSAGE(made.ok(), (made.ok() ? "" : made.failure().text));
+    auto made = required(PluginInstance::make(choice, LibraryCheck::none, 3, host));
     plugin = std::move(*made);
   }
   explicit Obedient(Isolation::Kind kind) : Obedient(choice_of(kind)) {}
@@ -237,5 +226,3 @@ TEST_CASE("a requested reset is reported once and is not a fault") {
     CHECK(one.plugin->faults() == 0);
   }
 }
-
-TEST_SUITE_END();

@@ -1,12 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <doctest/doctest.h>
-
 #include <chrono>
-#include <memory>
-#include <string>
-#include <vector>
 
 #include "sdk/host/plugin_host/instance.hpp"
 #include "tests/support/session_app.hpp"
@@ -22,11 +17,9 @@ struct IsolatedPlugin {
 
   explicit IsolatedPlugin(const std::string& yaml = "attitude: {plugin: attitude/vqf, isolation: process}\n",
                           const std::string& plugins = ".") {
-    const auto config = read_pipeline_config("odograph: 1\n" + yaml, "<text>", {plugin_folder(), plugins});
-    REQUIRE_MESSAGE(config.ok(), (config.ok() ? "" : config.failure().text));
+    const auto config = required(read_pipeline_config("odograph: 1\n" + yaml, "<text>", {plugin_folder(), plugins}));
     const auto& choices = config->attitudes.empty() ? config->vo_frontends : config->attitudes;
-    auto made = PluginInstance::make(choices.front(), LibraryCheck::sealed, 1, host);
-    REQUIRE_MESSAGE(made.ok(), (made.ok() ? "" : made.failure().text));
+    auto made = required(PluginInstance::make(choices.front(), LibraryCheck::sealed, 1, host));
     plugin = std::move(*made);
   }
   size_t sample() {

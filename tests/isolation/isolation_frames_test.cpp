@@ -1,19 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Frames of isolated plugins: location of the pixels, ownership, cost.
-#include <doctest/doctest.h>
-
-#include <algorithm>
-#include <cstring>
-
 #include <odograph/vo_frontend.h>
 
 #include "sdk/host/core/frame_store.hpp"
 #include "tests/isolation/isolated_plugin.hpp"
 #include "tests/support/test_plugins.hpp"
 #include "tests/support/messages.hpp"
-
-using namespace odograph;
 
 TEST_SUITE_BEGIN("isolation_frames");
 
@@ -32,14 +25,13 @@ std::vector<odo_vo_motion> keep(const std::string& isolation, int frames) {
   RunningApp app("odograph: 1\ntime_ordering: {frames: " + std::to_string(frames) +
                      "}\nvo_frontend: {plugin: test/retaining_vo, isolation: " + isolation + "}\n",
                  ODO_RUN_REPLAY, plugins.path());
-  const auto lens = calibration(kWidth, kHeight);
-  odo_session_push(app.session, &lens.header);
+  app.push(calibration(kWidth, kHeight));
   std::vector<uint8_t> pixels(kBytes);
   for (int i = 0; i < 30; ++i) {
     std::fill(pixels.begin(), pixels.end(), static_cast<uint8_t>(i));  // the host has copied them
     const odo_frame frame = grey_frame(pixels, i);
-    CHECK(odo_session_push(app.session, &frame.header) >= 0);
-    odo_session_flush(app.session);
+    CHECK(app.push(frame) >= 0);
+    app.flush();
   }
   CHECK(app.statistics().plugin_faults == 0);
   return app.all<odo_vo_motion>(ODO_TYPE_VO_MOTION);
@@ -130,5 +122,3 @@ TEST_CASE("isolation adds less than 0.25 ms to a frame") {
   CHECK(us[1000] < 250);
   CHECK(isolated.plugin->faults() == 0);
 }
-
-TEST_SUITE_END();

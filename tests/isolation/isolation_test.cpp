@@ -1,13 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Isolated plugins: whatever they do, the host continues and names the plugin.
-#include <doctest/doctest.h>
-
-#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <csignal>
-#include <map>
 #include <thread>
 
 #include <sys/resource.h>
@@ -19,9 +15,6 @@
 
 #include "tests/isolation/isolated_plugin.hpp"
 #include "tests/support/test_plugins.hpp"
-
-using namespace odograph;
-namespace fs = std::filesystem;
 
 TEST_SUITE_BEGIN("isolation");
 
@@ -40,16 +33,14 @@ struct Outcome {
   size_t poses = 0, degraded = 0;
   std::vector<std::string> said;  // reports about isolated plugins
   bool contains(const std::string& words) const {
-    return std::any_of(said.begin(), said.end(),
-                       [&](const auto& text) { return text.find(words) != std::string::npos; });
+    return std::any_of(said.begin(), said.end(), [&](const auto& text) { return ::contains(text, words); });
   }
 };
 
 Outcome walk(App& app, int from, int to) {
   Outcome out{app.status, app.message};
   if (!app.session) return out;
-  app.walk(from, to);
-  odo_session_flush(app.session);
+  app.run(from, to);
   for (const odo_pose& pose : app.all<odo_pose>(ODO_TYPE_POSE)) {
     ++out.poses;
     out.degraded += pose.state == ODO_DEGRADED && pose.reason == ODO_REASON_PLUGIN_FAILED ? 1 : 0;
@@ -64,10 +55,8 @@ Outcome walk(App& app, int from, int to) {
 TEST_CASE("a plugin emits identical bytes in process and isolated") {
   const auto events = [](const std::string& yaml) {
     RunningApp app(yaml);
-    const auto c = calibration(64, 48);
-    odo_session_push(app.session, &c.header);
-    for (int i = 0; i < 60; ++i) app.walk(20 * i, 20 * i + 20), app.frame(1'000'000'000 + 200'000'000LL * i);
-    odo_session_flush(app.session);
+    app.push(calibration(64, 48));
+    for (int i = 0; i < 60; ++i) app.run(20 * i, 20 * i + 20), app.frame(1'000'000'000 + 200'000'000LL * i);
     return app.events;
   };
   const auto inside = events(kCamera), outside = events(kCamera + "plugins:\n  isolation: process\n");
@@ -79,12 +68,9 @@ TEST_CASE("an isolated plugin's state is saved and loaded") {
   const std::string yaml = "odograph: 1\nattitude:\n  plugin: attitude/vqf\nstep_estimator:\n  plugin: step/odograph\n";
   const auto saved = [](const std::string& text) {
     RunningApp app(text);
-    app.walk(0, 2000);
-    odo_session_flush(app.session);
-    std::string blob(static_cast<size_t>(odo_session_save(app.session, nullptr, 0)), '\0');
-    odo_session_save(app.session, blob.data(), blob.size());
-    App second(text);
-    CHECK(odo_session_load(second.session, blob.data(), blob.size()) == ODO_OK);
+    app.run(0, 2000);
+    const std::string blob = app.saved();
+    CHECK(App(text).load(blob) == ODO_OK);
     return blob;
   };
   CHECK(saved(yaml) == saved(yaml + "plugins:\n  isolation: process\n"));
@@ -117,12 +103,12 @@ TEST_CASE("the host continues and publishes poses with every faulty plugin isola
       App app(pipeline, ODO_RUN_REPLAY, plugins);
       ++run_count;
       const auto lens = calibration(64, 48);
-      if (app.session) odo_session_push(app.session, &lens.header);
+      if (app.session) app.push(lens);
       for (int i = 0; app.session && i < 60; ++i)
         app.walk(5 * i, 5 * i + 5), app.frame(1'000'000'000 + 50'000'000LL * i);
       const Outcome out = walk(app, 300, 310);
       if (!app.session) {  // rejected with its name
-        CHECK(out.message.find(faulty + ".so") != std::string::npos);
+        CHECK(contains(out.message, faulty + ".so"));
         continue;
       }
       if (key != "scale_source") CHECK(out.poses > 0);
@@ -158,8 +144,7 @@ TEST_CASE("the end of a plugin's process is reported with the plugin and the cal
       yaml += key + ":\n  {plugin: test/faulty, isolation: process, time_limit: 0.3 s}\n";
       App app(yaml, ODO_RUN_REPLAY, plugins);
       if (!app.session) continue;
-      const auto c = calibration(64, 48);
-      odo_session_push(app.session, &c.header);
+      app.push(calibration(64, 48));
       for (int i = 0; i < 100; ++i) app.walk(10 * i, 10 * i + 10), app.frame(1'000'000'000 + 100'000'000LL * i);
       const Outcome out = walk(app, 1000, 1010);
       if (out.contains(std::string("test/faulty: ")) && out.contains(words)) kind = each;
@@ -258,7 +243,7 @@ TEST_CASE("a plugin that is replaced with its manifest while it runs is not rest
   copy_plugin(plugin_folder() / "attitude_magyq.so", folder / "one.so");
   const auto again = PluginInstance::make(choice, LibraryCheck::sealed, 1, host);
   REQUIRE_FALSE(again.ok());
-  CHECK(again.failure().text.find("its hash differs from the manifest's") != std::string::npos);
+  CHECK(contains(again.failure().text, "its hash differs from the manifest's"));
 }
 
 TEST_CASE("a library that changes constantly, allowed by its hash, runs as hashed or is rejected") {
@@ -284,7 +269,7 @@ TEST_CASE("a library that changes constantly, allowed by its hash, runs as hashe
     const auto made = PluginInstance::make(choice, LibraryCheck::sealed, 1, host);
     const std::string why = made ? "" : made.failure().text;
     ran += made.ok();
-    const bool differs = why.find("its hash differs") != std::string::npos;
+    const bool differs = contains(why, "its hash differs");
     refused += differs;
     CHECK_MESSAGE((made.ok() || differs), why);  // the alternative would be a start failure of unhashed content
   }
@@ -307,7 +292,7 @@ TEST_CASE("a lack of descriptors is reported, and with free descriptors the plug
     const auto made = PluginInstance::make(config->attitudes.front(), LibraryCheck::none, 1, host);
     setrlimit(RLIMIT_NOFILE, &old);
     REQUIRE_FALSE(made.ok());
-    CHECK_MESSAGE(made.failure().text.find("Too many open files") != std::string::npos, made.failure().text);
+    CHECK_MESSAGE(contains(made.failure().text, "Too many open files"), made.failure().text);
   }
   CHECK(PluginInstance::make(config->attitudes.front(), LibraryCheck::none, 1, host).ok());
 }
@@ -319,12 +304,9 @@ TEST_CASE("events from a plugin's own thread are rejected and reported") {
     copy_plugin(built("tests/faulty_plugins/life_emits_on_thread__own.so"), folder / "one.so");
     RunningApp app("odograph: 1\nattitude: {plugin: test/faulty, isolation: " + std::string(isolation) + "}\n",
                    ODO_RUN_REPLAY, folder.path().string());
-    app.walk(0, 60);
-    odo_session_flush(app.session);
+    app.run(0, 60);
     CHECK(app.all<odo_attitude>(ODO_TYPE_ATTITUDE).size() == 60);  // without the one from the thread
     CHECK(std::any_of(app.reports.begin(), app.reports.end(),
                       [](const odo_report& report) { return std::string(report.key) == "foreign_thread"; }));
   }
 }
-
-TEST_SUITE_END();

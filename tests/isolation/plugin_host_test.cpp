@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <doctest/doctest.h>
-
 #include "sdk/host/config/registry.hpp"
 #include "sdk/host/plugin_host/instance.hpp"
 #include "sdk/host/plugin_host/library.hpp"
@@ -8,9 +6,6 @@
 #include "tests/support/test_plugins.hpp"
 
 #include <odograph/scale_source.h>
-
-using namespace odograph;
-namespace fs = std::filesystem;
 
 TEST_SUITE_BEGIN("plugin_host");
 
@@ -20,7 +15,7 @@ std::string refusal(const fs::path& library) {
   const HostServices host(0, {"."}, nullptr);
   const auto loaded = PluginLibrary::load(library, &host);
   REQUIRE_FALSE(loaded.ok());
-  CHECK(loaded.failure().text.find(library.string()) != std::string::npos);
+  CHECK(contains(loaded.failure().text, library.string()));
   return loaded.failure().text;
 }
 
@@ -109,8 +104,7 @@ TEST_CASE("tables of newer plugins work") {
   HostServices host(0, {"."}, nullptr);
   for (const char* name : {"good", "table_larger"}) {
     CAPTURE(name);
-    auto made = PluginInstance::make(choice_of(name), LibraryCheck::none, 1, host);
-    REQUIRE_MESSAGE(made.ok(), (made.ok() ? "" : made.failure().text));
+    auto made = required(PluginInstance::make(choice_of(name), LibraryCheck::none, 1, host));
     CHECK((*made)->process(motion(5).header).empty());
     (*made)->reset();  // without a reset function the instance is created again
     CHECK((*made)->alive());
@@ -235,5 +229,3 @@ TEST_CASE("a manifest states what the library states") {
     }
   }
 }
-
-TEST_SUITE_END();

@@ -2,8 +2,6 @@
 //
 // Which plugins are accepted: allowed ones, signed ones, ones that nobody else may replace; and limits of their
 // reports.
-#include <doctest/doctest.h>
-
 #include <fcntl.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -18,11 +16,7 @@
 #include "sdk/host/plugin_host/services.hpp"
 #include "sdk/tools/validator/write_manifest.hpp"
 #include "tests/support/session_app.hpp"
-#include "tests/support/support.hpp"
 #include "tests/support/test_plugins.hpp"
-
-using namespace odograph;
-namespace fs = std::filesystem;
 
 TEST_SUITE_BEGIN("plugin_trust");
 
@@ -222,8 +216,7 @@ TEST_CASE("a session runs a plugin allowed by its hash from memory, in process a
   const std::string hash = *sha256_of(plugin_folder() / "attitude_vqf.so");
   const auto events = [](const std::string& plugins) {
     RunningApp app(kWalk + plugins);
-    app.walk(0, 500);
-    odo_session_flush(app.session);
+    app.run(0, 500);
     return app.events;
   };
   const std::string allow = "plugins:\n  allow: [step/renaudin2012, " + hash + "]\n";
@@ -310,5 +303,3 @@ TEST_CASE("a plugin that reports under new keys without end uses bounded memory 
   CHECK(told < 300);
   CHECK(longest < 5'000);
 }
-
-TEST_SUITE_END();

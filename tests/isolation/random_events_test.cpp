@@ -1,18 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // A fixer and a front-end with random events: nothing impossible is accepted, and every pose is valid.
-#include <doctest/doctest.h>
-
-#include <algorithm>
-#include <cmath>
-
 #include "sdk/host/core/pipeline.hpp"
 #include "sdk/host/core/world_view.hpp"
 #include "tests/support/session_app.hpp"
 #include "tests/support/test_plugins.hpp"
 #include "tests/support/messages.hpp"
-
-using namespace odograph;
 
 TEST_SUITE_BEGIN("random_events");
 
@@ -33,12 +26,10 @@ struct Counts {
 Counts run(const std::string& yaml, int samples) {
   const TestPlugins plugins{"random_events"};
   RunningApp app(yaml, ODO_RUN_REPLAY, plugins.path());
-  const auto c = calibration(64, 48);
-  odo_session_push(app.session, &c.header);
+  app.push(calibration(64, 48));
   Counts counts;
   for (int from = 0; from < samples; from += 100) {
-    app.walk(from, from + 100);
-    odo_session_flush(app.session);
+    app.run(from, from + 100);
     for (const odo_pose& pose : app.all<odo_pose>(ODO_TYPE_POSE)) ++counts.poses, counts.broken += whole(pose) ? 0 : 1;
     odo_pose now{}, smooth{};
     now.header.struct_size = smooth.header.struct_size = sizeof now;
@@ -87,9 +78,8 @@ TEST_CASE("none of 100,000 random fixes and motions causes a non-finite pose, an
 TEST_CASE("if the localizer's state becomes non-finite, no such pose is published, and it restarts with a report") {
   const TestPlugins plugins{"echo"};
   const auto config =
-      read_pipeline_config("odograph: 1\nattitude: {plugin: attitude/vqf}\nvo_frontend: {plugin: test/echo}\n",
-                           "<text>", {plugin_folder(), plugins.path()});
-  REQUIRE_MESSAGE(config.ok(), (config.ok() ? "" : config.failure().text));
+      required(read_pipeline_config("odograph: 1\nattitude: {plugin: attitude/vqf}\nvo_frontend: {plugin: test/echo}\n",
+                                    "<text>", {plugin_folder(), plugins.path()}));
   std::vector<std::string> said;
   HostServices host(0, {}, [&](const Report& report) { said.push_back(report.key); });
   CameraTable cameras(std::nullopt);
@@ -125,5 +115,3 @@ TEST_CASE("if the localizer's state becomes non-finite, no such pose is publishe
   CHECK(poses > 0);
   CHECK(broken == 0);
 }
-
-TEST_SUITE_END();

@@ -2,9 +2,6 @@
 //
 // The supervisor between an isolated plugin and its host: complete termination, report of missing system features, and
 // the filtering of reports.
-#include <doctest/doctest.h>
-
-#include <algorithm>
 #include <cerrno>
 #include <chrono>
 #include <thread>
@@ -18,8 +15,6 @@
 #include "tests/isolation/isolated_plugin.hpp"
 #include "tests/isolation/sandboxed.hpp"
 #include "tests/support/test_plugins.hpp"
-
-using namespace odograph;
 
 TEST_SUITE_BEGIN("supervisor");
 
@@ -88,7 +83,7 @@ TEST_CASE("missing system features are reported before any code of the library r
         "attitude: {plugin: test/escape, isolation: process, time_limit: 0.5 s, start_limit: 2 s}\n", plugins.path());
     return joined(plugin.said);
   });
-  CHECK_MESSAGE(said.find("no Landlock") != std::string::npos, said);
+  CHECK_MESSAGE(contains(said, "no Landlock"), said);
 }
 
 TEST_CASE("no process of a plugin is left to the reaper of orphans, however it ends") {
@@ -170,5 +165,3 @@ TEST_CASE("a plugin's report is one line of UTF-8 without control characters") {
     CHECK(cut.empty());
   }
 }
-
-TEST_SUITE_END();

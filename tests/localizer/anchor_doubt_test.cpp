@@ -2,8 +2,6 @@
 //
 // Covariance of an anchor, against numeric derivatives of its position and of its view.
 // Reason why an anchor is not placed, and whether it is in front of the camera.
-#include <doctest/doctest.h>
-
 #include <random>
 
 #include <Eigen/Eigenvalues>
@@ -13,7 +11,6 @@
 #include "sdk/math/rotation.hpp"
 #include "tests/support/session_app.hpp"
 
-using namespace odograph;
 using Eigen::Matrix3d;
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
@@ -79,8 +76,7 @@ TEST_CASE("the covariance of an anchor on a held pose follows from the joint cov
     const Rigid T_n_a{number.rotation(), held.p_n_b + 4 * number.vector()};
     const uint64_t id = anchors.add_local(place, {0, {held.q_n_b, held.p_n_b}, T_n_a});
     anchors.update(poses, 0, nullptr);
-    const auto known = anchors.get(id, 0);
-    REQUIRE(known);
+    const auto known = required(anchors.get(id, 0));
     CHECK((known->T_n_a.p - T_n_a.p).norm() < 1e-12);
 
     const Vector3d p_held_a = held.q_n_b.conjugate() * (T_n_a.p - held.p_n_b);
@@ -114,8 +110,7 @@ TEST_CASE(
   place.latitude_rad = 0.8 + 2e-6, place.longitude_rad = 0.1 - 1e-6, place.height_m = 302;
   const uint64_t id = anchors.add_geodetic(place);
   anchors.update(poses, 0, nullptr);
-  const auto known = anchors.get(id, 0);
-  REQUIRE(known);
+  const auto known = required(anchors.get(id, 0));
   REQUIRE(known->T_n_a.p.norm() > 5);
   const Eigen::Matrix<double, 3, 6> by_seen =
       derivative([&](const Vector12& e) -> Vector3d {
@@ -210,5 +205,3 @@ TEST_CASE("a geodetic anchor made before the first sample has the correct positi
     CHECK(placed > 100);
   }
 }
-
-TEST_SUITE_END();

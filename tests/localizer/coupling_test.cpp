@@ -1,14 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <doctest/doctest.h>
-
 #include "plugins/scale/step_fit/step_fit.hpp"
 #include "plugins/scale/step_length/step_scale.hpp"
 #include "sdk/host/base/geodesy.hpp"
 #include "sdk/host/messages/messages.hpp"
 #include "tests/localizer/paper_track.hpp"
 #include "tests/support/messages.hpp"
+#include "tests/support/support.hpp"
 
-using namespace odograph;
 using Eigen::Vector3d;
 
 TEST_SUITE_BEGIN("coupling");
@@ -98,8 +96,7 @@ TEST_CASE("the first fix sets the track, later ones correct it by their weight, 
   CHECK_FALSE(coupling.take_correction().has_value());
   CHECK(coupling.on_fix(fix_at(kSecond, {111, 50, 0}, 1.0)).accepted);
   pose = *coupling.take_correction();
-  CHECK(pose.p_n[0] > 110.2);
-  CHECK(pose.p_n[0] < 111.0);
+  CHECK(pose.p_n[0] == Between{110.2, 111.0});
   // The uncertainty along the path was that of the scale: the correction reduces it.
   CHECK(pose.covariance[3 * 6 + 3] < 1.0);
 }
@@ -174,8 +171,7 @@ TEST_CASE("a late heading fix rotates the path since its time, and an older fix 
   REQUIRE(coupling.on_fix(fix).accepted);
   const odo_pose turned = *coupling.take_correction();
   const double yaw = std::atan2(turned.p_n[1], turned.p_n[0] - 20);
-  CHECK(yaw > 0.29);
-  CHECK(yaw < 0.31);
+  CHECK(yaw == Between{0.29, 0.31});
   CHECK(std::hypot(turned.p_n[0] - 20, turned.p_n[1]) == doctest::Approx(80).epsilon(0.01));
   // A second fix at 6 s at the position of the corrected track changes nothing.
   REQUIRE(coupling.on_fix(fix_at(6 * kSecond, {20 + 40 * std::cos(yaw), 40 * std::sin(yaw), 0}, 0.5)).accepted);
@@ -184,8 +180,7 @@ TEST_CASE("a late heading fix rotates the path since its time, and an older fix 
 }
 
 TEST_CASE("without a scale the position's uncertainty grows with the maximum speed, until a fix") {
-  CouplingConfig config{.fastest_mps = 10};
-  PaperTrack coupling(config, {{0, 0, 0}, 0, true}, {true, true});
+  PaperTrack coupling({.fastest_mps = 10}, {{0, 0, 0}, 0, true}, {true, true});
   coupling.on_first_frame(0);
   odo_pose pose = coupling.on_vo_motion(motion_between(0, kSecond, {0, 0, 1}), nullptr);
   CHECK(std::sqrt(pose.covariance[3 * 6 + 3]) == doctest::Approx(10));
@@ -229,8 +224,7 @@ TEST_CASE("a pose is flagged metric and with velocity only if valid, and the fir
 TEST_CASE("steps carry the position without a camera") {
   PaperTrack coupling({}, {{10, 20, 0}, EIGEN_PI / 2, true}, {false, false});
   REQUIRE(coupling.on_attitude(attitude_at(0)).has_value());
-  const auto pose = coupling.on_step(step_between(0, kSecond / 2, kSecond, 0.7, 0.07));
-  REQUIRE(pose.has_value());
+  const auto pose = required(coupling.on_step(step_between(0, kSecond / 2, kSecond, 0.7, 0.07)));
   CHECK(pose->p_n[0] == doctest::Approx(10));
   CHECK(pose->p_n[1] == doctest::Approx(20.7));  // the initial heading is east
   CHECK(std::sqrt(pose->covariance[4 * 6 + 4]) == doctest::Approx(0.7 * std::hypot(0.1, 0.06)).epsilon(0.01));
@@ -333,5 +327,3 @@ TEST_CASE("a camera that is lost before it ever tracked is reported lost, withou
   blind.state = ODO_LOST;
   CHECK(coupling.on_vo_motion(blind, nullptr).state == ODO_LOST);
 }
-
-TEST_SUITE_END();

@@ -2,17 +2,12 @@
 //
 // Faults in the estimator's input: the error stays bounded, the covariance reflects it, and the estimator recovers.
 // `odograph-tests --test-suite=estimator_faults --success` prints the table of docs/accuracy.md.
-#include <doctest/doctest.h>
-
-#include <algorithm>
-#include <string>
-
 #include <Eigen/LU>
 
 #include "tests/support/measured_walk.hpp"
 #include "tests/support/messages.hpp"
+#include "tests/support/support.hpp"
 
-using namespace odograph;
 using Eigen::Vector3d;
 
 TEST_SUITE_BEGIN("estimator_faults");
@@ -42,8 +37,7 @@ WalkMeasurements usual() {
 
 Run run(const WalkMeasurements& what, double for_s, uint64_t seed) {
   MeasuredWalk walk(walk_scenario(150), what, seed);
-  CouplingConfig config{.type = CouplingType::localizer};
-  Composer composer(config, {}, {what.camera, false});
+  Composer composer({.type = CouplingType::localizer}, {}, {what.camera, false});
   Run r;
   bool has_start = false;
   Vector3d start = Vector3d::Zero(), error_at_fault = Vector3d::Zero();
@@ -203,5 +197,3 @@ TEST_CASE("a step faster than any walker is rejected and reported, and one of no
   step.length_m = 0.9;
   CHECK(composer.update(&step).accepted);
 }
-
-TEST_SUITE_END();

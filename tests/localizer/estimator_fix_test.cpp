@@ -1,18 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Updates by a fix and a scale, against the plain Kalman update with numeric derivatives.
-#include <doctest/doctest.h>
-
-#include <cmath>
-#include <functional>
-
 #include <Eigen/LU>
 
 #include "tests/support/measured_walk.hpp"
 #include "tests/localizer/paper_track.hpp"
+#include "tests/support/support.hpp"
 #include "tests/support/messages.hpp"
 
-using namespace odograph;
 using Eigen::Matrix3d;
 using Eigen::MatrixXd;
 using Eigen::Quaterniond;
@@ -109,8 +104,8 @@ TEST_CASE("a fix of any kind, present or late, is the Kalman update with its mea
     for (const int64_t ago_ms : {0, 170}) {
       CAPTURE(flags);
       CAPTURE(ago_ms);
-      CouplingConfig config{.type = CouplingType::localizer};
-      Composer composer(config, {.position_m = {1, 2, 3}, .given = true, .heading_given = true}, {true, false});
+      Composer composer({.type = CouplingType::localizer},
+                        {.position_m = {1, 2, 3}, .given = true, .heading_given = true}, {true, false});
       fill(composer);
       const int64_t t_ns = (kNow_ms - ago_ms) * kMillisecond;
       const uint64_t id = composer.retain_pose(t_ns);
@@ -152,8 +147,7 @@ TEST_CASE(
     "a scale that is reported repeatedly contributes the information lost by decay since its last report, and no "
     "more") {
   const ScaleUpdate::Parameters p;
-  CouplingConfig config{.type = CouplingType::localizer};
-  Composer composer(config, {}, {true, true});
+  Composer composer({.type = CouplingType::localizer}, {}, {true, true});
   fill(composer, false);
   auto motion = motion_between((kNow_ms - 100) * kMillisecond, kNow_ms * kMillisecond, {0, 0, 0});
   composer.update(RelativeMotion{&motion, nullptr});
@@ -177,8 +171,7 @@ TEST_CASE(
 }
 
 TEST_CASE("a late fix is compared with its position as corrected by all later fixes, in their order") {
-  CouplingConfig config{.fix_gate_sigma = 0};
-  PaperTrack coupling(config, {.position_m = {0, 0, 0}, .given = true}, {true, true});
+  PaperTrack coupling({.fix_gate_sigma = 0}, {.position_m = {0, 0, 0}, .given = true}, {true, true});
   auto scale = make_message<odo_scale>(ODO_TYPE_SCALE, 0);
   scale.header.flags = ODO_SCALE_HORIZONTAL;
   scale.scale = 1, scale.sigma = 0.2;
@@ -199,8 +192,7 @@ TEST_CASE("a late fix is compared with its position as corrected by all later fi
     Vector3d::Map(fix.p_n) = Vector3d(pose.p_n) + by_n;
     fix.covariance_n[0] = fix.covariance_n[4] = 0.01;
     REQUIRE(coupling.on_fix(fix).accepted);
-    const auto after = coupling.take_correction();
-    REQUIRE(after);
+    const auto after = required(coupling.take_correction());
     const Quaterniond turned = quaternion(after->q_n) * quaternion(pose.q_n).conjugate();
     corrections.push_back([turned, from = Vector3d(pose.p_n), to = Vector3d(after->p_n)](
                               const Vector3d& p) -> Vector3d { return to + turned * (p - from); });
@@ -220,5 +212,3 @@ TEST_CASE("a late fix is compared with its position as corrected by all later fi
   CHECK((expected - Vector3d(then.p_n)).norm() > 1);
   CHECK(coupling.on_fix(late).nis < 1e-12);
 }
-
-TEST_SUITE_END();

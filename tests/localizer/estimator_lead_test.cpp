@@ -1,16 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Front-ends that use inertia themselves, and the effect of a first fix.
-#include <doctest/doctest.h>
-
-#include <algorithm>
-#include <cmath>
-
 #include "sdk/math/atmosphere.hpp"
 #include "tests/support/measured_walk.hpp"
 #include "tests/support/messages.hpp"
+#include "tests/support/support.hpp"
 
-using namespace odograph;
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
@@ -32,8 +27,7 @@ TEST_CASE("with an accurate visual-inertial front-end the track is the front-end
         q = q * Quaterniond(m.q_c0_c1[0], m.q_c0_c1[1], m.q_c0_c1[2], m.q_c0_c1[3]);
       };
       MeasuredWalk walk(walk_scenario(40), what, seed);
-      CouplingConfig config{.type = CouplingType::localizer};
-      Composer composer(config, {}, {true, false});
+      Composer composer({.type = CouplingType::localizer}, {}, {true, false});
       walk.run(composer, [&](double, const odo_pose& pose) {
         if ((pose.header.flags & ODO_POSE_METRIC) == 0) return;
         if (before_m < 0) own_from = own, from = Vector3d(pose.p_n);
@@ -58,8 +52,7 @@ TEST_CASE("a first sample in free fall does not tilt the walk permanently") {
       what.odometry.position_m = 0.003, what.odometry.rotation_rad = 0.0005;
       what.first_tilt_rad = tilt_rad;
       MeasuredWalk walk(walk_scenario(40), what, seed);
-      CouplingConfig config{.type = CouplingType::localizer};
-      Composer composer(config, {}, {true, false});
+      Composer composer({.type = CouplingType::localizer}, {}, {true, false});
       double worst_tilt_rad = 0, first_s = -1, height_m = 0, true_height_m = 0;
       walk.run(composer, [&](double t, const odo_pose& pose) {
         if ((pose.header.flags & ODO_POSE_METRIC) == 0) return;
@@ -132,8 +125,7 @@ TEST_CASE("a heading drifted by the gyroscope's bias before the walk has a match
       Scenario scenario = walk_scenario(40);
       scenario.walker.stand_s = kStands_s;
       MeasuredWalk walk(scenario, what, seed);
-      CouplingConfig config{.type = CouplingType::localizer};
-      Composer composer(config, {}, {true, false});
+      Composer composer({.type = CouplingType::localizer}, {}, {true, false});
       double error_rad = 0, sigma_rad = 0;
       walk.run(composer, [&](double t, const odo_pose& pose) {
         if (t > 20) return;
@@ -154,8 +146,7 @@ TEST_CASE("neither barometer readings nor a front-end's gravity shows in the hei
     what.odometry.inverse_scale = 1, what.odometry.scale_sigma = 0.02;
     what.odometry.position_m = 0.001, what.odometry.rotation_rad = 0.0003, what.odometry.rotation_walk = 3e-4;
     what.odometry.drift_per_root_m = 0;
-    CouplingConfig config{.type = CouplingType::localizer};
-    Composer composer(config, {}, {true, false});
+    Composer composer({.type = CouplingType::localizer}, {}, {true, false});
     MeasuredWalk* running = nullptr;
     int frame = 0;
     what.change = [&](double t, odo_vo_motion& m) {
@@ -209,8 +200,7 @@ TEST_CASE(
       };
       MeasuredWalk walk(walk_scenario(40), what, 3);
       made = &walk;
-      CouplingConfig config{.type = CouplingType::localizer};
-      Composer composer(config, {}, {true, false});
+      Composer composer({.type = CouplingType::localizer}, {}, {true, false});
       double worst_m = 0, worst_rad = 0, seen = 0;
       walk.run(composer, [&](double t, const odo_pose& pose) {
         if (t < 9.5) return;
@@ -228,8 +218,7 @@ TEST_CASE(
 }
 
 TEST_CASE("a first fix of the height alone gives no information about north and east, and no known position") {
-  CouplingConfig config{.type = CouplingType::localizer};
-  Composer composer(config, {}, {true, false});
+  Composer composer({.type = CouplingType::localizer}, {}, {true, false});
   auto imu = imu_at(0, {0, 0, 0}, {0, 0, -9.81});
   for (imu.header.t_ns = 0; imu.header.t_ns <= 1'000'000'000; imu.header.t_ns += 5'000'000) composer.add_imu(imu);
   composer.update(FrameTime{1'000'000'000});
@@ -255,5 +244,3 @@ TEST_CASE("a first fix of the height alone gives no information about north and 
   CHECK(after.p_n_b.z() == doctest::Approx(before.p_n_b.z() - 30).epsilon(0.01));
   CHECK((after.pose.header.flags & ODO_POSE_POSITION) != 0);
 }
-
-TEST_SUITE_END();

@@ -1,17 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The papers' estimator: fixed defects.
-#include <doctest/doctest.h>
-
-#include <cmath>
-#include <limits>
-
 #include "sdk/host/messages/messages.hpp"
 #include "sdk/math/rotation.hpp"
 #include "tests/localizer/paper_track.hpp"
 #include "tests/support/messages.hpp"
+#include "tests/support/support.hpp"
 
-using namespace odograph;
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
@@ -107,8 +102,7 @@ TEST_CASE("a fix of the heading alone is published, with the state of the pose t
 
 TEST_CASE("a clock that is set back before the first frame does not change the camera's mount") {
   for (const bool inertial : {false, true}) {
-    CouplingConfig config{.type = inertial ? CouplingType::localizer : CouplingType::paper};
-    Composer composer(config, {}, {true, true});
+    Composer composer({.type = inertial ? CouplingType::localizer : CouplingType::paper}, {}, {true, true});
     auto calibration = make_message<odo_calibration>(ODO_TYPE_CALIBRATION, 0);
     calibration.header.flags = ODO_CALIBRATION_EXTRINSICS;
     calibration.q_b_c[0] = 1;
@@ -157,5 +151,3 @@ TEST_CASE("a pose that stays behind is lost until its displacement or its positi
   CHECK(then(ODO_DEGRADED, ODO_REASON_NO_PARALLAX).state == ODO_LOST);
   CHECK(then(ODO_TRACKING, ODO_REASON_NONE, &metre).state == ODO_TRACKING);
 }
-
-TEST_SUITE_END();

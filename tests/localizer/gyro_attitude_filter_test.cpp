@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <doctest/doctest.h>
-
 #include "sdk/host/localizer/gyro_attitude_filter.hpp"
 #include "sdk/host/messages/messages.hpp"
 #include "tests/support/messages.hpp"
+#include "tests/support/support.hpp"
 
-using namespace odograph;
 using Eigen::Vector3d;
 
 TEST_SUITE_BEGIN("gyro_attitude_filter");
@@ -35,8 +33,7 @@ TEST_CASE("a gyroscope attitude filter rotates with the body, for any camera mou
   filter.reset(kLevel, kOneDegree);
   const Eigen::Quaterniond mounted(Eigen::AngleAxisd(0.7, Vector3d(1, 2, 3).normalized()));
   add_imu(filter, kLevel, 0, kSecond, {0.3, -0.2, 1.0}, Vector3d::Zero(), Vector3d::Zero());
-  const auto imu = filter.between(0, kSecond, mounted);
-  REQUIRE(imu);
+  const auto imu = required(filter.between(0, kSecond, mounted));
   const Eigen::Quaterniond rotation_b(Eigen::AngleAxisd(std::sqrt(1.13), Vector3d(0.3, -0.2, 1.0).normalized()));
   CHECK(imu->q_c0_c1.angularDistance(mounted.conjugate() * rotation_b * mounted) < 1e-9);
   CHECK_FALSE(filter.between(0, kSecond * 2, mounted));     // samples end before
@@ -52,8 +49,7 @@ TEST_CASE("at rest pictures give the gyroscope's bias and the accelerometer the 
   const auto drive = [&](int64_t from, int64_t to, const Vector3d& accel_n, bool standing) {
     for (int64_t t = from; t < to; t += kFrame) {
       add_imu(filter, kLevel, t, t + kFrame, Vector3d::Zero(), accel_n, bias);
-      const auto imu = filter.between(t, t + kFrame, kLevel);
-      REQUIRE(imu);
+      const auto imu = required(filter.between(t, t + kFrame, kLevel));
       filter.propagate(imu->q_c0_c1, imu->dt_s);
       if (standing) filter.update_relative_rotation(imu->q_c0_c1, kLevel, 0, imu->dt_s);
       filter.update_gravity(imu->force_c, standing);
@@ -67,8 +63,7 @@ TEST_CASE("at rest pictures give the gyroscope's bias and the accelerometer the 
   const Vector3d after = filter.q_n_c() * -Vector3d::UnitZ();
   CHECK(std::hypot(after.x(), after.y()) < 0.012);
   const double sigma = std::sqrt(filter.covariance_n()(0, 0));
-  CHECK(sigma > 0.001);
-  CHECK(sigma < 0.02);
+  CHECK(sigma == Between{0.001, 0.02});
 }
 
 TEST_CASE("orientation fixes correct a gyroscope attitude filter and its bias, and an outlier is rejected") {
@@ -87,5 +82,3 @@ TEST_CASE("orientation fixes correct a gyroscope attitude filter and its bias, a
   CHECK_FALSE(filter.correct({0, 0, 0.5}, kOneDegree * 0.1, 5));
   CHECK(filter.q_n_c().angularDistance(before) == 0);
 }
-
-TEST_SUITE_END();

@@ -1,11 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <doctest/doctest.h>
-
 #include "sdk/host/messages/messages.hpp"
 #include "tests/localizer/paper_track.hpp"
 #include "tests/support/messages.hpp"
-
-using namespace odograph;
+#include "tests/support/support.hpp"
 
 TEST_SUITE_BEGIN("coupling");
 
@@ -34,5 +31,3 @@ TEST_CASE("a front-end with inertia makes the gyroscope's bias observable in mot
     if (!inertial) CHECK(off_rad > 0.9 * 30 * bias_radps);
   }
 }
-
-TEST_SUITE_END();

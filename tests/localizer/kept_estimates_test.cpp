@@ -2,18 +2,11 @@
 //
 // Kept estimates (docs/testing.md, "Kept results"): the composer on a simulated walk, by both rules, with every kind of
 // input and all outputs of an estimator, including whole covariances.
-#include <string>
-#include <vector>
-
-#include <doctest/doctest.h>
-
 #include "sdk/host/config/pipeline_config.hpp"
 #include "sdk/host/messages/messages.hpp"
 #include "tests/support/measured_walk.hpp"
 #include "tests/support/kept.hpp"
 #include "tests/support/messages.hpp"
-
-using namespace odograph;
 
 namespace {
 
@@ -143,5 +136,3 @@ TEST_CASE("the localizer and the papers' rules give the kept estimates with ever
   config.type = CouplingType::localizer;
   compare_kept("estimate_localizer", digest_of(config), kSame);
 }
-
-TEST_SUITE_END();

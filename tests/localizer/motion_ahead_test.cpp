@@ -1,18 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Predicted poses in closed form and at their limits: integration, prediction, blending.
-#include <doctest/doctest.h>
-
-#include <cmath>
-
 #include "sdk/host/localizer/inertial_track.hpp"
 #include "sdk/host/core/pose_predictor.hpp"
 #include "sdk/host/core/smooth_pose.hpp"
 #include "sdk/host/messages/messages.hpp"
 #include "sdk/math/rotation.hpp"
 #include "tests/support/messages.hpp"
+#include "tests/support/support.hpp"
 
-using namespace odograph;
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
@@ -37,8 +33,7 @@ TEST_CASE("a linearly growing force is integrated exactly, between, at and beyon
   const auto first = *track.at(0, 0.1);
   for (const double t : {0.0, 0.004, 0.01, 0.0437, 0.1}) {
     CAPTURE(t);
-    const auto p = track.at(std::llround(t * 1e9), 0.1);
-    REQUIRE(p);
+    const auto p = required(track.at(std::llround(t * 1e9), 0.1));
     CHECK(p->t_ns == std::llround(t * 1e9));
     CHECK(away(p->v_e - first.v_e, Vector3d(t * t, t - t * t / 2, 0.5 * t)) < 1e-12);
     CHECK(away(p->p_e - first.p_e, Vector3d(t * t * t / 3, t * t / 2 - t * t * t / 6, 0.25 * t * t)) < 1e-12);
@@ -233,5 +228,3 @@ TEST_CASE("a walker's attitude alone gives the orientation at its own newer time
   CHECK(pose.state == ODO_LOST);
   CHECK(away(quaternion(pose.q_n), q) < 1e-9);
 }
-
-TEST_SUITE_END();

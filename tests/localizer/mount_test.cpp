@@ -1,16 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The camera's mount. Oracle: the body's track is independent of it.
-#include <doctest/doctest.h>
-
-#include <cmath>
-
 #include "sdk/host/base/pose_frame.hpp"
 #include "tests/support/measured_walk.hpp"
 #include "tests/localizer/paper_track.hpp"
+#include "tests/support/support.hpp"
 #include "tests/support/messages.hpp"
 
-using namespace odograph;
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
@@ -32,8 +28,7 @@ struct BodyTrack {
 BodyTrack track_of(WalkMeasurements what, const Quaterniond& mount) {
   what.q_b_c = mount;
   MeasuredWalk walk(walk_scenario(25), what, 3);
-  CouplingConfig config{.type = CouplingType::localizer};
-  Composer composer(config, {}, {.vo = true, .scale = false});
+  Composer composer({.type = CouplingType::localizer}, {}, {.vo = true, .scale = false});
   BodyTrack track;
   walk.run(composer, [&](double, const odo_pose& pose) {
     if (!(pose.header.flags & ODO_POSE_CAMERA)) return;
@@ -68,8 +63,7 @@ TEST_CASE("the inertial estimator's track of the body is independent of the came
 TEST_CASE("the camera's covariance is the body's, propagated over the lever arm") {
   WalkMeasurements what;
   MeasuredWalk walk(walk_scenario(15), what, 4);
-  CouplingConfig config{.type = CouplingType::localizer};
-  Composer composer(config, {}, {.vo = true, .scale = false});
+  Composer composer({.type = CouplingType::localizer}, {}, {.vo = true, .scale = false});
   int compared = 0;
   double worst = 0, told = 0;
   walk.run(composer, [&](double, const odo_pose&) {
@@ -97,8 +91,7 @@ TEST_CASE("the camera's pose has the camera's velocity, and the estimate the bod
   WalkMeasurements what;
   what.odometry.scale_sigma = 0.02, what.odometry.inverse_scale = 1;
   MeasuredWalk walk(walk_scenario(15), what, 4);
-  CouplingConfig config{.type = CouplingType::localizer};
-  Composer composer(config, {}, {.vo = true, .scale = false});
+  Composer composer({.type = CouplingType::localizer}, {}, {.vo = true, .scale = false});
   int compared = 0;
   double worst = 0, largest = 0;
   walk.run(composer, [&](double t, const odo_pose& pose) {
@@ -134,8 +127,7 @@ TEST_CASE("while the camera is blind the attitude rotates it through its mount")
 }
 
 TEST_CASE("heading uncertainty gives position uncertainty across the path, in proportion to the distance") {
-  CouplingConfig config{.orientation = Orientation::attitude};
-  PaperTrack coupling(config, {}, {true, true});
+  PaperTrack coupling({.orientation = Orientation::attitude}, {}, {true, true});
   const auto add_attitude = [&](int64_t t_ns) {
     odo_attitude a = attitude_at(t_ns, Quaterniond::Identity());
     a.header.flags |= ODO_ATTITUDE_MAGNETIC_NORTH;
@@ -205,5 +197,3 @@ TEST_CASE("a steady scale ends the uncertainty of the preceding segment only") {
     CHECK(sigma_m(11, true, &scale) == doctest::Approx(steady ? 2 : 20).epsilon(0.01));
   }
 }
-
-TEST_SUITE_END();

@@ -2,13 +2,8 @@
 //
 // Interpolated poses. Oracle: a motion of constant velocity and rotation in closed form.
 // A fix of 3 m through the C API: what happens to poses and anchors of the last seconds.
-#include <doctest/doctest.h>
-
-#include <array>
 #include <atomic>
-#include <string>
 #include <thread>
-#include <vector>
 
 #include <odograph/anchor.h>
 
@@ -17,7 +12,6 @@
 #include "sdk/math/rotation.hpp"
 #include "tests/support/session_app.hpp"
 
-using namespace odograph;
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
@@ -182,16 +176,15 @@ TEST_CASE("after a fix of 3 m the poses of the last seconds are in the new n, an
   place.kind = ODO_ANCHOR_VIEW, place.t_ns = times[1], place.p[2] = -2;
   uint64_t anchor = 0;
   REQUIRE(odo_anchor_create(app.session, &place, &anchor) == ODO_OK);
-  app.walk(3000, kEnd + 1);
-  odo_session_flush(app.session);
+  app.run(3000, kEnd + 1);
   std::array<std::array<Seen, 2>, 3> before{}, after{};
   for (size_t i = 0; i < times.size(); ++i) before[i] = see(app, anchor, times[i]);
 
   auto waypoint = make_message<odo_waypoint>(ODO_TYPE_WAYPOINT, ns(kEnd));
   Vector3d::Map(waypoint.p_n) = Vector3d(before[2][0].pose.p_n) + Vector3d(2, -2, 1);
   waypoint.sigma_m = 0.02;
-  REQUIRE(odo_session_push(app.session, &waypoint.header) == ODO_OK);
-  odo_session_flush(app.session);
+  REQUIRE(app.push(waypoint) == ODO_OK);
+  app.flush();
   const auto corrections = app.all<odo_correction>(ODO_TYPE_CORRECTION);
   REQUIRE(corrections.size() == 1);
   const Quaterniond q = quaternion(corrections[0].q_n);
@@ -211,5 +204,3 @@ TEST_CASE("after a fix of 3 m the poses of the last seconds are in the new n, an
       CHECK(apart_m(before[i][world].anchor.p_view, after[i][world].anchor.p_view) < 0.05);
   }
 }
-
-TEST_SUITE_END();

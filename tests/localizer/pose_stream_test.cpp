@@ -1,22 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Predicted poses against a known motion: a walk with bounce, sway and a change of heading.
-#include <doctest/doctest.h>
-
-#include <algorithm>
 #include <chrono>
-#include <cmath>
-#include <functional>
 #include <random>
-#include <vector>
 
 #include "sdk/host/core/pose_stream.hpp"
 #include "sdk/host/messages/messages.hpp"
 #include "sdk/math/rotation.hpp"
 #include "tests/support/plain_walk.hpp"
 #include "tests/support/messages.hpp"
+#include "tests/support/support.hpp"
 
-using namespace odograph;
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
@@ -363,5 +357,3 @@ TEST_CASE("a pose for the screen takes microseconds") {
   MESSAGE("median " << percentile(us, 0.5) << " us, 99 % " << percentile(us, 0.99) << " us");
   CHECK(percentile(us, 0.5) < 50);  // on a busy machine under a sanitizer; the target is 5
 }
-
-TEST_SUITE_END();

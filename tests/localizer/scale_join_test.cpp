@@ -1,13 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <doctest/doctest.h>
-
-#include <cmath>
-
 #include "sdk/host/core/scale_group_numbers.hpp"
 #include "sdk/host/core/scale_join.hpp"
 #include "sdk/host/messages/messages.hpp"
-
-using namespace odograph;
+#include "tests/support/support.hpp"
 
 TEST_SUITE_BEGIN("scale_join");
 
@@ -82,5 +77,3 @@ TEST_CASE("a scale does not outlive the front-end of its group, nor its reset") 
   CHECK(begins(2, 1, 7) == 31);  // and hands back
   CHECK_FALSE(join.joined());
 }
-
-TEST_SUITE_END();

@@ -1,19 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <cmath>
-#include <vector>
-
 #include <Eigen/Geometry>
-#include <doctest/doctest.h>
 
 #include "plugins/fix/gnss/correlated_error.hpp"
 #include "plugins/fix/gnss/path_heading.hpp"
 #include "sdk/host/plugin_host/instance.hpp"
 #include "sdk/math/rotation.hpp"
 #include "sdk/tools/simulation/random.hpp"
-#include "tests/support/support.hpp"
 #include "tests/support/messages.hpp"
+#include "tests/support/support.hpp"
 
-using namespace odograph;
 using namespace odograph::gnss;
 using Eigen::Vector2d;
 
@@ -154,12 +149,10 @@ TEST_CASE(
   double raised_rad = 0;  // of the display, from face up
   SUBCASE("held in front of the face") { raised_rad = 0.7; }
   SUBCASE("held flat, where it has no heading") {}
-  const auto config =
-      read_pipeline_config("odograph: 1\nabsolute_fixers: [{plugin: fix/gnss}]\n", "<text>", {plugin_folder()});
-  REQUIRE_MESSAGE(config.ok(), (config.ok() ? "" : config.failure().text));
+  const auto config = required(
+      read_pipeline_config("odograph: 1\nabsolute_fixers: [{plugin: fix/gnss}]\n", "<text>", {plugin_folder()}));
   HostServices host(0, {}, nullptr);
-  auto plugin = PluginInstance::make(config->fixers.front(), LibraryCheck::hash, 1, host);
-  REQUIRE_MESSAGE(plugin.ok(), (plugin.ok() ? "" : plugin.failure().text));
+  auto plugin = required(PluginInstance::make(config->fixers.front(), LibraryCheck::hash, 1, host));
   // Walks north with the phone's top to the north.
   const Eigen::Quaterniond flat(0, std::sqrt(0.5), std::sqrt(0.5), 0);
   const Eigen::Quaterniond true_n_b = flat * Eigen::AngleAxisd(raised_rad, Eigen::Vector3d::UnitX());
@@ -188,5 +181,3 @@ TEST_CASE(
   }
   CHECK(reports > 3);
 }
-
-TEST_SUITE_END();

@@ -1,10 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <array>
-#include <cmath>
-#include <fstream>
-
-#include <doctest/doctest.h>
-
 #include "plugins/fix/gnss/correlated_error.hpp"
 #include "plugins/fix/gnss/path_heading.hpp"
 #include "sdk/host/base/geodesy.hpp"
@@ -13,7 +7,6 @@
 #include "sdk/tools/simulation/random.hpp"
 #include "tests/support/runs.hpp"
 
-using namespace odograph;
 using namespace odograph::gnss;
 
 TEST_SUITE_BEGIN("gnss");
@@ -57,8 +50,7 @@ TEST_CASE("the error of the mean of correlated positions matches their variance"
     }
     squares += (sum / weights).squaredNorm() / 2 / 200, variance += 1 / weights / 200;
   }
-  CHECK(squares / variance > 0.5);
-  CHECK(squares / variance < 1.6);  // independent ones would have a 40 times smaller variance
+  CHECK(squares / variance == Between{0.5, 1.6});  // independent ones would have a 40 times smaller variance
 }
 
 TEST_CASE("a reflection of 40 m for a minute is subtracted while it lasts, and leaves no bias") {
@@ -136,8 +128,7 @@ TEST_CASE("a path's yaw by satellites reaches the attainable accuracy, and its e
       PathHeading path({});
       const double yaw = seed % 2 ? 0.3 : 2.5;
       walk(path, seed, yaw, velocity_sigma);
-      const auto seen = path.yaw();
-      REQUIRE(seen);
+      const auto seen = required(path.yaw());
       const double off = std::remainder(seen->rad - yaw, 2 * EIGEN_PI);
       off_deg.push_back(std::abs(off) * 180 / EIGEN_PI);
       nis += off * off / (seen->sigma_rad * seen->sigma_rad) / 200;
@@ -145,8 +136,7 @@ TEST_CASE("a path's yaw by satellites reaches the attainable accuracy, and its e
     MESSAGE("velocities of " << velocity_sigma << " m/s: median " << percentile(off_deg, 0.5) << " deg, 90 % "
                              << percentile(off_deg, 0.9));
     CHECK(percentile(off_deg, 0.5) < (velocity_sigma == 0 ? 8.0 : velocity_sigma == 0.5 ? 6.0 : 3.7));
-    CHECK(nis > 0.5);
-    CHECK(nis < 1.6);
+    CHECK(nis == Between{0.5, 1.6});
   }
 }
 
@@ -156,8 +146,7 @@ TEST_CASE("with a gyroscope bias the reported yaw of the attitude is the present
   for (uint64_t seed = 1; seed <= 60; ++seed) {
     PathHeading path({});
     walk(path, seed, 0.3, 0.25, nullptr, seed % 2 ? 0.006 : -0.006);  // by 26 degrees during the walk
-    const auto seen = path.yaw();
-    REQUIRE(seen);
+    const auto seen = required(path.yaw());
     const double off = std::remainder(seen->rad - 0.3, 2 * EIGEN_PI);
     off_deg.push_back(std::abs(off) * 180 / EIGEN_PI);
     nis += off * off / (seen->sigma_rad * seen->sigma_rad) / 60;
@@ -185,11 +174,9 @@ TEST_CASE("velocities are weighted by their observed accuracy, whatever their re
     }
     MESSAGE(sigma << " m/s, learnt " << learnt << ": median " << percentile(off_deg, 0.5) << " deg, told the truth "
                   << percentile(known_deg, 0.5));
-    CHECK(learnt / sigma > 0.7);
-    CHECK(learnt / sigma < 1.3);
+    CHECK(learnt / sigma == Between{0.7, 1.3});
     CHECK(percentile(off_deg, 0.5) < 1.1 * percentile(known_deg, 0.5) + 0.1);
-    CHECK(nis > 0.25);  // steps with less noise than assumed
-    CHECK(nis < 1.6);
+    CHECK(nis == Between{0.25, 1.6});  // steps with less noise than assumed
   }
 }
 
@@ -206,15 +193,13 @@ TEST_CASE("the successive reports of a yaw add up to its total information") {
       const double w = 1 / (n.sigma_rad * n.sigma_rad);
       information += w, sum += w * n.rad;
     }
-    const auto all = path.yaw();
-    REQUIRE(all);
+    const auto all = required(path.yaw());
     ratio += 1 / std::sqrt(information) / all->sigma_rad / kWalks;
     squares += std::pow((sum / information - all->rad) / all->sigma_rad, 2) / kWalks;
   }
   // Each report refers to its own time, and the present information has decayed: their sum is larger.
   MESSAGE("sigma of the sum " << ratio << " of the present one, yaw off by " << std::sqrt(squares) << " of it, rms");
-  CHECK(ratio > 0.5);
-  CHECK(ratio < 0.7);
+  CHECK(ratio == Between{0.5, 0.7});
   CHECK(squares < 1);
 }
 
@@ -305,5 +290,3 @@ TEST_CASE("a jump is subtracted, and decays with its time constant if the receiv
   CHECK(then_m > 30);
   CHECK(error.bias_m().norm() < 1.5 * then_m * std::exp(-300.0 / 60));
 }
-
-TEST_SUITE_END();

@@ -1,16 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <cmath>
-
-#include <doctest/doctest.h>
-
 #include "plugins/shared/sensor_range.hpp"
 #include "plugins/vo/odograph/visual/gyroscope.hpp"
 #include "sdk/host/plugin_host/instance.hpp"
 #include "sdk/math/rotation.hpp"
-#include "tests/support/support.hpp"
 #include "tests/support/messages.hpp"
+#include "tests/support/support.hpp"
 
-using namespace odograph;
 using namespace odograph::vo;
 using Eigen::Vector3d;
 
@@ -51,8 +46,7 @@ TEST_CASE("repeated and backward samples are ignored, and cleared ones are gone"
   Gyroscope gyroscope = sampled(1200, {0, 0, 1});
   gyroscope.add(1200 * kMilli, {0, 0, 50});
   gyroscope.add(1100 * kMilli, {0, 0, 50});
-  const auto rotation = gyroscope.between(1050 * kMilli, 1200 * kMilli, Vector3d::Zero());
-  REQUIRE(rotation);
+  const auto rotation = required(gyroscope.between(1050 * kMilli, 1200 * kMilli, Vector3d::Zero()));
   CHECK(log_rotation(rotation->q_c0_c1).z() == doctest::Approx(0.15));
   gyroscope.clear();
   CHECK_FALSE(gyroscope.between(1050 * kMilli, 1200 * kMilli, Vector3d::Zero()));
@@ -63,8 +57,7 @@ TEST_CASE("a sample counts as the mean of it and the previous one, up to its tim
   Gyroscope gyroscope;
   const double rates[] = {10, 50, -30, 80};  // fast enough for the scale error to matter
   for (int k = 0; k < 4; ++k) gyroscope.add((1000 + 10 * k) * kMilli, {0, rates[k], 0});
-  const auto part = gyroscope.between(1004 * kMilli, 1027 * kMilli, {0, 0.2, 0});
-  REQUIRE(part);
+  const auto part = required(gyroscope.between(1004 * kMilli, 1027 * kMilli, {0, 0.2, 0}));
   const double expected = 0.006 * (30 - 0.2) + 0.010 * (10 - 0.2) + 0.007 * (25 - 0.2);
   CHECK(std::abs(log_rotation(part->q_c0_c1).y() - expected) < 1e-9);
   CHECK(std::abs(part->by_bias(1, 1) + 0.023) < 1e-9);
@@ -86,17 +79,15 @@ TEST_CASE("the rate at a time is the latest sample's, while that is recent") {
 
 TEST_CASE(
     "a sample beyond the range of any phone's sensor is discarded by all plugins that integrate it, one at it is not") {
-  const auto config = read_pipeline_config(
+  const auto config = required(read_pipeline_config(
       "odograph: 1\nattitude: {plugin: attitude/vqf}\nvo_frontend: {plugin: vo/odograph}\nscale_source: {plugin: "
       "scale/inertial}\n",
-      "<text>", {plugin_folder()});
-  REQUIRE_MESSAGE(config.ok(), (config.ok() ? "" : config.failure().text));
+      "<text>", {plugin_folder()}));
   for (const PluginChoice& choice :
        {config->attitudes.front(), config->vo_frontends.front(), config->scale_sources.front()}) {
     CAPTURE(choice.manifest.id);
     HostServices host(0, {}, nullptr);
-    auto plugin = PluginInstance::make(choice, LibraryCheck::hash, 1, host);
-    REQUIRE_MESSAGE(plugin.ok(), (plugin.ok() ? "" : plugin.failure().text));
+    auto plugin = required(PluginInstance::make(choice, LibraryCheck::hash, 1, host));
     int64_t t_ns = 0;
     const auto is_discarded = [&](double rate_radps, double force_mps2) {
       auto imu = imu_at(t_ns += 10 * kMilli, {0, rate_radps, 0}, {0, 0, force_mps2});
@@ -110,5 +101,3 @@ TEST_CASE(
     CHECK(is_discarded(0, 1.001 * SensorRange::force_mps2));
   }
 }
-
-TEST_SUITE_END();

@@ -8,8 +8,6 @@
 #include "tests/support/plugin_run.hpp"
 #include "tests/support/disturbed_walk.hpp"
 
-using namespace odograph;
-
 TEST_SUITE_BEGIN("kept_plugins");
 
 namespace {
@@ -107,5 +105,3 @@ TEST_CASE("every plugin gives the kept events on a walk with many faults, and ea
   }
   if (compared) compare_kept("plugins", digest.text(), kSame);
 }
-
-TEST_SUITE_END();

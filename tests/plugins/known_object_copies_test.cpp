@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <doctest/doctest.h>
-
 #include "plugins/fix/known_object/finder.hpp"
 #include "tests/plugins/known_object_scene.hpp"
+#include "tests/support/support.hpp"
 
-using namespace odograph;
 using namespace odograph::known_object_tests;
 
 TEST_SUITE_BEGIN("known_object");
@@ -147,5 +145,3 @@ TEST_CASE("passing the copy first, with the original out of the picture, gives n
   REQUIRE_FALSE(right.empty());
   CHECK(*std::max_element(right.begin(), right.end()) < 0.1);
 }
-
-TEST_SUITE_END();

@@ -1,11 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <doctest/doctest.h>
-
-#include <array>
-#include <fstream>
-#include <memory>
-#include <string>
-
 #include <Eigen/Geometry>
 #include <opencv2/imgcodecs.hpp>
 
@@ -13,13 +6,10 @@
 #include "plugins/fix/known_object/object_fixer.hpp"
 #include "plugins/fix/known_object/read_objects.hpp"
 #include "sdk/host/base/geodesy.hpp"
-#include "sdk/tools/recording/recording.hpp"
 #include "sdk/tools/simulation/poster.hpp"
-#include "sdk/tools/simulation/simulate.hpp"
 #include "tests/plugins/known_object_scene.hpp"
-#include "tests/support/support.hpp"
+#include "tests/support/runs.hpp"
 
-using namespace odograph;
 using namespace odograph::known_object_tests;
 using namespace odograph::known_object;
 using Eigen::Matrix3d;
@@ -126,9 +116,8 @@ TEST_CASE("a poster and a tag beside a simulated walk are at their surveyed posi
   s.objects = {{9, 1.0, 1.6, 1.8, "poster", 0.6}, {9, -0.8, 1.6, 0.6}};
   s.world.pedestrians = 0, s.world.cars = 0;
   s.camera.rate_hz = 2, s.camera.row_time_s = 0;
-  REQUIRE(simulate(s, 2, folder / "walk.odo").ok());
+  const Recording recording = recorded(s, 2, folder / "walk.odo");
   REQUIRE(write_known_objects(s, 2, folder / "survey").ok());
-  const auto recording = required(read_recording(folder / "walk.odo"));
   const std::vector<PlaneObject> objects = read_objects(folder / "survey" / "objects.yaml");
   REQUIRE(objects.size() == 2);
   CHECK(objects[0].id == "poster 0");
@@ -141,12 +130,10 @@ TEST_CASE("a poster and a tag beside a simulated walk are at their surveyed posi
   Finder finder({}, objects);
   std::array<int, 2> seen{};
   size_t frame_index = 0;
-  for (const auto& m : recording->messages) {
-    if (m.message.header().type != ODO_TYPE_FRAME) continue;
-    const StampedPose& truth = recording->truth[frame_index++];
-    const auto frame = required(load_frame(m));
-    const cv::Mat grey(480, 640, CV_8U, const_cast<uint8_t*>(frame->planes[0].data),
-                       static_cast<size_t>(frame->planes[0].row_stride));
+  for_each_picture(recording, [&](const odo_frame& frame) {
+    const StampedPose& truth = recording.truth[frame_index++];
+    const cv::Mat grey(480, 640, CV_8U, const_cast<uint8_t*>(frame.planes[0].data),
+                       static_cast<size_t>(frame.planes[0].row_stride));
     for (const Sighting& sighting : finder.find(truth.t_ns, grey, {}, lens, {})) {
       const PlaneObject& o = objects[sighting.object];
       const auto middle = geodesy.from_geodetic({o.place.latitude_rad, o.place.longitude_rad, o.place.height_m});
@@ -155,8 +142,7 @@ TEST_CASE("a poster and a tag beside a simulated walk are at their surveyed posi
       CHECK((sighting.poses[0].pose.t_c_o - p_c).norm() < 0.02 * p_c.norm());
       ++seen[sighting.object];
     }
-    frame->loan.release(frame->loan.owner);
-  }
+  });
   CHECK(seen[0] >= 3);
   CHECK(seen[1] >= 3);
 }
@@ -172,8 +158,7 @@ TEST_CASE("survey errors of the corners shift and rotate the camera as the covar
     const known_object_tests::Scene scene(o, 4, oblique_rad);
     Sighting sighting = sighting_of(scene, o, 0, -1);
     sighting.poses[0].information *= 1e6;
-    const auto told = SightingValidator(p).validate(sighting, o, lens_of(calibration(0)), scene.prior());
-    REQUIRE(told);
+    const auto told = required(SightingValidator(p).validate(sighting, o, lens_of(calibration(0)), scene.prior()));
     Random random(5, 1);
     Eigen::Matrix<double, 3, 4> stated, true_o;
     const auto corners = o.corners_o();
@@ -258,7 +243,7 @@ TEST_CASE("an error in a file of objects is reported with the object") {
   const auto says = [&](const std::string& text, const std::string& expected) {
     write_text(folder / "o.yaml", text);
     const std::string said = why(folder / "o.yaml");
-    CHECK_MESSAGE(said.find(expected) != std::string::npos, said);
+    CHECK_MESSAGE(contains(said, expected), said);
   };
   const std::string square = "corners_n: [[5, 0, 0], [5, 1, 0], [5, 1, -1], [5, 0, -1]]";
   says("", "empty or unreadable");
@@ -277,8 +262,6 @@ TEST_CASE("an error in a file of objects is reported with the object") {
   const std::string deep = std::string(100, '[') + std::string(100, ']');
   says("a: " + deep, "more than 64 levels");
   write_text(folder / "o.json", "{\"type\": \"FeatureCollection\", \"features\": [{\"properties\": {}}]}");
-  CHECK(why(folder / "o.json").find("object 1: expected a geometry") != std::string::npos);
+  CHECK(contains(why(folder / "o.json"), "object 1: expected a geometry"));
   CHECK(why(source("tests/data/objects.yaml")).empty());
 }
-
-TEST_SUITE_END();

@@ -1,14 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <cmath>
-
-#include <doctest/doctest.h>
-
 #include "plugins/fix/known_object/read_objects.hpp"
 #include "plugins/fix/known_object/text_tree.hpp"
 #include "tests/plugins/known_object_scene.hpp"
 #include "tests/support/support.hpp"
 
-using namespace odograph;
 using namespace odograph::known_object_tests;
 
 TEST_SUITE_BEGIN("known_object");
@@ -18,8 +13,7 @@ TEST_CASE("the lens's derivative equals the numeric one with a rolling shutter")
     CAPTURE(kind);
     RollingLens lens = lens_of(calibration(kind));
     const Vector3d p(0.4, -0.3, 2.5);
-    const auto seen = lens.project(p);
-    REQUIRE(seen);
+    const auto seen = required(lens.project(p));
     for (int k = 0; k < 3; ++k) {
       const Vector3d step = 1e-5 * Vector3d::Unit(k);
       const Eigen::Vector2d numeric = (lens.project(p + step)->pixel - lens.project(p - step)->pixel) / 2e-5;
@@ -49,8 +43,7 @@ TEST_CASE("alignment converges to a few millimetres from some pixels away, throu
       const cv::Mat grey = frame_of({flat(o, o.picture, truth)}, c);
       Eigen::Matrix<double, 6, 1> off;
       off << 0.004, -0.004, 0.005, 0.02, -0.02, 0.08;
-      const auto a = aligner.align({grey, {}, aligner.parameters()}, lens_of(c), pyramid, truth.moved(off));
-      REQUIRE(a);
+      const auto a = required(aligner.align({grey, {}, aligner.parameters()}, lens_of(c), pyramid, truth.moved(off)));
       CHECK((scene.place_by(a->pose, o) - scene.p_n).norm() < 0.04);
       CHECK(Eigen::AngleAxisd(a->pose.R_c_o.transpose() * truth.R_c_o).angle() < 0.012);
       CHECK(a->correlation > 0.9);
@@ -137,8 +130,7 @@ TEST_CASE("of a plane's two poses the better or the possible one is used, or non
   const PlaneObject o = poster();
   const Scene scene(o, 5, 0.6);
   SightingValidator validator({});
-  const auto clear = after_frames(validator, scene, o, scene.prior(), 5, 30);
-  REQUIRE(clear);
+  const auto clear = required(after_frames(validator, scene, o, scene.prior(), 5, 30));
   CHECK((clear->p_n - scene.p_n).norm() < 0.04);
   // Equal by the picture: the other one is 5 m away, which the prior excludes.
   validator.clear();
@@ -199,8 +191,7 @@ TEST_CASE("standing in front of the object gives a fix that later ones while wal
   const Scene scene(o, 3, 0.1), grazing(o, 3, 1.1);
   SightingValidator validator({});
   CHECK_FALSE(after_frames(validator, scene, o, scene.prior(), 2));  // not confirmed
-  auto e = after_frames(validator, scene, o, scene.prior(), 3, -1, 2);
-  REQUIRE(e);
+  auto e = required(after_frames(validator, scene, o, scene.prior(), 3, -1, 2));
   CHECK_FALSE(e->standing);
   e = after_frames(validator, scene, o, scene.prior(), 40, -1, 5);
   REQUIRE(e);
@@ -212,12 +203,9 @@ TEST_CASE("distant views have less weight than near ones") {
   const PlaneObject o = poster();
   const auto told = [&](const Scene& scene) {
     SightingValidator validator({});
-    const auto e = after_frames(validator, scene, o, scene.prior(), 5);
-    REQUIRE(e);
+    const auto e = required(after_frames(validator, scene, o, scene.prior(), 5));
     return e->covariance_n.trace();
   };
   const double near = told(Scene(o, 3, 0.5));
   CHECK(told(Scene(o, 12, 0.5)) > 10 * near);
 }
-
-TEST_SUITE_END();

@@ -1,16 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Sigmas and residuals of a lens calibration against known noise.
-#include <doctest/doctest.h>
-
-#include <cmath>
-
 #include <Eigen/Geometry>
 
 #include "sdk/tools/calibration/calibrate_lens.hpp"
 #include "sdk/tools/simulation/random.hpp"
-
-using namespace odograph;
+#include "tests/support/support.hpp"
 
 namespace {
 
@@ -43,13 +38,11 @@ std::vector<BoardView> noisy_views(uint64_t seed) {
 TEST_SUITE("calibration") {
   TEST_CASE("tilt and coverage are those of the boards, and residuals are measured minus modelled") {
     auto views = noisy_views(1);
-    const auto found = calibrate_lens(views, {640, 480}, {.coefficients = 0});
-    REQUIRE(found);
+    const auto found = required(calibrate_lens(views, {640, 480}, {.coefficients = 0}));
     CHECK(std::abs(found->widest_tilt_rad() - kTilt_rad) < 0.01);
     for (const auto& picture : found->pictures) CHECK(std::abs(picture.tilt_rad - kTilt_rad) < 0.02);
     views[3].pixels[17].x += 0.9F, views[3].pixels[17].y -= 0.7F;
-    const auto moved = calibrate_lens(views, {640, 480}, {.coefficients = 0});
-    REQUIRE(moved);
+    const auto moved = required(calibrate_lens(views, {640, 480}, {.coefficients = 0}));
     const auto change = moved->pictures[3].residuals_px[17] - found->pictures[3].residuals_px[17];
     CHECK(std::abs(change.x - 0.9) < 0.1);
     CHECK(std::abs(change.y + 0.7) < 0.1);

@@ -1,14 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <doctest/doctest.h>
-
 #include "plugins/attitude/magyq/magyq.hpp"
 #include "plugins/attitude/vqf/vqf.hpp"
-#include "sdk/tools/recording/recording.hpp"
 #include "sdk/tools/simulation/random.hpp"
-#include "sdk/tools/simulation/simulate.hpp"
-#include "tests/support/support.hpp"
+#include "tests/support/runs.hpp"
 
-using namespace odograph;
 using Eigen::Vector3d;
 
 TEST_SUITE_BEGIN("magyq");
@@ -89,15 +84,11 @@ TEST_CASE("the error is within the reported heading sigma") {
 TEST_CASE("on simulated walks through disturbed fields its inclination and heading errors are smaller than VQF's") {
   double magyq_squares = 0, vqf_squares = 0, tilt_squares = 0, normalised = 0, streetless = 0;
   size_t n = 0;
-  const TemporaryFolder folder;
   for (const uint64_t seed : {611u, 612u, 613u, 614u}) {
     Scenario scenario;
     scenario.walker.stand_s = 4;
     scenario.route = {{0, 0, 0}, {60, 0, 0}, {60, 45, 0}, {-10, 45, 0}};
-    const auto file = folder / (std::to_string(seed) + ".odo");
-    REQUIRE(simulate(scenario, seed, file, {.threads = 1, .frames = false}));
-    const auto recording = read_recording(file);
-    REQUIRE(recording);
+    const Recording recording = recorded(scenario, seed, false);
     magyq::Filter magyq{magyq::Parameters{}};
     magyq::Parameters no_street;
     no_street.field_off_sigma_rad = std::hypot(no_street.field_off_sigma_rad, no_street.street_off_sigma_rad);
@@ -106,7 +97,7 @@ TEST_CASE("on simulated walks through disturbed fields its inclination and headi
     vqf::Filter vqf{vqf::Parameters{}};
     int64_t last_ns = 0, last_field_ns = 0;
     size_t at = 0;
-    for (const auto& m : recording->messages) {
+    for (const auto& m : recording.messages) {
       const odo_header& header = m.message.header();
       if (header.type == ODO_TYPE_MAGNETOMETER) {
         const double dt = last_field_ns ? static_cast<double>(header.t_ns - last_field_ns) * 1e-9 : 0.02;
@@ -122,10 +113,10 @@ TEST_CASE("on simulated walks through disturbed fields its inclination and headi
       magyq.update(Vector3d(imu.gyro_b), Vector3d(imu.accel_b), dt);
       surer.update(Vector3d(imu.gyro_b), Vector3d(imu.accel_b), dt);
       vqf.update(Vector3d(imu.gyro_b), Vector3d(imu.accel_b), dt);
-      while (at + 1 < recording->true_states.size() && recording->true_states[at].t_ns < header.t_ns) ++at;
-      if (header.t_ns - recording->true_states.front().t_ns < 30'000'000'000) continue;
+      while (at + 1 < recording.true_states.size() && recording.true_states[at].t_ns < header.t_ns) ++at;
+      if (header.t_ns - recording.true_states.front().t_ns < 30'000'000'000) continue;
       const auto off = [&](const Eigen::Quaterniond& q) {
-        return kNedFromEnu * q * recording->true_states[at].q.conjugate();
+        return kNedFromEnu * q * recording.true_states[at].q.conjugate();
       };
       const auto heading = [](const Eigen::Quaterniond& q) {
         return std::remainder(2 * std::atan2(q.z(), q.w()), 2 * M_PI);
@@ -149,5 +140,3 @@ TEST_CASE("on simulated walks through disturbed fields its inclination and headi
   CHECK(normalised / static_cast<double>(n) < 1.0);
   CHECK(normalised < 0.8 * streetless);
 }
-
-TEST_SUITE_END();

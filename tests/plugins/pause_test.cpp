@@ -1,17 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Silence of all sensors for any time, anywhere in a run: it is an event, not an interval to integrate.
-#include <doctest/doctest.h>
-
-#include <cmath>
-#include <cstdlib>
 #include <ctime>
 #include <random>
 
 #include "tests/support/session_app.hpp"
 #include "tests/support/messages.hpp"
-
-using namespace odograph;
 
 TEST_SUITE_BEGIN("pause");
 
@@ -49,7 +43,7 @@ class Walk {
     auto c = calibration(kWidth, kHeight);
     c.header.flags = ODO_CALIBRATION_EXTRINSICS;
     c.q_b_c[0] = 1;
-    odo_session_push(app.session, &c.header);
+    app.push(c);
     std::mt19937 random(1);
     for (auto& pixel : wall_) pixel = static_cast<uint8_t>(random());
   }
@@ -58,7 +52,7 @@ class Walk {
   }
   void wait(double s) { t_ns_ += static_cast<int64_t>(s * 1e9); }
   void flush() {
-    timed([&] { odo_session_flush(app.session); });
+    timed([&] { app.flush(); });
   }
 
   App app;
@@ -87,7 +81,7 @@ class Walk {
     timed([&] { odo_session_push_imu(app.session, t_ns_, gyro, accel); });
     if (!has_camera || count_ % 10 != 0) return;
     auto f = grey_frame_at(t_ns_ + 1, wall_ + (count_ / 5) % 1000, kWidth, kHeight);
-    timed([&] { odo_session_push(app.session, &f.header); });
+    timed([&] { app.push(f); });
   }
   inline static uint8_t wall_[kWidth * kHeight + 1000];
   int64_t t_ns_ = 1'000'000'000;
@@ -235,5 +229,3 @@ TEST_CASE("a clock at zero before the time since boot has no effect") {
   CHECK(walk.slowest_s < 1.0);
   CHECK(walk.app.pose(ODO_TIME_LATEST).state != ODO_LOST);
 }
-
-TEST_SUITE_END();

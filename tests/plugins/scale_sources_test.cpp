@@ -1,15 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <cmath>
-#include <vector>
-
-#include <doctest/doctest.h>
-
 #include "plugins/scale/slant_distance/slant_scale.hpp"
 #include "plugins/scale/step_fit/step_fit.hpp"
 #include "plugins/scale/step_length/step_scale.hpp"
 #include "sdk/tools/simulation/random.hpp"
+#include "tests/support/support.hpp"
 
-using namespace odograph;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
@@ -267,5 +262,3 @@ TEST_CASE("a new group has the previous speed for one second of motions, and fix
   standing.go({0.04, 0}, 6, 0);
   CHECK_FALSE(standing.fit.scale());
 }
-
-TEST_SUITE_END();

@@ -1,11 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The scale from slant distances to roof lines, and the sky odometry (Gakne & O'Keefe 2018).
-#include <doctest/doctest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <numbers>
 #include <random>
 
 #include <opencv2/imgproc.hpp>
@@ -16,7 +11,6 @@
 #include "plugins/vo/gakne2018/sky_odometry.hpp"
 #include "tests/support/support.hpp"
 
-using namespace odograph;
 using namespace odograph::skyline;
 
 TEST_SUITE_BEGIN("skyline");
@@ -112,5 +106,3 @@ TEST_CASE("the sky odometry moves against the roofs, in units of their height") 
   const auto nothing = vo.process(cv::Mat(480, 640, CV_8UC1, cv::Scalar(128)), {}, level, 0.1);
   CHECK_FALSE(nothing.valid);
 }
-
-TEST_SUITE_END();

@@ -1,12 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <cmath>
-
-#include <doctest/doctest.h>
-
 #include "sdk/host/messages/messages.hpp"
 #include "sdk/tools/evaluation/start_windows.hpp"
+#include "tests/support/support.hpp"
 
-using namespace odograph;
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
@@ -73,5 +69,3 @@ TEST_CASE("an odometry that is never metric has no scale, and neither has a stan
   for (StampedPose& x : stands.truth) x.p *= 0.01;
   CHECK(start_window(stands.truth, stands.motions, 0).scales.empty());
 }
-
-TEST_SUITE_END();

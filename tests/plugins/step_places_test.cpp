@@ -2,13 +2,6 @@
 //
 // Steps with the phone anywhere: on a leg, in a bag, on the body.
 // Standing, a few steps, standing again: the steps are found, and the first ones are shorter.
-#include <doctest/doctest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <utility>
-#include <vector>
-
 #include "plugins/step/odograph/carry_mode.hpp"
 #include "plugins/step/odograph/gait_finder.hpp"
 #include "plugins/step/odograph/length_model.hpp"
@@ -18,9 +11,9 @@
 #include "sdk/tools/simulation/carrying.hpp"
 #include "sdk/tools/simulation/random.hpp"
 #include "sdk/tools/simulation/walk_scenarios.hpp"
+#include "tests/plugins/found_gait.hpp"
 #include "tests/support/runs.hpp"
 
-using namespace odograph;
 using namespace odograph::steps;
 
 TEST_SUITE_BEGIN("steps");
@@ -36,14 +29,10 @@ struct Place {
 /// Both feet push, the second one by that fraction, 0.42 of a stride later; the surge leads by a good quarter of a
 /// step; the swing is a pendulum's across both, once per stride.
 std::vector<FoundStep> found_in(const Place& place, double step_hz, double walk_s, uint64_t seed) {
-  Resampler resampler;
-  GaitFinder finder;
   Random random(seed, 1);
-  std::vector<FoundStep> steps;
   double phase = 0;
-  constexpr double dt = 0.01;
-  for (double t = 0; t < walk_s + 8; t += dt) {
-    phase += kPi * step_hz * dt;  // of the stride
+  return found_gait(walk_s + 8, [&](double t) {
+    phase += kPi * step_hz * 0.01;  // of the stride
     const double on = t > 4 && t < 4 + walk_s ? 1 : 0;
     const auto push = [&](double at) { return std::exp(3 * (std::cos(phase - at) - 1)); };
     const double up = on * place.vertical_mps2 * (push(0) + place.other_foot * push(2.6) - 0.6);
@@ -53,20 +42,12 @@ std::vector<FoundStep> found_in(const Place& place, double step_hz, double walk_
     const Eigen::Vector2d noise{0.05 * random.normal(), 0.05 * random.normal()};
     const Eigen::Vector2d horizontal = (surge + swing) * along + noise;
     const double rate = on * place.tilting_radps * std::sqrt(2.0) * std::cos(phase);
-    resampler.push(
-        {.t_ns = static_cast<int64_t>(t * 1e9),
-         .vertical = up + 0.05 * random.normal(),
-         .level = horizontal.norm(),
-         .gyro = std::abs(rate) + 0.05,
-         .horizontal_n = horizontal,
-         .tilting_n = Eigen::Vector2d(rate, 0)},
-        [&](const WalkSample& s) {
-          finder.add(s);
-          for (const FoundStep& step : finder.found()) steps.push_back(step);
-        },
-        [&] { finder.reset(); });
-  }
-  return steps;
+    return WalkSample{.vertical = up + 0.05 * random.normal(),
+                      .level = horizontal.norm(),
+                      .gyro = std::abs(rate) + 0.05,
+                      .horizontal_n = horizontal,
+                      .tilting_n = Eigen::Vector2d(rate, 0)};
+  });
 }
 
 const Place kLeg{8, 0.5, 2, 3, 1.6}, kBag{5, 0.8, 1.5, 2.5, 0.6};
@@ -88,29 +69,21 @@ TEST_CASE(
 TEST_CASE("equally strong motion by a hand without rhythm is no walk") {
   size_t found = 0;
   for (const uint64_t seed : {1, 2, 3}) {
-    Resampler resampler;
-    GaitFinder finder;
     Random random(seed, 1);
     Eigen::Vector3d at = Eigen::Vector3d::Zero(), speed = at;  // each axis rings at 1.5 Hz, as in gestures
     constexpr double dt = 0.01, w = 2 * kPi * 1.5, damping = 0.3;
-    for (double t = 0; t < 200; t += dt) {
+    const auto steps = found_gait(200, [&](double) {
       const Eigen::Vector3d push{random.normal(), random.normal(), random.normal()};
       speed += dt * (-w * w * at - 2 * damping * w * speed) + std::sqrt(4 * damping * w * dt) * w * push;
       at += dt * speed;
       const Eigen::Vector3d force = 2.0 * at;  // m/s^2, rms
-      resampler.push(
-          {.t_ns = static_cast<int64_t>(t * 1e9),
-           .vertical = force.z(),
-           .level = force.head<2>().norm(),
-           .gyro = 1.5,
-           .horizontal_n = force.head<2>(),
-           .tilting_n = Eigen::Vector2d(0.6 * at.x(), 0.6 * at.y())},
-          [&](const WalkSample& s) {
-            finder.add(s);
-            found += finder.found().size();
-          },
-          [&] { finder.reset(); });
-    }
+      return WalkSample{.vertical = force.z(),
+                        .level = force.head<2>().norm(),
+                        .gyro = 1.5,
+                        .horizontal_n = force.head<2>(),
+                        .tilting_n = Eigen::Vector2d(0.6 * at.x(), 0.6 * at.y())};
+    });
+    found += steps.size();
   }
   CHECK(found <= 10);  // one per minute
 }
@@ -245,34 +218,20 @@ TEST_CASE("real steps match those counted by a switch in each shoe" * doctest::t
   CHECK(percentile(sizes(errors, &Error::count_percent), 1) < 5);
 }
 
-TEST_SUITE_END();
-
-TEST_SUITE_BEGIN("steps");
-
 namespace {
 
 /// Steps at 1.8 Hz within these times, s; standing in between.
 std::vector<FoundStep> found_in(const std::vector<std::pair<double, double>>& walks) {
   constexpr double kStep_hz = 1.8, kRise_m = 0.04, kTwoPi = 6.283185307179586;
-  Resampler resampler;
-  GaitFinder finder;
   Random random(5, 1);
-  std::vector<FoundStep> steps;
-  for (double t = 0; t < walks.back().second + 5; t += 0.01) {
+  return found_gait(walks.back().second + 5, [&](double t) {
     double up = 0.1 * random.normal();
     bool on = false;
     for (const auto& [from_s, to_s] : walks)
       if (t > from_s && t < to_s)
         on = true, up += 0.5 * kRise_m * std::pow(kTwoPi * kStep_hz, 2) * std::cos(kTwoPi * kStep_hz * (t - from_s));
-    resampler.push(
-        {.t_ns = static_cast<int64_t>(t * 1e9), .vertical = up, .level = on ? 0.6 : 0.05, .gyro = 0.05},
-        [&](const WalkSample& s) {
-          finder.add(s);
-          for (const FoundStep& step : finder.found()) steps.push_back(step);
-        },
-        [&] { finder.reset(); });
-  }
-  return steps;
+    return WalkSample{.vertical = up, .level = on ? 0.6 : 0.05, .gyro = 0.05};
+  });
 }
 
 size_t between(const std::vector<FoundStep>& steps, double from_s, double to_s) {
@@ -309,5 +268,3 @@ TEST_CASE("the first step after a stop is half a step, and the fifth almost a wh
   CHECK(parts[4] > 0.95);
   CHECK(parts.back() > 0.999);
 }
-
-TEST_SUITE_END();

@@ -1,17 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <tiffio.h>
 
-#include <cmath>
-#include <fstream>
-
 #include <GeographicLib/LocalCartesian.hpp>
 #include <GeographicLib/UTMUPS.hpp>
-#include <doctest/doctest.h>
 
 #include "plugins/fix/terrain/placement.hpp"
 #include "tests/support/runs.hpp"
 
-using namespace odograph;
 using namespace odograph::terrain;
 
 TEST_SUITE_BEGIN("terrain");
@@ -110,12 +105,12 @@ TEST_CASE(
   write(file, "ncols 3\nnrows 2\nxllcorner 95\nyllcorner 195\ncellsize 10\n1 2 3\n5 6 7\n");
   CHECK(height_at(read_terrain(file.string()), 105, 205) == doctest::Approx(3.5));
   write(file, "ncols 3\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize 10\n1 2 3\n5 six 7\n");
-  CHECK(why(file).find("expected a number, found 'six'") != std::string::npos);
+  CHECK(contains(why(file), "expected a number, found 'six'"));
   write(file, "ncols 3\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize 10\n1 2 3\n5 6\n");
-  CHECK(why(file).find("ends too early") != std::string::npos);
+  CHECK(contains(why(file), "ends too early"));
   write(file, "ncols 3000000\nnrows 3000000\nxllcorner 0\nyllcorner 0\ncellsize 10\n1\n");
-  CHECK(why(file).find("100 million") != std::string::npos);
-  CHECK(why(folder / "none.asc").find("is not a file") != std::string::npos);
+  CHECK(contains(why(file), "100 million"));
+  CHECK(contains(why(folder / "none.asc"), "is not a file"));
 }
 
 TEST_CASE(
@@ -134,9 +129,9 @@ TEST_CASE(
   CHECK(height_at(terrain, 50, 25, 11) == doctest::Approx(12));
   CHECK(std::isnan(height_at(terrain, 101, 25)));
   write(file, "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n");
-  CHECK(why(file).find("a vertex that does not exist") != std::string::npos);
+  CHECK(contains(why(file), "a vertex that does not exist"));
   write(file, "v 0 0 0\nv 0 0 1\nv 0 1 0\nf 1 2 3\n");
-  CHECK(why(file).find("no ground: all triangles are upright") != std::string::npos);
+  CHECK(contains(why(file), "no ground: all triangles are upright"));
 }
 
 TEST_CASE("GeoTIFF in strips and tiles is placed by its UTM zone and its degrees") {
@@ -176,7 +171,7 @@ TEST_CASE("GeoTIFF in strips and tiles is placed by its UTM zone and its degrees
   CHECK_THROWS_WITH_AS(Placement({.geodetic = true}, other.reference()),
                        doctest::Contains("the model's projection (EPSG 31255) is not supported"), std::runtime_error);
   write(folder / "broken.tif", "II*");
-  CHECK(why(folder / "broken.tif").find("is not a TIFF file") != std::string::npos);
+  CHECK(contains(why(folder / "broken.tif"), "is not a TIFF file"));
 }
 
 TEST_CASE("a model's own coordinates have its origin, its north and its zero height") {
@@ -247,5 +242,3 @@ TEST_CASE("heights on slopes, a kerb and stairs are within 0.3 m of the truth, w
                       << std::sqrt(all_squares / all) << " m over all; treads on slopes: " << treads_on_slopes << " of "
                       << steps_on_slopes << " steps");
 }
-
-TEST_SUITE_END();

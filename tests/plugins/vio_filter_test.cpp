@@ -1,16 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The visual-inertial filter on a walk past known points: effect of IMU axis errors and bad corners on the scale.
-#include <doctest/doctest.h>
-
-#include <cmath>
 #include <random>
-#include <vector>
 
 #include "plugins/vo/odograph/inertial/filter.hpp"
 #include "plugins/vo/odograph/inertial/update.hpp"
 #include "sdk/math/rotation.hpp"
 #include "sdk/math/scalar.hpp"
+#include "tests/support/support.hpp"
 
 namespace {
 
@@ -250,8 +247,7 @@ TEST_CASE("a joint update of landmarks equals consecutive ones if the equations 
   const Clone& newest = state.clones.back();
   for (size_t j = 0; j < 4; ++j) {
     const double row = 200;
-    const auto o = observe(newest, state.camera, state.point(state.landmarks[j]), row);
-    REQUIRE(o);
+    const auto o = required(observe(newest, state.camera, state.point(state.landmarks[j]), row));
     seen.push_back({j, {newest.id, o->pixel + Vector2d(0.01, -0.01 * static_cast<double>(j)), row}});
   }
   State together = state, alone = state;
@@ -262,5 +258,3 @@ TEST_CASE("a joint update of landmarks equals consecutive ones if the equations 
   CHECK((together.P - together.P.transpose()).norm() == 0);
   CHECK(together.P.diagonal().sum() < state.P.diagonal().sum());
 }
-
-TEST_SUITE_END();

@@ -1,15 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Start of the visual-inertial filter, detection of standing, and inputs that are ignored.
-#include <doctest/doctest.h>
-
-#include <algorithm>
 #include <random>
 
 #include "plugins/vo/odograph/inertial/corners.hpp"
 #include "plugins/vo/odograph/inertial/observe.hpp"
 #include "plugins/vo/odograph/inertial/start.hpp"
 #include "sdk/math/rotation.hpp"
+#include "tests/support/support.hpp"
 
 namespace {
 
@@ -74,8 +72,7 @@ struct Scene {
 TEST_SUITE_BEGIN("vio_start");
 
 TEST_CASE("a phone that is held still starts with a known gyro bias") {
-  const auto filter = Scene(0, 0, 0.01).start();
-  REQUIRE(filter);
+  const auto filter = required(Scene(0, 0, 0.01).start());
   CHECK(std::abs(filter->state().nav.gyro_bias.y() - 0.01) < 0.0005);
   CHECK(filter->state().nav.v_w.norm() < 0.02);
   const Vector3d up_b = filter->state().nav.q_w_b.conjugate() * -Vector3d::UnitZ();
@@ -114,8 +111,7 @@ TEST_CASE("at rest the accelerometer bias along gravity is observable, and acros
   ImuBuffer biased;
   for (int k = 0; k <= 260; ++k) biased.add({5'000'000LL * k, Vector3d::Zero(), Vector3d(0, -kGravity_mps2, 0) + bias});
   scene.imu = biased;
-  const auto filter = scene.start();
-  REQUIRE(filter);
+  const auto filter = required(scene.start());
   const State& s = filter->state();
   const Vector3d up_b = s.nav.q_w_b.conjugate() * -Vector3d::UnitZ();
   CHECK(s.nav.accel_bias.dot(up_b) == doctest::Approx(bias.dot(up_b)).epsilon(0.35));
@@ -124,8 +120,7 @@ TEST_CASE("at rest the accelerometer bias along gravity is observable, and acros
   CHECK(sigma(block::accel_bias) > 0.15);      // across
   // The tilt error is that of the bias across gravity, and so is its sigma.
   const double tilt = std::acos(std::clamp(up_b.dot(-Vector3d::UnitY()), -1.0, 1.0));
-  CHECK(tilt < 3 * std::hypot(sigma(block::theta), sigma(block::theta + 1)));
-  CHECK(tilt > 0.03);
+  CHECK(tilt == Between{0.03, 3 * std::hypot(sigma(block::theta), sigma(block::theta + 1))});
 }
 
 TEST_CASE("the samples' second differences measure vibration, not motion") {
@@ -191,8 +186,7 @@ TEST_CASE("two starts are compared by the depths of their common landmarks") {
       s->landmarks.push_back(landmark);
     }
   }
-  const auto ratio = scale_between(first, second, 8);
-  REQUIRE(ratio);
+  const auto ratio = required(scale_between(first, second, 8));
   CHECK(*ratio == doctest::Approx(1.25));
   CHECK_FALSE(scale_between(first, second, 13));
   second.clones.front().frame_ns = 200;
@@ -200,8 +194,7 @@ TEST_CASE("two starts are compared by the depths of their common landmarks") {
 }
 
 TEST_CASE("a phone that rotates slowly starts, and its rotation is not taken for a bias") {
-  const auto filter = Scene(0.1, 0).start();
-  REQUIRE(filter);
+  const auto filter = required(Scene(0.1, 0).start());
   CHECK(std::abs(filter->state().nav.gyro_bias.y()) < 0.01);
 }
 
@@ -311,5 +304,3 @@ TEST_CASE("the hot pixels of a dark picture are not corners") {
   REQUIRE(after.size() > 50);
   CHECK(after.front().track > before.back().track);  // nothing is tracked through the dark
 }
-
-TEST_SUITE_END();

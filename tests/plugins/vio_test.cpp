@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The visual-inertial filter's equations against numeric derivatives and closed forms.
-#include <doctest/doctest.h>
-
 #include <random>
 
 #include <opencv2/imgproc.hpp>
@@ -11,6 +9,7 @@
 #include "plugins/vo/odograph/inertial/propagate.hpp"
 #include "plugins/vo/odograph/inertial/update.hpp"
 #include "sdk/math/rotation.hpp"
+#include "tests/support/support.hpp"
 
 namespace {
 
@@ -80,8 +79,7 @@ TEST_CASE("an observation's derivatives equal finite differences") {
     const Clone& clone = state.clones[0];
     const Vector3d p_w = clone.p_w + clone.q_w_c * Vector3d{normal() * 0.5, normal() * 0.5, 2 + std::abs(normal())};
     const double row = 20 + 200 * (trial % 3);
-    const auto o = observe(clone, state.camera, p_w, row);
-    REQUIRE(o);
+    const auto o = required(observe(clone, state.camera, p_w, row));
     const double h = 1e-6;
     const auto numeric = [&](auto change) {
       const auto at = [&](double step) {
@@ -215,8 +213,7 @@ TEST_CASE("a patch is matched after growth, shear, shift and a change of light")
   p.affine_sigma = 0.2;
   Patch patch;
   REQUIRE(patch.store(texture, at, p));
-  const auto match = patch.find(now, {now_at + Eigen::Vector2d(0.7, -0.5), Eigen::Matrix2d::Identity()}, p);
-  REQUIRE(match);
+  const auto match = required(patch.find(now, {now_at + Eigen::Vector2d(0.7, -0.5), Eigen::Matrix2d::Identity()}, p));
   CHECK((match->map.at - now_at).norm() < 0.05);
   CHECK((match->map.A - A).norm() < 0.03);
   CHECK(match->difference < 1.5);
@@ -328,5 +325,3 @@ TEST_CASE("the common scale of all lengths changes no picture, and only accelera
   const Vector3d now = reference.P.block<3, 1>(block::nu, block::scale) / reference.P(block::scale, block::scale);
   CHECK((carried - now - Vector3d(0.1, -0.2, 0.3)).norm() < 1e-9);
 }
-
-TEST_SUITE_END();

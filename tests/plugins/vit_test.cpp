@@ -1,14 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <doctest/doctest.h>
-
-#include <fstream>
-
 #include "plugins/vo/vit/vit_system.hpp"
-#include "sdk/tools/replay/runner.hpp"
-#include "sdk/tools/simulation/simulate.hpp"
-#include "tests/support/support.hpp"
-
-using namespace odograph;
+#include "tests/support/runs.hpp"
 
 TEST_SUITE_BEGIN("vit");
 
@@ -27,11 +19,7 @@ Recording a_walk(const TemporaryFolder& folder) {
   scenario.camera.width = 160, scenario.camera.height = 120, scenario.camera.focal_px = 120;
   scenario.walker.stand_s = 1;
   scenario.route = {{0, 0, 0}, {3, 0, 0}};
-  const auto file = folder / "walk.odo";
-  REQUIRE(simulate(scenario, 1, file).ok());
-  auto recording = read_recording(file);
-  REQUIRE(recording);
-  return std::move(*recording);
+  return recorded(scenario, 1, folder / "walk.odo");
 }
 
 }  // namespace
@@ -40,8 +28,7 @@ TEST_CASE("a VIT system is a front-end: its metric poses arrive, converted from 
   const TemporaryFolder folder;
   const Recording recording = a_walk(folder);
   RunOptions options{.config = config_for(folder, ODOGRAPH_TEST_VIT, "    wait: 5 s\n").string()};
-  const auto result = replay(recording, options);
-  REQUIRE_MESSAGE(result.ok(), (result ? "" : result.failure().text));
+  const auto result = required(replay(recording, options));
   size_t frames = 0;
   for (const auto& m : recording.messages) frames += m.message.header().type == ODO_TYPE_FRAME;
   REQUIRE(result->motions.size() == frames - 1);
@@ -65,8 +52,7 @@ TEST_CASE("a silent VIT system is lost, and one that cannot be loaded is a confi
   std::ofstream(folder / "quiet.txt") << "silent\n";
   RunOptions options{.config =
                          config_for(folder, ODOGRAPH_TEST_VIT, "    wait: 0 s\n    config: quiet.txt\n").string()};
-  const auto silent = replay(recording, options);
-  REQUIRE_MESSAGE(silent.ok(), (silent ? "" : silent.failure().text));
+  const auto silent = required(replay(recording, options));
   CHECK(silent->final_state == ODO_LOST);
   CHECK_FALSE(silent->motions.empty());
   const auto failure = [&](const std::string& library) {
@@ -74,9 +60,7 @@ TEST_CASE("a silent VIT system is lost, and one that cannot be loaded is a confi
     const auto result = replay(recording, options);
     return result ? std::string() : result.failure().text;
   };
-  CHECK(failure("libnothing-such.so").find("libnothing-such.so") != std::string::npos);
+  CHECK(contains(failure("libnothing-such.so"), "libnothing-such.so"));
   CHECK_THROWS_WITH_AS(vit::System("libm.so.6", ""),
                        "libm.so.6: not a VIT system: missing function vit_api_get_version", std::runtime_error);
 }
-
-TEST_SUITE_END();

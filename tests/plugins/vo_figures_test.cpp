@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <doctest/doctest.h>
-
 #include "sdk/host/messages/messages.hpp"
 #include "sdk/tools/evaluation/vo_figures.hpp"
+#include "tests/support/support.hpp"
 
-using namespace odograph;
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
@@ -291,8 +289,7 @@ TEST_CASE("a scale is wrong and certain if it is off by more than three of its o
 TEST_CASE("a pose is interpolated between two others, unless they are too far apart") {
   const auto truth = line(10);
   const int64_t t = truth[3].t_ns + kFrame_ns / 4;
-  const auto pose = pose_at(truth, t, 0.25);
-  REQUIRE(pose);
+  const auto pose = required(pose_at(truth, t, 0.25));
   CHECK((pose->p - (truth[3].p + 0.25 * (truth[4].p - truth[3].p))).norm() < 1e-12);
   CHECK(pose->q.angularDistance(truth[3].q.slerp(0.25, truth[4].q)) < 1e-12);
   CHECK(pose_at(truth, truth[3].t_ns, 0)->p == truth[3].p);
@@ -300,5 +297,3 @@ TEST_CASE("a pose is interpolated between two others, unless they are too far ap
   CHECK_FALSE(pose_at(truth, truth.front().t_ns - 1, 1));
   CHECK_FALSE(pose_at(truth, truth.back().t_ns + 1, 1));
 }
-
-TEST_SUITE_END();

@@ -1,11 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <doctest/doctest.h>
-
 #include "sdk/tools/evaluation/reference_poses.hpp"
-#include "tests/support/support.hpp"
 #include "tests/support/messages.hpp"
+#include "tests/support/support.hpp"
 
-using namespace odograph;
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
@@ -62,8 +59,7 @@ TEST_CASE("body poses are converted to the camera's with the lever arm, and the 
   const TemporaryFolder folder;
   for (const bool body : {true, false}) {
     const auto file = body ? written(folder, body_at) : written(folder, camera_at);
-    const auto poses = read_reference(file, body ? "body" : "camera", recording(true));
-    REQUIRE(poses);
+    const auto poses = required(read_reference(file, body ? "body" : "camera", recording(true)));
     for (int64_t i = 0; i < 200; ++i) {
       CHECK(((*poses)[static_cast<size_t>(i)].p - camera_at(i).p).norm() < 1e-6);
       CHECK((*poses)[static_cast<size_t>(i)].q.angularDistance(camera_at(i).q) < 1e-5);
@@ -76,10 +72,10 @@ TEST_CASE("poses that rotate like the other frame are rejected, with the correct
   const auto camera = read_reference(written(folder, camera_at), "body", recording(true));
   REQUIRE_FALSE(camera);
   CHECK(camera.failure().status == ODO_E_ARGUMENT);
-  CHECK(camera.failure().text.find("--reference-frame camera") != std::string::npos);
+  CHECK(contains(camera.failure().text, "--reference-frame camera"));
   const auto body = read_reference(written(folder, body_at), "camera", recording(true));
   REQUIRE_FALSE(body);
-  CHECK(body.failure().text.find("--reference-frame body") != std::string::npos);
+  CHECK(contains(body.failure().text, "--reference-frame body"));
 }
 
 TEST_CASE("body poses need the camera's mount") {
@@ -87,5 +83,3 @@ TEST_CASE("body poses need the camera's mount") {
   CHECK_FALSE(read_reference(written(folder, body_at), "body", recording(false)));
   CHECK(read_reference(written(folder, camera_at), "camera", recording(false)));
 }
-
-TEST_SUITE_END();

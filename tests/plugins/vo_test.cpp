@@ -1,17 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <doctest/doctest.h>
-
 #include <opencv2/imgproc.hpp>
 
 #include "plugins/vo/antigny2019/odometry.hpp"
 #include "plugins/vo/five_point/visual_odometry.hpp"
 #include "sdk/tools/evaluation/evaluation.hpp"
-#include "sdk/tools/replay/runner.hpp"
-#include "sdk/tools/simulation/camera.hpp"
 #include "sdk/tools/simulation/random.hpp"
-#include "tests/support/support.hpp"
+#include "tests/plugins/film.hpp"
+#include "tests/support/runs.hpp"
 
-using namespace odograph;
 using namespace odograph::five_point;
 using Eigen::Vector3d;
 
@@ -56,12 +52,10 @@ TEST_CASE("two views give rotation and direction of the translation with a third
     const Eigen::Isometry3d T = pose({0.5, 0.1, 0.2}, 0.1), T_1_0 = T.inverse();
     auto first = scene.project(Eigen::Isometry3d::Identity(), 5e-4, random), second = scene.project(T, 5e-4, random);
     for (size_t i = 0; i < 100; ++i) second[i] = {random.uniform(-0.5, 0.5), random.uniform(-0.4, 0.4)};
-    const auto view = two_view(first, second, 2e-3);
-    REQUIRE(view.has_value());
+    const auto view = required(two_view(first, second, 2e-3));
     angles_rad.push_back(Eigen::AngleAxisd(view->R_1_0 * T_1_0.linear().transpose()).angle());
     directions_rad.push_back(std::acos(view->t_1_0.dot(T_1_0.translation().normalized())));
-    CHECK(view->count > 150);
-    CHECK(view->count < 230);
+    CHECK(view->count == Between{150, 230});
   }
   CHECK(percentile(angles_rad, 0.5) < 1e-3);
   CHECK(percentile(angles_rad, 1) < 4e-3);
@@ -77,8 +71,7 @@ TEST_CASE(
     const Eigen::Isometry3d T = pose({0.09 * std::cos(0.5 * static_cast<double>(seed)), 0.04, 0.06}, 0.02);
     auto first = scene.project(Eigen::Isometry3d::Identity(), 6e-4, random), second = scene.project(T, 6e-4, random);
     for (size_t i = 0; i < 40; ++i) second[i] = {random.uniform(-0.5, 0.5), random.uniform(-0.4, 0.4)};
-    const auto rotation = pure_rotation(first, second);
-    REQUIRE(rotation);
+    const auto rotation = required(pure_rotation(first, second));
     const auto view = two_view_near(first, second, rotation->R_1_0, 2e-3, 200);
     if (!view) continue;
     ++told;
@@ -100,8 +93,7 @@ TEST_CASE("pure rotation is distinguished from motion") {
   Random random(5, 4);
   const Scene scene = random_scene(2);
   const auto first = scene.project(Eigen::Isometry3d::Identity(), 5e-4, random);
-  const auto turned = pure_rotation(first, scene.project(pose({0, 0, 0}, 0.12), 5e-4, random));
-  REQUIRE(turned.has_value());
+  const auto turned = required(pure_rotation(first, scene.project(pose({0, 0, 0}, 0.12), 5e-4, random)));
   CHECK(turned->median_residual_rad < 1.5e-3);
   CHECK(Eigen::AngleAxisd(turned->R_1_0 * pose({0, 0, 0}, 0.12).linear()).angle() < 1e-3);
   const auto moved = pure_rotation(first, scene.project(pose({0.6, 0, 0}, 0.0), 5e-4, random));
@@ -115,8 +107,7 @@ TEST_CASE("triangulation needs parallax and rejects points behind a camera") {
     return Sighting{T, {x.x() / x.z(), x.y() / x.z()}};
   };
   const auto a = see(pose({0, 0, 0}, 0)), b = see(pose({0.5, 0, 0}, 0.05)), c = see(pose({0.9, 0.1, 0.2}, -0.02));
-  const auto found = triangulate({a, b, c}, 1e-3, 0.01);
-  REQUIRE(found.has_value());
+  const auto found = required(triangulate({a, b, c}, 1e-3, 0.01));
   CHECK((*found - X).norm() < 1e-9);
   CHECK_FALSE(triangulate({a, see(pose({0.01, 0, 0}, 0))}, 1e-3, 0.01).has_value());
   auto crossed = b;
@@ -145,18 +136,9 @@ TEST_CASE("both camera models undistort what they distort") {
 }
 
 TEST_CASE("darkness is reported as lost without an invented motion, and is followed by a new scale group") {
-  Scenario scenario;
-  scenario.camera.width = 320, scenario.camera.height = 240, scenario.camera.focal_px = 250;
-  const World world(scenario, 3);
-  const SimCamera camera(scenario.camera, 1.0, 3);
-  View view(world, camera, scenario);
-  VisualOdometry vo({}, {CameraModel::Distortion::radial_tangential, 250, 250, 159.5, 119.5, {}});
-  const auto frame = [&](int i) {
-    Eigen::Matrix3d upright;
-    upright << 0, 0, -1, 1, 0, 0, 0, -1, 0;  // the phone's x, y, z while its camera looks north
-    const odograph::Motion held(1.0, {Vector3d(0.13 * i, 0, -1.5)}, {Eigen::Quaterniond(upright)});
-    return camera.develop(view.render(held, 0.1 * i), static_cast<size_t>(i));
-  };
+  Film film(320, 240, 250, 3);
+  VisualOdometry vo({}, film.model());
+  const auto frame = [&](int i) { return film.frame({0.13 * i, 0, -1.5}, static_cast<size_t>(i)); };
   five_point::Motion motion;
   for (int i = 0; i < 10; ++i) motion = vo.process(frame(i), {});
   CHECK(motion.state == Tracking::tracking);
@@ -202,23 +184,13 @@ TEST_CASE("sparse selection keeps the strongest of each cell, and matches are mu
 TEST_CASE(
     "Antigny et al.'s odometry: no displacement while standing, a constant scale in motion, a new group after "
     "darkness") {
-  Scenario scenario;
-  scenario.camera.width = 480, scenario.camera.height = 360, scenario.camera.focal_px = 375;
-  const World world(scenario, 5);
-  const SimCamera camera(scenario.camera, 1.0, 5);
-  View view(world, camera, scenario);
-  const CameraModel model{CameraModel::Distortion::radial_tangential, 375, 375, 239.5, 179.5, {}};
+  Film film(480, 360, 375, 5);
   for (const char* features : {"surf", "sift", "orb", "akaze"}) {
     CAPTURE(features);
     antigny2019::Odometry::Parameters p;
     p.features = features, p.ratio = 0.8;
-    antigny2019::Odometry vo(p, model, {480, 360});
-    const auto frame = [&](int i, double north) {
-      Eigen::Matrix3d upright;
-      upright << 0, 0, -1, 1, 0, 0, 0, -1, 0;
-      const odograph::Motion held(1.0, {Vector3d(north, 0, -1.5)}, {Eigen::Quaterniond(upright)});
-      return camera.develop(view.render(held, 0.1 * i), static_cast<size_t>(i));
-    };
+    antigny2019::Odometry vo(p, film.model(), {480, 360});
+    const auto frame = [&](int i, double north) { return film.frame({north, 0, -1.5}, static_cast<size_t>(i)); };
     antigny2019::Motion motion;
     for (int i = 0; i < 4; ++i) motion = vo.process(frame(i, 0), {});
     CHECK(motion.outcome == antigny2019::Outcome::no_parallax);
@@ -249,12 +221,9 @@ TEST_CASE("the error of the real clips after Sim(3) stays below the plain baseli
     const auto folder = data_or_skip(clip.first);
     if (folder.empty()) continue;
     const auto recording = required(read_recording(folder));
-    RunOptions options{.config = source("samples/configs/monocular.yaml").string(),
-                       .plugin_path = plugin_folder().string()};
-    const auto result = replay(*recording, options);
-    REQUIRE_MESSAGE(result.ok(), (result.ok() ? "" : result.failure().text));
-    CHECK(result->track.size() == recording->truth.size());
-    const Pairs pairs = associate(recording->truth, result->track, 0.001);
+    const Trajectory track = run_of(*recording, source("samples/configs/monocular.yaml")).track;
+    CHECK(track.size() == recording->truth.size());
+    const Pairs pairs = associate(recording->truth, track, 0.001);
     const double rmse =
         statistics_of(absolute_errors(pairs.reference, align(pairs, Alignment::sim3, nullptr)).translation_m).rmse;
     CAPTURE(clip.first);
@@ -284,11 +253,8 @@ TEST_CASE("Antigny et al.'s odometry states its sigma from its inliers and the d
     const double inliers = motion.inliers, moved = motion.T_c0_c1.translation().norm();
     CHECK(motion.rotation_sigma_rad * std::sqrt(inliers) * kFocal_px == doctest::Approx(1.5));
     const double depth = motion.position_sigma / motion.rotation_sigma_rad / moved;  // in displacements per frame
-    CHECK(depth > 0.95 * kFocal_px / kNear_px);
-    CHECK(depth < 1.05 * kFocal_px / kFar_px);
+    CHECK(depth == Between{0.95 * kFocal_px / kNear_px, 1.05 * kFocal_px / kFar_px});
     ++told;
   }
   CHECK(told == 8);
 }
-
-TEST_SUITE_END();

@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <doctest/doctest.h>
-
 #include "plugins/attitude/vqf/vqf.hpp"
 #include "sdk/tools/evaluation/evaluation.hpp"
 #include "sdk/tools/simulation/random.hpp"
 #include "tests/support/plain_walk.hpp"
+#include "tests/support/support.hpp"
 
-using namespace odograph;
 using Eigen::Vector3d;
 
 TEST_SUITE_BEGIN("vqf");
@@ -132,5 +130,3 @@ TEST_CASE("a hand that trembles by less than two degrees per second rests, one t
   CHECK(rests(0.8 * p.rest_gyro_radps));
   CHECK_FALSE(rests(1.3 * p.rest_gyro_radps));
 }
-
-TEST_SUITE_END();

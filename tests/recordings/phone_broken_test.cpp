@@ -1,19 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Broken recordings of apps: errors name file, column and the setting to enable; archives are harmless.
-#include <doctest/doctest.h>
-
-#include <cstdlib>
-#include <map>
-
 #include "sdk/tools/recording/archive.hpp"
 #include "sdk/tools/recording/recording.hpp"
 #include "tests/recordings/phone/app_files.hpp"
 #include "tests/recordings/phone/video_file.hpp"
 #include "tests/support/support.hpp"
-
-using namespace odograph;
-namespace fs = std::filesystem;
 
 TEST_SUITE_BEGIN("phone_broken");
 
@@ -162,7 +154,7 @@ TEST_CASE("the error of each of twenty-five broken recordings names the file, th
     one.harm(folder / "out");
     const std::string failure = failure_of(folder / "out");
     CAPTURE(failure);
-    for (const std::string& name : one.named) CHECK(failure.find(name) != std::string::npos);
+    for (const std::string& name : one.named) CHECK(contains(failure, name));
   }
 }
 
@@ -171,16 +163,16 @@ TEST_CASE("an archive's names cannot leave its folder, and its unpacked size is 
   write_text(folder / "out.txt", ""), fs::create_directories(folder / "in");
   write_text(folder / "in/file.txt", std::string(300u << 20, 'a'));  // compresses a thousand to one
   write_zip(folder / "in", folder / "bomb.zip");
-  CHECK(failure_of(folder / "bomb.zip").find("100 times its size") != std::string::npos);
+  CHECK(contains(failure_of(folder / "bomb.zip"), "100 times its size"));
   write_text(folder / "in/file.txt", "a");
   write_zip(folder / "in", folder / "out.zip", "../");
-  CHECK(failure_of(folder / "out.zip").find("'../file.txt' leads out of its folder") != std::string::npos);
+  CHECK(contains(failure_of(folder / "out.zip"), "'../file.txt' leads out of its folder"));
   write_zip(folder / "in", folder / "absolute.zip", "/tmp/");
-  CHECK(failure_of(folder / "absolute.zip").find("leads out") != std::string::npos);
+  CHECK(contains(failure_of(folder / "absolute.zip"), "leads out"));
   write_text(folder / "damaged.zip", "PK\3\4 and nothing");
-  CHECK(failure_of(folder / "damaged.zip").find("unpacked") != std::string::npos);
+  CHECK(contains(failure_of(folder / "damaged.zip"), "unpacked"));
   const auto limited = unpack(folder / "bomb.zip", {.bytes = 1 << 20});
-  CHECK(limited.failure().text.find("more than 1 MB") != std::string::npos);
+  CHECK(contains(limited.failure().text, "more than 1 MB"));
 }
 
 TEST_CASE("an archive starts no program, whatever its stated compression") {
@@ -202,5 +194,3 @@ TEST_CASE("an archive starts no program, whatever its stated compression") {
   setenv("PATH", path.c_str(), 1);
   CHECK_FALSE(fs::exists(ran));
 }
-
-TEST_SUITE_END();

@@ -2,10 +2,6 @@
 //
 // A simulated walk in the format of each app, read back: messages and poses equal those of the direct run. Broken or
 // missing items are reported.
-#include <doctest/doctest.h>
-
-#include <cmath>
-#include <map>
 #include <tuple>
 
 #include <opencv2/imgcodecs.hpp>
@@ -15,14 +11,9 @@
 #include "sdk/tools/recording/archive.hpp"
 #include "sdk/tools/replay/guessed_camera.hpp"
 #include "sdk/tools/replay/picture_source.hpp"
-#include "sdk/tools/replay/runner.hpp"
-#include "sdk/tools/simulation/simulate.hpp"
 #include "tests/recordings/phone/app_files.hpp"
 #include "tests/recordings/phone/video_file.hpp"
 #include "tests/support/runs.hpp"
-
-using namespace odograph;
-namespace fs = std::filesystem;
 
 TEST_SUITE_BEGIN("phone_recordings");
 
@@ -31,20 +22,18 @@ namespace {
 const PhoneWalk& walk(bool upright) { return street_walk(upright); }
 
 Recording read(const fs::path& path) {
-  auto recording = read_recording(path);
-  REQUIRE_MESSAGE(recording.ok(), (recording.ok() ? "" : recording.failure().text));
+  auto recording = required(read_recording(path));
   return std::move(*recording);
 }
 
 bool warns(const Recording& recording, const std::string& text) {
   for (const auto& warning : recording.warnings)
-    if (warning.find(text) != std::string::npos) return true;
+    if (contains(warning, text)) return true;
   return false;
 }
 
 RunResult run(const Recording& recording) {
-  const auto result = replay(recording, {.config = source("samples/configs/walk.yaml").string()});
-  REQUIRE_MESSAGE(result.ok(), (result.ok() ? "" : result.failure().text));
+  const auto result = required(replay(recording, {.config = source("samples/configs/walk.yaml").string()}));
   return *result;
 }
 
@@ -296,5 +285,3 @@ TEST_CASE("names match patterns") {
   CHECK_FALSE(phone::matches("*.mp4", "Camera/12.mp4"));
   CHECK_FALSE(phone::matches("a*b", "abc"));
 }
-
-TEST_SUITE_END();

@@ -2,10 +2,6 @@
 //
 // Files from others: tables with shifted columns, links out of a recording, pictures too large to decode.
 // Published data sets of walks without a camera, and figures of an estimate against their truth.
-#include <doctest/doctest.h>
-
-#include <cmath>
-
 #include <opencv2/imgcodecs.hpp>
 
 #include "sdk/tools/evaluation/walk_truth.hpp"
@@ -13,9 +9,6 @@
 #include "sdk/tools/recording/recording.hpp"
 #include "sdk/tools/recording/text_rows.hpp"
 #include "tests/support/support.hpp"
-
-using namespace odograph;
-namespace fs = std::filesystem;
 
 TEST_SUITE_BEGIN("recording_files");
 
@@ -70,7 +63,7 @@ TEST_CASE("a picture outside the recording, reached through a link, is rejected 
   fs::create_symlink(elsewhere / "private.png", data / "a.png");
   const auto recording = read_recording(folder.path());
   REQUIRE_FALSE(recording.ok());
-  CHECK(recording.failure().text.find("a.png: a link leads out of the recording's folder") != std::string::npos);
+  CHECK(contains(recording.failure().text, "a.png: a link leads out of the recording's folder"));
   CHECK(read_recording(folder.path(), {.pictures_outside = true}).ok());
 }
 
@@ -82,8 +75,7 @@ TEST_CASE("a picture's header states its size, and a too large one is rejected b
       const bool colour = std::string(kind) == ".ppm" || width == 7;
       if (std::string(kind) == ".pgm" && colour) continue;
       cv::imwrite(file.string(), cv::Mat(height, width, colour ? CV_8UC3 : CV_8U, cv::Scalar::all(9)));
-      const auto size = picture_size(file);
-      REQUIRE_MESSAGE(size.ok(), (size.ok() ? "" : size.failure().text));
+      const auto size = required(picture_size(file));
       CHECK(size->width == static_cast<uint32_t>(width));
       CHECK(size->height == static_cast<uint32_t>(height));
     }
@@ -99,8 +91,7 @@ TEST_CASE("a picture's header states its size, and a too large one is rejected b
     recorded.picture = {std::make_shared<const fs::path>(write_text(folder / file.first, file.second))};
     const auto frame = load_frame(recorded);
     REQUIRE_FALSE(frame.ok());
-    CHECK_MESSAGE(frame.failure().text.find("a picture of 32000 x 32000 pixels; expected at most 64 million") !=
-                      std::string::npos,
+    CHECK_MESSAGE(contains(frame.failure().text, "a picture of 32000 x 32000 pixels; expected at most 64 million"),
                   frame.failure().text);
   }
   CHECK(picture_size(write_text(folder / "64.pgm", "P5 8000 8000 255\n")).ok());
@@ -109,8 +100,6 @@ TEST_CASE("a picture's header states its size, and a too large one is rejected b
   CHECK_FALSE(picture_size(write_text(folder / "cut.jpg", jpeg.substr(0, 12))).ok());
   CHECK_FALSE(picture_size(folder / "missing.png").ok());
 }
-
-TEST_SUITE_END();
 
 TEST_SUITE_BEGIN("recording");
 
@@ -121,8 +110,7 @@ TEST_CASE("a RIDI walk has the phone's axes and a truth with north, east and dow
       "ori_z\n";
   const auto file = write_text(folder / "ann_leg1.csv", head + "1.0,.1,.2,.3,0,0,9.8,20,30,40,1,2,3,1,0,0,0\n" +
                                                             "1.5,.1,.2,.3,0,0,9.8,20,30,40,4,2,3,1,0,0,0\n");
-  const auto recording = read_recording(file);
-  REQUIRE_MESSAGE(recording.ok(), (recording.ok() ? "" : recording.failure().text));
+  const auto recording = required(read_recording(file));
   CHECK(recording->format == "RIDI");
   REQUIRE(recording->truth.size() == 2);
   CHECK(recording->truth[0].t_ns == 1'000'000'000);
@@ -134,7 +122,7 @@ TEST_CASE("a RIDI walk has the phone's axes and a truth with north, east and dow
   CHECK(name.place == "leg");
   const auto broken = read_recording(write_text(folder / "b.csv", head + "x,.1\n"));
   REQUIRE_FALSE(broken.ok());
-  CHECK(broken.failure().text.find("b.csv:2") != std::string::npos);
+  CHECK(contains(broken.failure().text, "b.csv:2"));
 }
 
 TEST_CASE("an IPIN walk has the sensors' clock, positions in metres, and floors") {
@@ -158,9 +146,8 @@ TEST_CASE("an IPIN walk has the sensors' clock, positions in metres, and floors"
 TEST_CASE("in Oxford's step counter each rise of a switch is a step") {
   const TemporaryFolder folder;
   write_text(folder / "P_Ann_Hard_InHand_1_stepcounter.csv", "0,0,1\n90000000,1,1\n180000000,1,0\n270000000,0,1\n");
-  const auto recording =
-      read_recording(write_text(folder / "P_Ann_Hard_InHand_1_accelerometer.csv", "0,3,0,0,9.8\n10000000,3,0,0,9.8\n"));
-  REQUIRE_MESSAGE(recording.ok(), (recording.ok() ? "" : recording.failure().text));
+  const auto recording = required(read_recording(
+      write_text(folder / "P_Ann_Hard_InHand_1_accelerometer.csv", "0,3,0,0,9.8\n10000000,3,0,0,9.8\n")));
   CHECK(recording->true_steps.size() == 2);
   CHECK(walker_name(*recording).person == "Ann");
 }
@@ -195,11 +182,8 @@ TEST_CASE("a walk's figures are distance, position after alignment, direction an
   }
   const WalkTruthFigures f = walk_truth_figures(recording, steps, track);
   CHECK(f.estimated_m / f.true_m == doctest::Approx(1.1).epsilon(0.02));
-  CHECK(f.position_m > 0.5);
-  CHECK(f.position_m < 2);  // from the length alone: the rotation is removed
+  CHECK(f.position_m == Between{0.5, 2});  // from the length alone: the rotation is removed
   CHECK(percentile(f.heading_deg, 0.5) < 3);
   CHECK(percentile(f.normalised_error, 0.5) == doctest::Approx(1).epsilon(0.1));
   CHECK(std::isnan(f.count_percent));
 }
-
-TEST_SUITE_END();

@@ -1,21 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Every number of every format: written and read again, or read from a synthetic file with distinct numbers.
-#include <doctest/doctest.h>
-
-#include <array>
-#include <cmath>
-#include <sstream>
-#include <vector>
-
 #include <opencv2/imgcodecs.hpp>
 
 #include "sdk/tools/recording/odo_file.hpp"
-#include "tests/support/support.hpp"
 #include "tests/support/messages.hpp"
+#include "tests/support/support.hpp"
 
-using namespace odograph;
-namespace fs = std::filesystem;
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
@@ -42,8 +33,7 @@ void check_list(const double* found, std::initializer_list<double> expected) {
 }
 
 Recording read(const fs::path& path) {
-  auto recording = read_recording(path);
-  REQUIRE_MESSAGE(recording.ok(), (recording.ok() ? "" : recording.failure().text));
+  auto recording = required(read_recording(path));
   return std::move(*recording);
 }
 
@@ -136,7 +126,7 @@ TEST_CASE("trajectory files have each number in its column, geodetic ones longit
     const std::string text = read_text(folder / name);
     std::string rest = text.substr(text.find(from) + std::string(from).size());
     for (char& c : rest)
-      if (std::string("0123456789.-").find(c) == std::string::npos) c = ' ';
+      if (!contains("0123456789.-", {&c, 1})) c = ' ';
     std::istringstream in(rest);
     std::vector<double> found(count);
     for (double& x : found) in >> x;
@@ -159,7 +149,7 @@ TEST_CASE("tracks on a map have times if the clock is Unix time, otherwise none"
   const Trajectory boot_times = {{77'043'000'000, kQ, {}}, {78'043'000'000, kQ, {1, 0, 0}}};
   const auto has = [&](const char* name, const Trajectory& track, const char* text) {
     REQUIRE(write_trajectory(folder / name, track, earth).ok());
-    return read_text(folder / name).find(text) != std::string::npos;
+    return contains(read_text(folder / name), text);
   };
   CHECK(has("a.gpx", unix_times, "<time>2026-06-18T16:48:31.043Z</time>"));
   CHECK(has("a.kml", unix_times, "<when>2026-06-18T16:48:32.043Z</when>"));
@@ -174,14 +164,14 @@ TEST_CASE("image folders take their times from a table, and report its absence")
   write_text(folder / "camera.yaml", "width: 64\nheight: 48\nfx: 50\nfy: 50\ncx: 32\ncy: 24\n");
   for (const char* name : {"1.png", "2.png", "3.png"}) picture(folder / name);
   const Recording assumed = read(folder.path());
-  CHECK(assumed.warnings.at(0).find("taken to be at 30 Hz") != std::string::npos);
-  CHECK(assumed.warnings.at(1).find("no imu.csv") != std::string::npos);
+  CHECK(contains(assumed.warnings.at(0), "taken to be at 30 Hz"));
+  CHECK(contains(assumed.warnings.at(1), "no imu.csv"));
   write_text(folder / "timestamps.csv", "timestamp\n0.5\n0.75\n1.5\n");
   const Recording timed = read(folder.path());
   CHECK(timed.warnings.size() == 1);
   CHECK(timed.messages.at(2).message.header().t_ns == 750'000'000);
   write_text(folder / "timestamps.csv", "timestamp\n500000000\n750000000\n");
-  CHECK(read_recording(folder.path()).failure().text.find("3 pictures, 2 times") != std::string::npos);
+  CHECK(contains(read_recording(folder.path()).failure().text, "3 pictures, 2 times"));
 }
 
 TEST_CASE("EuRoC without its camera's sensor.yaml is read, and asks for a lens") {
@@ -193,7 +183,7 @@ TEST_CASE("EuRoC without its camera's sensor.yaml is read, and asks for a lens")
   const Recording recording = read(folder.path());
   CHECK(recording.has(ODO_TYPE_FRAME));
   CHECK_FALSE(recording.has(ODO_TYPE_CALIBRATION));
-  CHECK(recording.warnings.at(0).find("no sensor.yaml") != std::string::npos);
+  CHECK(contains(recording.warnings.at(0), "no sensor.yaml"));
 }
 
 TEST_CASE("the camera's numbers, times and poses of KITTI and TUM RGB-D are read") {
@@ -289,13 +279,11 @@ TEST_CASE("an EuRoC folder's truth has the states' numbers, is converted to the 
   for (std::string field; std::getline(fields, field, ',');) values.push_back(std::stod(field));
   REQUIRE(values.size() == 17);
   check_list(values.data(), {71, 1, 2, 3, kQ.w(), kQ.x(), kQ.y(), kQ.z(), 4, 5, 6, 7, 8, 9, 10, 11, 12});
-  CHECK(read_text(folder / "a/imu.yaml").find("update_rate: 250\n") != std::string::npos);
-  CHECK(read_text(folder / "a/mav0/imu0/sensor.yaml").find("rate_hz: 250\n") != std::string::npos);
+  CHECK(contains(read_text(folder / "a/imu.yaml"), "update_rate: 250\n"));
+  CHECK(contains(read_text(folder / "a/mav0/imu0/sensor.yaml"), "rate_hz: 250\n"));
   const Recording copy = read(folder / "a");
   REQUIRE(copy.truth.size() == 1);
   CHECK(copy.truth[0].p == Vector3d(1, 2, 3));
   CHECK(copy.truth[0].q.angularDistance(kQ) < 1e-12);
   CHECK_FALSE(write_euroc(r, folder / "a", nullptr).ok());
 }
-
-TEST_SUITE_END();

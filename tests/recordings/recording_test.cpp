@@ -1,10 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <doctest/doctest.h>
 #include <rapidcheck.h>
-
-#include <algorithm>
-#include <cstring>
-#include <functional>
 
 #include <opencv2/imgcodecs.hpp>
 
@@ -12,11 +7,8 @@
 #include "sdk/math/rotation.hpp"
 #include "sdk/tools/recording/odo_file.hpp"
 #include "sdk/tools/recording/text_rows.hpp"
-#include "tests/support/support.hpp"
 #include "tests/support/messages.hpp"
-
-using namespace odograph;
-namespace fs = std::filesystem;
+#include "tests/support/runs.hpp"
 
 TEST_SUITE_BEGIN("recording");
 
@@ -59,12 +51,7 @@ TEST_CASE("an Odograph recording is read back bit for bit") {
   CHECK(recording->truth.size() == 5);
   CHECK(recording->warnings.empty());
   int frames = 0;
-  for (const auto& m : recording->messages) {
-    if (m.message.header().type != ODO_TYPE_FRAME) continue;
-    const auto frame = required(load_frame(m));
-    CHECK(frame->planes[0].data[7] == frames++);
-    frame->loan.release(frame->loan.owner);
-  }
+  for_each_picture(*recording, [&](const odo_frame& frame) { CHECK(frame.planes[0].data[7] == frames++); });
   CHECK(frames == 5);
 }
 
@@ -121,12 +108,11 @@ TEST_CASE("errors in tables are reported with file and line") {
   CHECK(read_tum(write_text(folder / "a.tum", "# head\n1 2 3 4 0 0 0 1\n2 2 3 x 0 0 0 1\n"))
             .failure()
             .text.find("a.tum:3: field 4 'x'") != std::string::npos);
-  CHECK(read_tum(write_text(folder / "b.tum", "1 2 3\n")).failure().text.find("b.tum:1: expected at least 8") !=
-        std::string::npos);
-  CHECK(read_tum(write_text(folder / "c.tum", "1 2 3 4 0 0 0 0\n")).failure().text.find("norm") != std::string::npos);
-  CHECK(read_tum(write_text(folder / "d.tum", "")).failure().text.find("no poses") != std::string::npos);
+  CHECK(contains(read_tum(write_text(folder / "b.tum", "1 2 3\n")).failure().text, "b.tum:1: expected at least 8"));
+  CHECK(contains(read_tum(write_text(folder / "c.tum", "1 2 3 4 0 0 0 0\n")).failure().text, "norm"));
+  CHECK(contains(read_tum(write_text(folder / "d.tum", "")).failure().text, "no poses"));
   CHECK(read_recording(folder / "nothing").failure().status == ODO_E_NOT_FOUND);
-  CHECK(read_recording(folder.path()).failure().text.find("looked for") != std::string::npos);
+  CHECK(contains(read_recording(folder.path()).failure().text, "looked for"));
 }
 
 TEST_CASE("pictures of a folder are in the order of their numbers, and an error in camera.yaml has its line") {
@@ -135,13 +121,12 @@ TEST_CASE("pictures of a folder are in the order of their numbers, and an error 
   fs::create_directories(images);
   for (const char* name : {"2.png", "10.png", "1.png"}) small_picture(images / name);
   write_text(images / "camera.yaml", "width: 64\nheight: 48\nfx: 50 px\nfy: 50\ncx: 32\ncy: 24\nfps: 10 Hz\n");
-  const auto i = read_recording(images);
-  REQUIRE_MESSAGE(i.ok(), (i.ok() ? "" : i.failure().text));
+  const auto i = required(read_recording(images));
   REQUIRE(i->messages.size() == 4);
   CHECK(i->messages[3].picture.file->filename() == "10.png");  // by number, not alphabetically
   CHECK(i->messages[3].message.header().t_ns == 200'000'000);
   write_text(images / "camera.yaml", "width: 64\nheight: 48\nfx: 50\nfz: 50\ncx: 32\ncy: 24\n");
-  CHECK(read_recording(images).failure().text.find("camera.yaml:4:1: unknown key 'fz'") != std::string::npos);
+  CHECK(contains(read_recording(images).failure().text, "camera.yaml:4:1: unknown key 'fz'"));
 }
 
 TEST_CASE("the real recordings are read" * doctest::test_suite("recording_data")) {
@@ -237,8 +222,7 @@ TEST_CASE("the camera of a written EuRoC folder is read back, and Kalibr's file 
     const odo_calibration lens = a_lens(model, model == ODO_CAMERA_PINHOLE ? 5 : 4);
     const Recording original = one_frame(lens, folder / "a.png");
     REQUIRE(write_euroc(original, folder / "asl", nullptr).ok());
-    const auto copy = read_recording(folder / "asl");
-    REQUIRE_MESSAGE(copy.ok(), (copy.ok() ? "" : copy.failure().text));
+    const auto copy = required(read_recording(folder / "asl"));
     REQUIRE(copy->messages.size() == original.messages.size());
     auto expected = lens;  // the ASL layout has no time offset
     expected.header.flags = ODO_CALIBRATION_EXTRINSICS, expected.time_offset_ns = 0;
@@ -277,5 +261,3 @@ TEST_CASE("the camera of a written EuRoC folder is read back, and Kalibr's file 
     CHECK(node_at(*kalibr, "cam0.distortion_model")->text == (model == ODO_CAMERA_PINHOLE ? "radtan" : "equidistant"));
   }
 }
-
-TEST_SUITE_END();

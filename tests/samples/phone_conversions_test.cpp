@@ -3,11 +3,11 @@
 // The conversions of samples/android and samples/ios, against the platforms' definitions.
 #include "samples/android/app/src/main/cpp/conversions.hpp"
 #include "samples/ios/Sources/OdographPhone/conversions.h"
+#include "tests/support/support.hpp"
 
 #include <random>
 
 #include <Eigen/Geometry>
-#include <doctest/doctest.h>
 #include <opencv2/calib3d.hpp>
 
 namespace {
@@ -140,7 +140,5 @@ TEST_CASE("an iPhone's matrix is read column by column") {
   CHECK(lens.line_time_ns == 20'000);
   CHECK((quaternion(lens.q_b_c) * Eigen::Vector3d::UnitX() + Eigen::Vector3d::UnitY()).norm() < 1e-9);
 }
-
-TEST_SUITE_END();
 
 }  // namespace

@@ -1,11 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // samples/plugins_c/vo_platform_pose: the platform's tracking as an odometry.
-#include <doctest/doctest.h>
-
 #include "tests/samples/corridor_walk.hpp"
 
-using namespace odograph;
 using Eigen::Vector3d;
 
 TEST_SUITE_BEGIN("platform_pose");
@@ -25,9 +22,9 @@ void walk(App& app, double from_s, double to_s, CorridorWalk& truth, const Corri
     if (frame_every && i % frame_every == 0) CHECK(app.frame(CorridorWalk::ns(t)) == ODO_OK);
     if (i % 5) continue;
     odo_platform_pose pose = truth.platform_pose(t, platform);
-    if (!change || change(t, pose)) CHECK(odo_session_push(app.session, &pose.header) == ODO_OK);
+    if (!change || change(t, pose)) CHECK(app.push(pose) == ODO_OK);
   }
-  odo_session_flush(app.session);
+  app.flush();
 }
 
 std::vector<odo_vo_motion> motions(const App& app) { return app.all<odo_vo_motion>(ODO_TYPE_VO_MOTION); }
@@ -112,8 +109,7 @@ TEST_CASE("the host uses the stated uncertainty of the platform's scale") {
     App app(config, ODO_RUN_REPLAY, sample_plugins());
     CorridorWalk truth;
     walk(app, 0, 10, truth);
-    CHECK(app.statistics().scale_sigma > 0.7 * expected);
-    CHECK(app.statistics().scale_sigma < 1.3 * expected);
+    CHECK(app.statistics().scale_sigma == Between{0.7 * expected, 1.3 * expected});
   }
 }
 

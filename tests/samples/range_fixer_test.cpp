@@ -1,15 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // samples/plugins_c/fix_range: ranges correct a drifting track, with a consistent covariance in all directions.
-#include <doctest/doctest.h>
-
-#include <algorithm>
-
 #include <Eigen/Eigenvalues>
 
 #include "tests/samples/corridor_walk.hpp"
 
-using namespace odograph;
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
@@ -33,12 +28,12 @@ std::vector<double> walk(App& app, double seconds, const CorridorWalk::Ranging* 
     CorridorWalk::imu(app, t);
     if (i % 5 == 0) {
       const odo_platform_pose pose = walk.platform_pose(t, kDrifting);
-      CHECK(odo_session_push(app.session, &pose.header) == ODO_OK);
+      CHECK(app.push(pose) == ODO_OK);
     }
     if (ranging && i % 20 == 7) walk.ranges(app, t, *ranging);
     if (i % 100 == 50 && i > 300) errors.push_back(CorridorWalk::error(app, t - 0.2));
   }
-  odo_session_flush(app.session);
+  app.flush();
   return errors;
 }
 
@@ -118,9 +113,9 @@ TEST_CASE("ranges of unknown transmitters and impossible ones give no fix") {
   range.range_m = 10, range.sigma_m = 0.1;
   for (int i = 0; i < 100; ++i) {
     range.header.t_ns += 10'000'000;
-    CHECK(odo_session_push(app.session, &range.header) == ODO_OK);
+    CHECK(app.push(range) == ODO_OK);
     CorridorWalk::imu(app, 4 + 0.01 * i);
   }
-  odo_session_flush(app.session);
+  app.flush();
   CHECK(app.all<odo_fix>(ODO_TYPE_FIX).empty());
 }

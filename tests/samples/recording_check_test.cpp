@@ -1,19 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // `plugin check --recording`: detects and checks the fixes of a fixer whose input is only in a recording.
-#include <doctest/doctest.h>
-
-#include <algorithm>
-
 #include <odograph/recording.h>
 
 #include "sdk/tools/recording/recording.hpp"
 #include "sdk/tools/validator/check.hpp"
 #include "samples/vendor_message/message.h"
 #include "tests/samples/corridor_walk.hpp"
-#include "tests/support/support.hpp"
-
-using namespace odograph;
 
 TEST_SUITE_BEGIN("recording_check");
 

@@ -1,16 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // What fix/skyline derives from a city model: ground, buildings' feet, edges of CityGML.
-#include <doctest/doctest.h>
-
-#include <cmath>
-#include <numbers>
-
 #include "plugins/fix/skyline/city_gml.hpp"
 #include "plugins/fix/skyline/ground.hpp"
 #include "plugins/shared/projection.hpp"
+#include "tests/support/support.hpp"
 
-using namespace odograph;
 using namespace odograph::skyline;
 using Eigen::Vector3d;
 
@@ -67,15 +62,13 @@ TEST_CASE("ground under buildings lies between their feet, and is the terrain's 
     edges.push_back({a, b, object}), edges.push_back({a + up, b + up, object}), edges.push_back({a, a + up, object});
   };
   house(0, 400, 0), house(40, 410, 1);
-  const auto between = Ground(edges).at({20, 4});
-  REQUIRE(between);
+  const auto between = required(Ground(edges).at({20, 4}));
   CHECK_FALSE(between->terrain);
   CHECK(between->down_m == doctest::Approx(-405).epsilon(0.002));
   CHECK(Ground(edges).at({2, 4})->down_m == doctest::Approx(-400).epsilon(0.005));
   CHECK_FALSE(Ground(edges).at({300, 4}));
   edges.push_back({{18, 4, -403}, {22, 4, -403}, Edge::kGround});
-  const auto terrain = Ground(edges).at({20, 4});
-  REQUIRE(terrain);
+  const auto terrain = required(Ground(edges).at({20, 4}));
   CHECK(terrain->terrain);
   CHECK(terrain->down_m == doctest::Approx(-403));
   // Trees that are part of the terrain do not raise it.
@@ -143,18 +136,18 @@ TEST_CASE("what is no CityGML is refused with its line") {
       return error.what();
     }
   };
-  CHECK(why("<html></html>").find("no CityModel") != std::string::npos);
-  CHECK(why(gml("")).find("no building") != std::string::npos);
-  CHECK(why("<core:CityModel>").find("town.gml:1: not XML") != std::string::npos);
+  CHECK(contains(why("<html></html>"), "no CityModel"));
+  CHECK(contains(why(gml("")), "no building"));
+  CHECK(contains(why("<core:CityModel>"), "town.gml:1: not XML"));
   const auto with = [&](const std::string& positions) {
     return why(gml("<b:Building xmlns:b=\"b\"><b:lod2Solid>" + polygon(positions) + "</b:lod2Solid></b:Building>"));
   };
-  CHECK(with("0 0 0 1 0").find("three numbers each") != std::string::npos);
-  CHECK(with("0 0 zero").find("no numbers") != std::string::npos);
-  CHECK(with("0 0 1e300 1 1 1 2 2 2").find("farther") != std::string::npos);
+  CHECK(contains(with("0 0 0 1 0"), "three numbers each"));
+  CHECK(contains(with("0 0 zero"), "no numbers"));
+  CHECK(contains(with("0 0 1e300 1 1 1 2 2 2"), "farther"));
   std::string deep;
   for (int i = 0; i < 300; ++i) deep += "<a>";
-  CHECK(why(gml(deep)).find("deep") != std::string::npos);
+  CHECK(contains(why(gml(deep)), "deep"));
   CHECK(why("<!DOCTYPE a [<!ENTITY a \"aaaaaaaaaa\"><!ENTITY b "
             "\"&a;&a;&a;&a;&a;&a;&a;&a;&a;&a;\">]><CityModel>&b;</CityModel>") != "taken");
 }
@@ -168,5 +161,3 @@ TEST_CASE("reference systems are known by the names that surveys use") {
   CHECK(Projection::of(5555).has_value());
   CHECK(Projection::of(6697).has_value());
 }
-
-TEST_SUITE_END();

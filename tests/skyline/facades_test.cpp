@@ -1,14 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // A photograph's place and heading from the directions of the facades.
-#include <doctest/doctest.h>
-
-#include <cmath>
-#include <numbers>
-#include <vector>
-
 #include "plugins/fix/skyline/facades.hpp"
 #include "plugins/fix/skyline/photograph_matcher.hpp"
+#include "tests/support/support.hpp"
 
 using namespace odograph::skyline;
 using Eigen::Quaterniond;
@@ -92,8 +87,7 @@ TEST_CASE("lines that have nothing to do with the model contradict a place by a 
   auto lines = corner.seen_from(place, q);
   for (SeenLine& line : lines) line.normal_c = q.conjugate() * (turned * (q * line.normal_c));
   facades.set(lines, q, kLevel);
-  CHECK(facades.cost(place, 0) > 1);
-  CHECK(facades.cost(place, 0) < 2.31);
+  CHECK(facades.cost(place, 0) == Between{1, 2.31});
 }
 
 TEST_CASE("one long line is one piece of evidence, not one for each of its parts") {
@@ -107,8 +101,7 @@ TEST_CASE("one long line is one piece of evidence, not one for each of its parts
   Facades facades(wall);
   facades.set({seen({9, -2, -7}, {9, 16, -7})}, q, kLevel);
   REQUIRE(facades.lines() > 8);
-  CHECK(facades.cost(place, 0) < -1.5);
-  CHECK(facades.cost(place, 0) > -4);
+  CHECK(facades.cost(place, 0) == Between{-4, -1.5});
 }
 
 TEST_CASE("a garage in front of a house does not hide its facade") {
@@ -198,5 +191,3 @@ TEST_CASE("the likelihood of a photograph is higher where its facades fit too") 
   matcher.clear(), matcher.add(edges, prior, nullptr, &facades), matcher.match();
   CHECK(matcher.gain() > roofs_alone + 5);
 }
-
-TEST_SUITE_END();

@@ -1,19 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Whether a photograph is placed, by the places where it fits.
-#include <doctest/doctest.h>
-
-#include <cmath>
-#include <string>
-#include <vector>
-
 #include "plugins/fix/skyline/photograph_decision.hpp"
 #include "plugins/fix/skyline/photograph_prior.hpp"
 #include "plugins/fix/skyline/skyline_fixer.hpp"
 #include "tests/skyline/rendered_street.hpp"
-#include "tests/support/support.hpp"
 
-using namespace odograph;
 using namespace odograph::skyline;
 using Eigen::Vector3d;
 
@@ -36,22 +28,22 @@ TEST_CASE("a place is accepted or rejected by other places, its agreement and it
   CHECK(alone.other < 0.001);
   CHECK(alone.tried->covariance.trace() / 2 == doctest::Approx(0.04 + p.min_sigma_m * p.min_sigma_m));
   const PhotographPlace elsewhere{{15, 0, 0}, 59, -9, accurate}, beside{{3, 0, 0}, 60, -9, accurate};
-  CHECK(decision_of({best, elsewhere}, 0.9).why.find("probability of other places is") != std::string::npos);
+  CHECK(contains(decision_of({best, elsewhere}, 0.9).why, "probability of other places is"));
   CHECK(std::sqrt(decision_of({best, beside}, 0.9).tried->covariance(0, 0)) > 2);
   const double less = 4, weight = std::exp(-p.spread_power * less);
   const PhotographPlace near{{3, 0, 0}, 60 - less, -9, accurate};
   CHECK(decision_of({best, near}, 0.9).tried->covariance(0, 0) ==
         doctest::Approx(0.04 + 9 * weight / (1 + weight) + p.min_sigma_m * p.min_sigma_m));
   const PhotographPlace turned{{0, 0, 1.5}, 60, -9, accurate};
-  CHECK(decision_of({best, turned}, 0.9).why.find("determine the heading only to") != std::string::npos);
+  CHECK(contains(decision_of({best, turned}, 0.9).why, "determine the heading only to"));
   CHECK(decision_of({best}, 0.399).why ==
         "only 39 % of the sky's edge coincides with a roof of the model; 40 % are required");
   const auto chance = "the probability that this is chance is";
-  CHECK(decision_of({{{0, 0, 0}, 5, -9, accurate}}, 0.9).why.find(chance) != std::string::npos);
+  CHECK(contains(decision_of({{{0, 0, 0}, 5, -9, accurate}}, 0.9).why, chance));
   straight_gain = 1;  // as good as unknown roofs
-  CHECK(decision_of({best}, 0.9).why.find(chance) != std::string::npos);
+  CHECK(contains(decision_of({best}, 0.9).why, chance));
   straight_gain = 6;  // of many places one fits so by chance, of few none
-  CHECK(decision_of({{{0, 0, 0}, 60, -20, accurate}}, 0.9).why.find(chance) != std::string::npos);
+  CHECK(contains(decision_of({{{0, 0, 0}, 60, -20, accurate}}, 0.9).why, chance));
   CHECK(decision_of({{{0, 0, 0}, 60, -6, accurate}}, 0.9).why.empty());
 }
 
@@ -104,8 +96,8 @@ TEST_CASE("lines of two directions do not turn a line of roofs that may be chanc
         .why;
   };
   CHECK(why(60, 10).empty());
-  CHECK(why(2, 10).find("this is chance") != std::string::npos);
-  CHECK(why(2, 30).find("this is chance") != std::string::npos);
+  CHECK(contains(why(2, 10), "this is chance"));
+  CHECK(contains(why(2, 30), "this is chance"));
 }
 
 TEST_CASE(
@@ -174,8 +166,7 @@ TEST_CASE("a photograph's fix does not contain the pose that it was searched aro
   };
   const double wide = variance(6), narrow = variance(0.5);
   MESSAGE("variances beyond those of the corners: " << wide << " and " << narrow << " m^2");
-  CHECK(narrow > 0.87 * wide);  // with the prior in it 0.70 of it
-  CHECK(narrow < 2 * wide);
+  CHECK(narrow == Between{0.87 * wide, 2 * wide});  // with the prior in it 0.70 of it
 }
 
 TEST_CASE("a second sky with few roofs does not gain by the facades, which both have") {
@@ -190,5 +181,3 @@ TEST_CASE("a second sky with few roofs does not gain by the facades, which both 
   CHECK(decide({attempt(0, 40, 80), attempt(25, 4, 27)}, p).why.empty());
   CHECK_FALSE(decide({attempt(0, 40, 80), attempt(25, 14, 27)}, p).why.empty());
 }
-
-TEST_SUITE_END();

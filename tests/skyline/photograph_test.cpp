@@ -1,48 +1,52 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // One photograph and a city model with height errors: fix/skyline's `photographs`.
-#include <doctest/doctest.h>
-
-#include <algorithm>
-#include <cmath>
-
 #include "plugins/fix/skyline/ground.hpp"
 #include "plugins/fix/skyline/photograph_level.hpp"
 #include "sdk/tools/simulation/random.hpp"
 #include "tests/skyline/crossing.hpp"
+#include "tests/support/support.hpp"
 
-using namespace odograph;
 using namespace odograph::skyline;
 using namespace odograph::skyline::test;
 
 TEST_SUITE_BEGIN("photograph");
 
+namespace {
+
+const Vector3d kPlace(-6, 1.5, -1.6);
+
+struct Houses {
+  std::vector<Edge> model = a_crossing({});
+  City city{model};
+  Ground ground{model};
+};
+
+}  // namespace
+
 TEST_CASE("a photograph of seventy degrees is placed though each roof is wrong, as well as it states") {
   Random random(7, 1);
-  const Vector3d place(-6, 1.5, -1.6);
   int placed = 0, beyond = 0;
   for (int k = 0; k < 6; ++k) {
     CAPTURE(k);
     std::vector<double> lift(40);
     for (double& l : lift) l = 1.2 * random.normal();
-    const auto model = a_crossing({});
-    City city(model);
-    const Ground ground(model);
+    Houses at;
     const Quaterniond q = camera((-20 + 25 * k) * kDegree, 10 * kDegree);
     const Quaterniond off(Eigen::AngleAxisd(10 * kDegree * random.normal(), Vector3d::UnitZ()));
-    PhotographMatcher matcher(city, ground);
-    const auto match = matcher.match(seen_in(a_crossing(lift), place, q),
-                                     prior_of(place + 5 * Vector3d{random.normal(), random.normal(), 0}, off * q));
+    PhotographMatcher matcher(at.city, at.ground);
+    const auto match = matcher.match(seen_in(a_crossing(lift), kPlace, q),
+                                     prior_of(kPlace + 5 * Vector3d{random.normal(), random.normal(), 0}, off * q));
     if (!match) continue;
     ++placed;
-    const Eigen::Vector2d d = (match->p_n - place).head<2>();
+    const Eigen::Vector2d d = (match->p_n - kPlace).head<2>();
     beyond += d.dot(match->covariance.inverse() * d) > 11.8;
     CHECK(d.norm() < 4);
     CHECK(match->q_n_c.angularDistance(q) < 6 * kDegree);
     const Vector3d axis = q.conjugate() * match->q_n_c * Vector3d::UnitZ();
     CHECK(std::abs(axis.x()) < match->yaw_sigma_rad);
     // A house's height is as wrong as the camera's, and as the distance to it.
-    const double up_m = place.z() - match->p_n.z();
+    const double up_m = kPlace.z() - match->p_n.z();
     for (const RoofHeight& roof : match->roofs)
       if (roof.directions > 10)
         CHECK(std::abs(roof.height_m - up_m - lift[static_cast<size_t>(roof.object)]) < 0.1 + d.norm());
@@ -52,42 +56,36 @@ TEST_CASE("a photograph of seventy degrees is placed though each roof is wrong, 
 }
 
 TEST_CASE("a photograph is placed though its compass is wrong by a right angle and more") {
-  const auto model = a_crossing({});
-  City city(model);
-  const Ground ground(model);
-  const Vector3d place(-6, 1.5, -1.6);
+  Houses at;
   const Quaterniond q = camera(-10 * kDegree, 10 * kDegree);
   for (const double error : {90.0, -170.0}) {
     CAPTURE(error);
     const Quaterniond off(Eigen::AngleAxisd(error * kDegree, Vector3d::UnitZ()));
-    PhotographMatcher matcher(city, ground);
-    const auto match = matcher.match(seen_in(model, place, q), prior_of(place + Vector3d(4, -3, 0), off * q));
+    PhotographMatcher matcher(at.city, at.ground);
+    const auto match = matcher.match(seen_in(at.model, kPlace, q), prior_of(kPlace + Vector3d(4, -3, 0), off * q));
     CAPTURE(matcher.why());
     REQUIRE(match);
-    CHECK((match->p_n - place).head<2>().norm() < 1);
+    CHECK((match->p_n - kPlace).head<2>().norm() < 1);
     CHECK(match->q_n_c.angularDistance(q) < 2 * kDegree);
   }
 }
 
 TEST_CASE("a photograph with trees is located within its sigmas") {
-  const Vector3d place(-6, 1.5, -1.6);
   const Quaterniond q = camera(0.5, 10 * kDegree);
-  const auto model = a_crossing({});
-  City city(model);
-  const Ground ground(model);
+  Houses at;
   for (const double tree_part : {0.0, 0.2, 0.4}) {
     CAPTURE(tree_part);
-    auto seen = seen_in(model, place, q);
+    auto seen = seen_in(at.model, kPlace, q);
     const auto trees = static_cast<size_t>(tree_part * static_cast<double>(seen.size()));
     for (size_t i = 0; i < trees; ++i) {
       seen[i].ray_c = Eigen::AngleAxisd((4 + 3 * std::sin(0.9 * static_cast<double>(i))) * kDegree, Vector3d::UnitX()) *
                       seen[i].ray_c;
     }
-    PhotographMatcher matcher(city, ground);
-    matcher.match(seen, prior_of(place + Vector3d(3, -2, 0), q));
+    PhotographMatcher matcher(at.city, at.ground);
+    matcher.match(seen, prior_of(kPlace + Vector3d(3, -2, 0), q));
     REQUIRE(matcher.tried());
     const double now_m = std::sqrt(matcher.tried()->covariance.trace() / 2);
-    CHECK((matcher.tried()->p_n - place).head<2>().norm() < 3 * now_m);
+    CHECK((matcher.tried()->p_n - kPlace).head<2>().norm() < 3 * now_m);
     CHECK(now_m < 5);
   }
 }
@@ -99,12 +97,11 @@ TEST_CASE("the ends of houses, which the line's slopes do not know, determine th
     for (const double h : {0.0, 9.0}) row.push_back({{12, from, -h}, {12, from + 37, -h}, object});
     ++object;
   }
-  City city(row);
-  const Ground ground(row);
+  Houses at{row};
   const Vector3d place(0, 0, -1.6);
   const Quaterniond q = camera(0, 15 * kDegree);
   const auto sigma_along = [&](const PhotographParameters& p, double& error_m) {
-    PhotographMatcher matcher(city, ground, p);
+    PhotographMatcher matcher(at.city, at.ground, p);
     matcher.match(seen_in(row, place, q), prior_of(place + Vector3d(1, 1.2, 0), q));
     REQUIRE(matcher.tried());
     error_m = (matcher.tried()->p_n - place).y();
@@ -120,14 +117,11 @@ TEST_CASE("the ends of houses, which the line's slopes do not know, determine th
 }
 
 TEST_CASE("the search of a photograph states what lies outside it, and the volume of the places that it measured") {
-  const auto model = a_crossing({});
-  City city(model);
-  const Ground ground(model);
-  const Vector3d place(-6, 1.5, -1.6);
+  Houses at;
   const Quaterniond q = camera(-10 * kDegree, 10 * kDegree);
   const auto attempt_of = [&](const PhotographParameters& p) {
-    PhotographMatcher matcher(city, ground, p);
-    matcher.match(seen_in(model, place, q), prior_of(place, q));
+    PhotographMatcher matcher(at.city, at.ground, p);
+    matcher.match(seen_in(at.model, kPlace, q), prior_of(kPlace, q));
     REQUIRE(matcher.attempts().size() == 1);
     return matcher.attempts().front();
   };
@@ -145,19 +139,17 @@ TEST_CASE("the search of a photograph states what lies outside it, and the volum
 }
 
 TEST_CASE("a photograph whose skies lead to two places is not placed") {
-  const auto model = a_crossing({});
-  City city(model);
-  const Ground ground(model);
+  Houses at;
   const Quaterniond q = camera(-10 * kDegree, 10 * kDegree);
   const Vector3d here(-6, 1.5, -1.6), there(3, 1.5, -1.6), between(-1.5, 1.5, -1.6);
-  PhotographMatcher matcher(city, ground);
+  PhotographMatcher matcher(at.city, at.ground);
   matcher.clear();
-  matcher.add(seen_in(model, here, q), prior_of(between, q));
+  matcher.add(seen_in(at.model, here, q), prior_of(between, q));
   const auto alone = matcher.match();
   CAPTURE(matcher.why());
   REQUIRE(alone);
   CHECK((alone->p_n - here).head<2>().norm() < 1);
-  matcher.add(seen_in(model, there, q), prior_of(between, q));
+  matcher.add(seen_in(at.model, there, q), prior_of(between, q));
   CHECK_FALSE(matcher.match());
   CHECK_FALSE(matcher.why().empty());
 }
@@ -167,22 +159,19 @@ TEST_CASE("a photograph of one long wall is not placed, with a reason") {
   const Vector3d up(0, 0, -10);
   const Vector3d a(-300, 12, 0), b(300, 12, 0);
   wall.push_back({a, b, 0}), wall.push_back({a + up, b + up, 0});
-  City city(wall);
-  const Ground ground(wall);
-  PhotographMatcher matcher(city, ground);
+  Houses at{wall};
+  PhotographMatcher matcher(at.city, at.ground);
   const Vector3d place(0, 0, -1.6);
   const Quaterniond q = camera(60 * kDegree, 15 * kDegree);
   CHECK_FALSE(matcher.match(seen_in(wall, place, q), prior_of(place, q)));
   CHECK_FALSE(matcher.why().empty());
   // Without any roof.
   CHECK_FALSE(matcher.match({}, prior_of(place, q)));
-  CHECK(matcher.why().find("roofs are visible against the sky") != std::string::npos);
+  CHECK(contains(matcher.why(), "roofs are visible against the sky"));
 }
 
 TEST_CASE("a photograph from elsewhere is not placed") {
-  const auto model = a_crossing({});
-  City city(model);
-  const Ground ground(model);
+  Houses at;
   // Houses around a square, of other sizes and at other distances than those of the model.
   Random random(5, 1);
   std::vector<Edge> other;
@@ -196,10 +185,9 @@ TEST_CASE("a photograph from elsewhere is not placed") {
   }
   for (const double heading : {0.4, 3.5}) {
     CAPTURE(heading);
-    PhotographMatcher matcher(city, ground);
-    const Vector3d place(-6, 1.5, -1.6);
+    PhotographMatcher matcher(at.city, at.ground);
     const Quaterniond q = camera(heading, 10 * kDegree);
-    CHECK_FALSE(matcher.match(seen_in(other, place, q), prior_of(place, q)));
+    CHECK_FALSE(matcher.match(seen_in(other, kPlace, q), prior_of(kPlace, q)));
     CHECK_FALSE(matcher.why().empty());
   }
 }
@@ -241,5 +229,3 @@ TEST_CASE("upright lines determine how a photograph was held, and without them i
   }
   CHECK(levels_of(lines, {Vector3d::UnitZ(), 20 * kDegree, 0}).front().up_c == Vector3d::UnitZ());  // faces the zenith
 }
-
-TEST_SUITE_END();

@@ -1,18 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <array>
-#include <cstdio>
-#include <cstdlib>
-#include <fstream>
-
 #include <GeographicLib/Geodesic.hpp>
 #include <GeographicLib/LocalCartesian.hpp>
-#include <doctest/doctest.h>
 
 #include "plugins/fix/skyline/city_outline.hpp"
 #include "plugins/shared/projection.hpp"
 #include "tests/support/support.hpp"
-
-using namespace odograph;
 
 TEST_SUITE_BEGIN("projection");
 
@@ -114,10 +106,8 @@ TEST_CASE(
   CHECK(epsg_of("my own 12") == 0);
   CHECK_FALSE(Projection::of(31255));
   CHECK_FALSE(Projection::of(32661));
-  const auto utm = Projection::of(25832);
-  REQUIRE(utm);
-  const auto at = utm->grid({48.7758, 9.1829});
-  REQUIRE(at);
+  const auto utm = required(Projection::of(25832));
+  const auto at = required(utm->grid({48.7758, 9.1829}));
   CHECK(apart_m(utm->geodetic(*at), {48.7758, 9.1829}) < 1e-6);
   const std::string text =
       R"({"type":"CityJSON","version":"2.0","metadata":{"referenceSystem":"https://www.opengis.net/def/crs/EPSG/0/31255"},
@@ -126,5 +116,3 @@ TEST_CASE(
                        doctest::Contains("linz: the model's reference system (EPSG 31255) is not supported"),
                        std::runtime_error);
 }
-
-TEST_SUITE_END();

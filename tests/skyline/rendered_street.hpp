@@ -1,18 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <doctest/doctest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <filesystem>
-#include <vector>
-
 #include <Eigen/Geometry>
 #include <opencv2/imgproc.hpp>
 
 #include "plugins/fix/skyline/sky_rays.hpp"
 #include "sdk/tools/simulation/city_model.hpp"
+#include "tests/support/support.hpp"
 
 /// A street of boxes as a city model, and pictures of it.
 namespace odograph::skyline::test {

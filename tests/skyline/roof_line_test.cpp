@@ -1,19 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The line of a model's roofs, whose heights have errors, and its fit to a photograph's.
-#include <doctest/doctest.h>
-
-#include <algorithm>
-#include <cmath>
 #include <unordered_map>
-#include <utility>
 
 #include "plugins/fix/skyline/roof_line.hpp"
 #include "plugins/fix/skyline/straight_edges.hpp"
 #include "sdk/tools/simulation/random.hpp"
 #include "tests/skyline/crossing.hpp"
+#include "tests/support/support.hpp"
 
-using namespace odograph;
 using namespace odograph::skyline;
 using namespace odograph::skyline::test;
 
@@ -206,5 +201,3 @@ TEST_CASE("a roof is evidence with its ends, not by its length") {
   CHECK(straight_gain(-1) < 0);
   CHECK(straight_gain(15) < straight_gain(4) - 3);
 }
-
-TEST_SUITE_END();

@@ -1,10 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The sky network: its convolutions against plain sums, and cameras of every attitude.
-#include <doctest/doctest.h>
-
-#include <algorithm>
-#include <numbers>
 #include <random>
 
 #include <Eigen/Geometry>
@@ -12,8 +8,8 @@
 
 #include "plugins/fix/skyline/robust_sky.hpp"
 #include "plugins/fix/skyline/sky_rays.hpp"
+#include "tests/support/support.hpp"
 
-using namespace odograph;
 using namespace odograph::skyline;
 using Eigen::Vector3d;
 
@@ -162,5 +158,3 @@ TEST_CASE("a picture without sky has no skyline, and no picture gives a number t
   // The mask excludes the whole picture.
   CHECK(finder.find(down, cv::Mat(480, 640, CV_8U, cv::Scalar(0)), Vector3d::UnitZ(), Vector3d::UnitX()).empty());
 }
-
-TEST_SUITE_END();

@@ -1,16 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Sky in real photographs with manual masks: fraction of correct pixels of each finder.
-#include <doctest/doctest.h>
-
-#include <algorithm>
-#include <cstdio>
-#include <cstdlib>
 #include <ctime>
-#include <filesystem>
-#include <map>
-#include <numbers>
-#include <string>
 
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
@@ -20,7 +11,6 @@
 #include "sdk/tools/city/photograph_scene.hpp"
 #include "tests/support/support.hpp"
 
-using namespace odograph;
 using namespace odograph::skyline;
 using Eigen::Vector3d;
 
@@ -157,8 +147,7 @@ TEST_CASE("rendered views of three cities through a phone's image processing, ah
   const int views = many ? std::atoi(many) : 8;
   constexpr int kOfAWorld = 4;  // of the same sun, clouds and facades
   for (const char* name : {"delft", "linz", "denhaag_01"}) {
-    const auto city = read_city_model(folder / (name + std::string(".city.json")));
-    REQUIRE(city);
+    const auto city = required(read_city_model(folder / (name + std::string(".city.json"))));
     Score scores[2];
     std::optional<PhotographScene> scene;
     for (int k = 0; k < views; ++k) {
@@ -169,8 +158,7 @@ TEST_CASE("rendered views of three cities through a phone's image processing, ah
         if (tilted) p.lowest_pitch_rad = 0.35, p.highest_pitch_rad = 0.9;
         scene.emplace(*city, 1 + static_cast<uint64_t>(world), p);
       }
-      const auto photograph = scene->take(static_cast<uint64_t>(k));
-      REQUIRE(photograph);
+      const auto photograph = required(scene->take(static_cast<uint64_t>(k)));
       std::vector<uint8_t> jpeg;
       cv::imencode(".jpg", photograph->bgr, jpeg, {cv::IMWRITE_JPEG_QUALITY, 80});
       const cv::Mat bgr = cv::imdecode(jpeg, cv::IMREAD_COLOR);
@@ -249,5 +237,3 @@ TEST_CASE("a colour picture of 640x480: its sky, in so much processor time" *
     CHECK(odds.size() == (in_colour ? picture.size() : cv::Size()));
   }
 }
-
-TEST_SUITE_END();

@@ -1,18 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // When a picture gets a fix: poses, intervals, drift, failures, delay.
-#include <doctest/doctest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <string>
-
 #include "plugins/fix/skyline/roof_survey.hpp"
 #include "plugins/fix/skyline/skyline_fixer.hpp"
 #include "tests/skyline/rendered_street.hpp"
-#include "tests/support/support.hpp"
 
-using namespace odograph;
 using namespace odograph::skyline;
 using namespace odograph::skyline::test;
 using Eigen::Vector3d;
@@ -24,6 +16,11 @@ namespace {
 constexpr int64_t kSecond = 1'000'000'000;
 const Vector3d kPlace(3.2, -1.7, -1.5);
 const std::vector<double> kRoofErrors = {3.5, -4, 3, -4, 3.5, -3};
+
+std::optional<Fix> fix_in(const Outcome& outcome) {
+  const Fix* fix = std::get_if<Fix>(&outcome);
+  return fix ? std::optional(*fix) : std::nullopt;
+}
 
 /// A fixer for an upward camera in a street, with a picture from kPlace and one in which nothing is seen.
 struct Street {
@@ -66,6 +63,9 @@ struct Street {
     const auto at_once = add(pose.t_ns, picture);
     return at_once.empty() ? finish(pose.t_ns) : at_once.front();
   }
+
+  /// The fix of such a picture, if it gets one.
+  std::optional<Fix> fixed(const PipelinePose& pose, const cv::Mat& picture) { return fix_in(fix(pose, picture)); }
 };
 
 std::string reason_of(const Outcome& outcome) {
@@ -84,9 +84,7 @@ TEST_CASE("a picture waits for its pose, and the next one is due after the inter
   CHECK_FALSE(street.fixer->busy());
   CHECK(street.fixer->add_pose(Street::pose(kSecond)).empty());
   CHECK(street.fixer->busy());
-  const Outcome outcome = street.finish(kSecond);
-  const Fix* fix = std::get_if<Fix>(&outcome);
-  REQUIRE(fix);
+  const auto fix = required(fix_in(street.finish(kSecond)));
   CHECK(fix->t_ns == kSecond);
   CHECK(fix->has_slant);
   CHECK_FALSE(fix->has_height);
@@ -131,9 +129,7 @@ TEST_CASE("a fix that comes too late for the estimators refers to the newest pos
   CHECK(street.add(kSecond, street.seen).empty());
   const Vector3d walked(3, -4, 0);
   CHECK(street.fixer->add_pose(Street::pose(3 * kSecond + 600'000'000, kPlace + walked)).empty());
-  const Outcome outcome = street.finish(3 * kSecond + 600'000'000);
-  const Fix* fix = std::get_if<Fix>(&outcome);
-  REQUIRE(fix);
+  const auto fix = required(fix_in(street.finish(3 * kSecond + 600'000'000)));
   CHECK(fix->t_ns == 3 * kSecond + 600'000'000);
   CHECK_FALSE(fix->has_slant);
   CHECK((fix->match.p_n - kPlace - walked).head<2>().norm() < 0.8);
@@ -153,8 +149,7 @@ TEST_CASE("a pose that is off by more than its sigma is searched for after four 
     CAPTURE(failures);
     CHECK_MESSAGE((text == "lost: more pictures must agree") == (failures >= 4), text);
   }
-  CHECK(failures > 4);
-  CHECK(failures < 12);
+  CHECK(failures == Between{4, 12});
 }
 
 TEST_CASE("where the model's roofs are metres off they are surveyed, and the next pictures fit the corrected model") {
@@ -164,9 +159,7 @@ TEST_CASE("where the model's roofs are metres off they are surveyed, and the nex
     return street.fix(Street::pose(2 * ++second * kSecond, place + Vector3d(0.8, -0.5, 0)), view_upwards(place));
   };
   CHECK(reason_of(fix_at(kPlace)) == "agreement");
-  const Outcome outcome = fix_at(kPlace);
-  const Fix* surveyed = std::get_if<Fix>(&outcome);
-  REQUIRE(surveyed);
+  const auto surveyed = required(fix_in(fix_at(kPlace)));
   CHECK(surveyed->match.roofs.size() == std::size(kStreet));
   CHECK_FALSE(surveyed->has_slant);
   CHECK(surveyed->surveyed == "6 buildings are up to 4.2 m higher or lower than in the model");
@@ -176,8 +169,7 @@ TEST_CASE("where the model's roofs are metres off they are surveyed, and the nex
     const Outcome later = fix_at(place);
     CAPTURE(k);
     CAPTURE(reason_of(later));
-    const Fix* fix = std::get_if<Fix>(&later);
-    REQUIRE(fix);
+    const auto fix = required(fix_in(later));
     CHECK(fix->has_slant);
     CHECK(fix->surveyed.empty());
     CHECK((fix->match.p_n - place).head<2>().norm() < 0.5);
@@ -190,8 +182,7 @@ TEST_CASE("a survey from a pose that is off by more than its sigma finds the pla
     CAPTURE(off.transpose());
     Street street({}, kRoofErrors);
     for (int second = 1; second <= 5; ++second) {
-      const Outcome outcome = street.fix(Street::pose(second * kSecond, kPlace + off, 0.3), street.seen);
-      const Fix* fix = std::get_if<Fix>(&outcome);
+      const auto fix = street.fixed(Street::pose(second * kSecond, kPlace + off, 0.3), street.seen);
       if (!fix || fix->has_slant) continue;
       ++surveys;
       const Eigen::Vector2d d = (fix->match.p_n - kPlace).head<2>();
@@ -210,8 +201,7 @@ TEST_CASE("a pose without an uncertainty is surveyed like another") {
     for (int k = 1; k <= 3; ++k) {
       auto pose = Street::pose(2 * k * kSecond, kPlace, 0);
       pose.yaw_sigma_rad = yaw_sigma;
-      const Outcome outcome = street.fix(pose, street.seen);
-      const Fix* fix = std::get_if<Fix>(&outcome);
+      const auto fix = street.fixed(pose, street.seen);
       if (!fix) continue;
       fixed = true;
       CHECK((fix->match.p_n - kPlace).head<2>().norm() < 0.5);
@@ -231,8 +221,7 @@ TEST_CASE("a survey has the inclination of the vertical lines where that is want
   for (int second = 2; second <= 8; second += 2) {
     auto pose = Street::pose(second * kSecond, kPlace + Vector3d(0.8, -0.5, 0));
     pose.q_n_c = tilted * pose.q_n_c;
-    const Outcome outcome = street.fix(pose, street.seen);
-    const Fix* fix = std::get_if<Fix>(&outcome);
+    const auto fix = street.fixed(pose, street.seen);
     if (!fix || fix->has_slant) continue;
     ++surveyed;
     const Eigen::Vector2d d = (fix->match.p_n - kPlace).head<2>();
@@ -248,8 +237,7 @@ TEST_CASE("fixes that use surveyed roofs have the survey's error") {
   std::optional<Match> surveyed;
   std::vector<Match> later;
   for (int second = 2; second <= 16 && later.size() < 3; second += 2) {
-    const Outcome outcome = street.fix(Street::pose(second * kSecond, kPlace), street.seen);
-    const Fix* fix = std::get_if<Fix>(&outcome);
+    const auto fix = street.fixed(Street::pose(second * kSecond, kPlace), street.seen);
     if (fix && !fix->has_slant)
       surveyed = fix->match;
     else if (fix && surveyed)
@@ -300,8 +288,7 @@ TEST_CASE("a second survey of the same roofs replaces the first, and none is lef
   const Spend spend = [&](uint64_t amount) { work += amount; };
   std::vector<Match> matches;
   for (int k = 0; k < 2; ++k) {
-    const auto match = survey.match(edges, prior, spend);
-    REQUIRE(match);
+    const auto match = required(survey.match(edges, prior, spend));
     matches.push_back(*match);
     survey.adopt(*match), survey.correct_roofs(city, spend);
     std::vector<double> heights(std::size(kStreet)), expected;
@@ -395,5 +382,3 @@ TEST_CASE("without a city there is no fixer, nor without a database where it is 
   config.skylines = "city.skylines", config.geodetic = true;
   CHECK_THROWS_WITH(SkylineFixer{config}, "geodetic: a database lies along the model's grid; give model_origin");
 }
-
-TEST_SUITE_END();

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Pictures with a narrow view each, matched jointly along a path.
-#include <doctest/doctest.h>
-
 #include "plugins/fix/skyline/validate_match.hpp"
 #include "plugins/fix/skyline/picture_job.hpp"
 #include "plugins/fix/skyline/view_window.hpp"
 #include "tests/skyline/skyline_streets.hpp"
+#include "tests/support/support.hpp"
 
 using namespace odograph::skyline;
 using namespace odograph::skyline::test;
@@ -53,8 +52,7 @@ TEST_CASE("nine narrow pictures tell the place and the heading that one of them 
   Matcher matcher{City(walk.houses)};
   CHECK_FALSE(matcher.match(walk.newest, walk.prior));
   CHECK(matcher.refusal() == Refusal::few_edges);
-  const auto match = matcher.match(walk.newest, walk.prior, nullptr, walk.older);
-  REQUIRE(match);
+  const auto match = required(matcher.match(walk.newest, walk.prior, nullptr, walk.older));
   CHECK((match->p_n - walk.place).head<2>().norm() < 0.3);
   CHECK(match->q_n_c.angularDistance(kLevel) < 0.5 * kDegree);
   CHECK(match->agreement > 0.9);
@@ -176,5 +174,3 @@ TEST_CASE("a match that comes late is carried on by the odometry's displacement 
   CHECK(later.covariance(1, 1) == doctest::Approx(0.01 + 0.01));         // along: 1 % of 10 m
   CHECK(later.covariance(0, 0) == doctest::Approx(0.01 + 0.01 + 0.04));  // across: 0.02 rad of 10 m too
 }
-
-TEST_SUITE_END();

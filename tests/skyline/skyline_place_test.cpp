@@ -1,10 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <doctest/doctest.h>
-
-#include <cmath>
-#include <numbers>
-#include <vector>
-
 #include <opencv2/core.hpp>
 
 #include "plugins/fix/skyline/place_finder.hpp"
@@ -140,5 +134,3 @@ TEST_CASE("pictures that speak for one place alone count in a row: one of anothe
     CHECK((disturbed ? lonely : believed) >= 2);
   }
 }
-
-TEST_SUITE_END();

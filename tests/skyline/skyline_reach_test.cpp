@@ -1,13 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Places that the matcher must not return: outside its search, and the wrong one of two beside a wall.
-#include <doctest/doctest.h>
-
-#include <cmath>
-#include <numbers>
-
 #include "plugins/fix/skyline/matcher.hpp"
 #include "tests/skyline/skyline_streets.hpp"
+#include "tests/support/support.hpp"
 
 using namespace odograph::skyline;
 using Eigen::Vector3d;
@@ -95,5 +91,3 @@ TEST_CASE("a picture that agrees with the model nowhere tells no place, and no h
   const auto match = matcher.match(seen_from(a_street(6), {2, 1, -1.5}), prior_at(Vector3d(2, 1, -1.5), 10, 20, 1));
   CHECK_FALSE(match);
 }
-
-TEST_SUITE_END();

@@ -1,10 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <doctest/doctest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <numbers>
-
 #include <opencv2/imgproc.hpp>
 
 #include "plugins/fix/skyline/matcher.hpp"
@@ -13,7 +7,6 @@
 #include "sdk/tools/simulation/city_model.hpp"
 #include "tests/support/support.hpp"
 
-using namespace odograph;
 using namespace odograph::skyline;
 using Eigen::Vector3d;
 
@@ -102,8 +95,7 @@ TEST_CASE("a place and a heading are found again, and an inclination is told fro
   Matcher matcher{City(a_street())};
   const Eigen::Quaterniond off(Eigen::AngleAxisd(2 * kDegree, Vector3d::UnitZ()));
   const auto match =
-      matcher.match(edges, {place + Vector3d(-2.4, 1.9, 0), off * kUp, 2.0, 2 * kDegree, 0.5 * kDegree, 40});
-  REQUIRE(match);
+      required(matcher.match(edges, {place + Vector3d(-2.4, 1.9, 0), off * kUp, 2.0, 2 * kDegree, 0.5 * kDegree, 40}));
   CHECK((match->p_n - place).norm() < 0.3);
   CHECK(match->q_n_c.angularDistance(kUp) < 0.3 * kDegree);
   CHECK(match->agreement > 0.97);
@@ -121,9 +113,8 @@ TEST_CASE("houses that the model lacks cost agreement, not the place") {
   const Vector3d place(1.0, 0.5, -1.5);
   now.select_edges(place, 60, 0.05);
   Matcher matcher{City(a_street())};
-  const auto match =
-      matcher.match(seen_from(now, place, kUp), {place + Vector3d(1.5, -1, 0), kUp, 2.0, kDegree, 0.5 * kDegree, 40});
-  REQUIRE(match);
+  const auto match = required(
+      matcher.match(seen_from(now, place, kUp), {place + Vector3d(1.5, -1, 0), kUp, 2.0, kDegree, 0.5 * kDegree, 40}));
   CHECK((match->p_n - place).norm() < 0.8);
   CHECK(match->agreement < 0.97);
 }
@@ -164,8 +155,7 @@ TEST_CASE("who knows the start but no heading is found on the circle around it, 
                       .lost = true,
                       .pivot_n = start,
                       .slack_m = 6};
-    const auto match = matcher.match(seen_from(city, place, kUp), prior);
-    REQUIRE(match);
+    const auto match = required(matcher.match(seen_from(city, place, kUp), prior));
     CHECK((match->p_n - place).head<2>().norm() < 0.3);
     CHECK(match->q_n_c.angularDistance(kUp) < 1 * kDegree);
     CHECK(match->second_best_ratio < 0.01);
@@ -180,8 +170,7 @@ TEST_CASE("a straight canyon without ends is a long cloud along the street") {
   city.select_edges({0, 0, -1.5}, 60, 0.05);
   Matcher matcher{City(edges)};
   const auto match =
-      matcher.match(seen_from(city, {0, 0, -1.5}, kUp), {{0, 0, -1.5}, kUp, 3.0, kDegree, 0.3 * kDegree, 40});
-  REQUIRE(match);
+      required(matcher.match(seen_from(city, {0, 0, -1.5}, kUp), {{0, 0, -1.5}, kUp, 3.0, kDegree, 0.3 * kDegree, 40}));
   CHECK(std::sqrt(match->covariance(0, 0)) > 4.0);
   CHECK(std::sqrt(match->covariance(1, 1)) < 1.5);
 }
@@ -358,10 +347,7 @@ TEST_CASE("the height over the ground is found with the place") {
   Matcher matcher{City(a_street())};
   Prior prior{place + Vector3d(1.0, -0.8, 1.2), kUp, 1.0, kDegree, 0.2 * kDegree, 40};
   prior.height_sigma_m = 2;
-  const auto match = matcher.match(edges, prior);
-  REQUIRE(match);
+  const auto match = required(matcher.match(edges, prior));
   CHECK((match->p_n - place).head<2>().norm() < 0.4);
   CHECK(std::abs(match->p_n.z() - place.z()) < 0.5);
 }
-
-TEST_SUITE_END();

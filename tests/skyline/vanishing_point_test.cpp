@@ -1,22 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <doctest/doctest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <fstream>
-#include <numbers>
-
 #include <Eigen/Geometry>
 #include <opencv2/core.hpp>
 
 #include "plugins/fix/skyline/vanishing_point.hpp"
 #include "plugins/shared/camera/frame_view.hpp"
-#include "sdk/tools/recording/recording.hpp"
 #include "sdk/tools/simulation/random.hpp"
-#include "sdk/tools/simulation/simulate.hpp"
-#include "tests/support/support.hpp"
+#include "tests/support/runs.hpp"
 
-using namespace odograph;
 using namespace odograph::skyline;
 using Eigen::Vector3d;
 
@@ -96,25 +86,21 @@ TEST_CASE("pitch and roll by vanishing points in pictures of real cities are wit
             << "]\nwalker: {stand: 0.5 s}\nroute:\n  corner: 5 m\n  points: [" << drive.points << "]\ncamera: {" << lens
             << ", exposure: 3 ms}\n";
       }
-      const auto scenario = read_scenario((made / "drive.yaml").string());
-      REQUIRE(scenario);
-      REQUIRE(simulate(*scenario, 3, made / "drive.odo", {.threads = 1}));
-      const auto recording = read_recording(made / "drive.odo");
-      REQUIRE(recording);
+      const auto scenario = required(read_scenario((made / "drive.yaml").string()));
+      const Recording recording = recorded(*scenario, 3, made / "drive.odo");
       Random random(9, 2);
       std::vector<double> errors;
       size_t pictures = 0, beyond = 0;
       CalibratedCamera camera;
       cv::Mat converted;
-      for (const RecordedMessage& message : recording->messages) {
+      for (const RecordedMessage& message : recording.messages) {
         if (message.message.header().type == ODO_TYPE_CALIBRATION)
           camera.take(reinterpret_cast<const odo_calibration&>(message.message.header()));
         if (message.message.header().type != ODO_TYPE_FRAME) continue;
-        const auto frame = load_frame(message);
-        REQUIRE(frame);
-        const auto at = std::find_if(recording->truth.begin(), recording->truth.end(),
+        const auto frame = required(load_frame(message));
+        const auto at = std::find_if(recording.truth.begin(), recording.truth.end(),
                                      [&](const StampedPose& p) { return p.t_ns == frame->header.t_ns; });
-        if (at != recording->truth.end()) {
+        if (at != recording.truth.end()) {
           ++pictures;
           const cv::Mat grey = grey_of(*frame, converted);
           const Vector3d up_c = at->q.conjugate() * -Vector3d::UnitZ();
@@ -138,5 +124,3 @@ TEST_CASE("pitch and roll by vanishing points in pictures of real cities are wit
     }
   }
 }
-
-TEST_SUITE_END();

@@ -11,7 +11,6 @@
 #include "sdk/tools/simulation/simulate.hpp"
 #include "tests/support/plugin_run.hpp"
 
-using namespace odograph;
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 

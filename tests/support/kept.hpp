@@ -3,8 +3,7 @@
 // Results kept with the tests: docs/testing.md, "Kept results".
 #pragma once
 
-#include <cstdlib>
-#include <string>
+#include "tests/support/support.hpp"
 
 #ifdef __GLIBC__
 #include <gnu/libc-version.h>

@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <filesystem>
-#include <string>
-
-#include <doctest/doctest.h>
 #include <odograph/recording.h>
+
+#include "tests/support/support.hpp"
 
 namespace odograph {
 

@@ -1,14 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <algorithm>
 #include <atomic>
-#include <cmath>
-#include <cstring>
-#include <string>
-#include <vector>
 
-#include <doctest/doctest.h>
 #include <odograph/odograph.h>
 
 #include "sdk/host/messages/messages.hpp"
@@ -39,7 +33,7 @@ class App {
   ~App() { odo_session_destroy(session); }
   App(const App&) = delete;
 
-  int32_t walk(int from, int to, double hz = 100) {
+  int32_t walk(int from, int to, double hz = 100) const {
     int32_t worst = ODO_OK;
     for (int i = from; i < to; ++i) {
       const double t = i / hz;
@@ -50,6 +44,23 @@ class App {
     }
     return worst;
   }
+  int32_t flush() const { return odo_session_flush(session); }
+  /// Walks and flushes.
+  int32_t run(int from, int to) const {
+    const int32_t worst = walk(from, to);
+    return std::min(worst, flush());
+  }
+  template <class Message>
+  int32_t push(const Message& sample) const {
+    return odo_session_push(session, &sample.header);
+  }
+  /// What the session saves.
+  std::string saved() const {
+    std::string blob(static_cast<size_t>(odo_session_save(session, nullptr, 0)), '\0');
+    CHECK(odo_session_save(session, blob.data(), blob.size()) == static_cast<int64_t>(blob.size()));
+    return blob;
+  }
+  int32_t load(const std::string& blob) const { return odo_session_load(session, blob.data(), blob.size()); }
   /// All reports, one line each.
   std::string said() const {
     std::string lines;

@@ -1,17 +1,38 @@
 // SPDX-License-Identifier: Apache-2.0
+//
+// Included by every test: doctest, the common part of the standard library, files and folders.
 #pragma once
 
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <functional>
+#include <limits>
+#include <map>
+#include <memory>
+#include <numbers>
+#include <numeric>
+#include <optional>
+#include <set>
 #include <sstream>
 #include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
 
 #include <doctest/doctest.h>
 
 #include "sdk/host/base/result.hpp"
 #include "sdk/host/platform/temporary_folder.hpp"
 
-using odograph::TemporaryFolder;
+using namespace odograph;
+namespace fs = std::filesystem;
 
 inline std::filesystem::path write_text(const std::filesystem::path& path, const std::string& text) {
   std::ofstream(path, std::ios::binary) << text;
@@ -25,13 +46,29 @@ inline std::string read_text(const std::filesystem::path& path) {
   return text.str();
 }
 
-inline bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+inline bool contains(std::string_view text, std::string_view part) { return text.find(part) != text.npos; }
 
-/// The result, which must be good: a failure ends the case.
+/// What a number is compared with that lies between two others.
+struct Between {
+  double above, below;
+  template <class Number>
+  friend bool operator==(const Number& number, const Between& ends) {
+    const auto value = static_cast<double>(number);
+    return value > ends.above && value < ends.below;
+  }
+  friend std::ostream& operator<<(std::ostream& out, const Between& ends) {
+    return out << "between " << ends.above << " and " << ends.below;
+  }
+};
+
+/// The result or value, which must be there: otherwise the case ends.
 template <class T>
-odograph::Result<T> required(odograph::Result<T> result, const char* file = __builtin_FILE(),
-                             int line = __builtin_LINE()) {
-  if (!result.ok()) ADD_FAIL_AT(file, line, result.failure().text);
+T required(T result, const char* file = __builtin_FILE(), int line = __builtin_LINE()) {
+  if constexpr (requires { result.failure(); }) {
+    if (!result.ok()) ADD_FAIL_AT(file, line, result.failure().text);
+  } else if (!result) {
+    ADD_FAIL_AT(file, line, "there is no result");
+  }
   return result;
 }
 

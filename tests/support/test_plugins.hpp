@@ -2,9 +2,6 @@
 #pragma once
 
 #include <initializer_list>
-#include <string>
-
-#include <doctest/doctest.h>
 
 #include "sdk/host/config/manifest.hpp"
 #include "sdk/tools/validator/write_manifest.hpp"

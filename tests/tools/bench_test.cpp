@@ -1,8 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <doctest/doctest.h>
-
-#include <fstream>
-
 #include <unistd.h>
 
 #include "sdk/host/config/overrides.hpp"
@@ -10,8 +6,6 @@
 #include "sdk/tools/replay/replayed.hpp"
 #include "sdk/tools/validator/child.hpp"
 #include "tests/support/support.hpp"
-
-using namespace odograph;
 
 TEST_SUITE_BEGIN("bench");
 
@@ -121,8 +115,7 @@ TEST_CASE("a run that fails or ends its process fails the benchmark with the run
   CHECK(rows.failure().text == "no frames");
   rows = rows_of(One(folder, [](const BenchCase&) -> Result<Json> { _exit(7); }), {BenchCase{}});
   REQUIRE_FALSE(rows);
-  CHECK(rows.failure().text.find("the process of a run: the plugin ended the process with status 7") !=
-        std::string::npos);
+  CHECK(contains(rows.failure().text, "the process of a run: the plugin ended the process with status 7"));
 }
 
 TEST_CASE("the cases are each recording with each variant and config, and a config may have its own values") {
@@ -133,8 +126,7 @@ TEST_CASE("the cases are each recording with each variant and config, and a conf
   bench.options.configs = {"walk.yaml", "walk.yaml?walker.height=1.8 m&coupling.bridge=1 s"};
   bench.options.set = {"walker.height=1.6 m"};
   bench.variants = {"as recorded", "worse"};
-  const auto cases = bench.cases();
-  REQUIRE(cases);
+  const auto cases = required(bench.cases());
   REQUIRE(cases->size() == 8);
   CHECK(cases->at(5).labels.dump() ==
         R"({"recording":"b","sensors":"as recorded","config":"walk.yaml?walker.height=1.8 m&coupling.bridge=1 s"})");
@@ -143,7 +135,7 @@ TEST_CASE("the cases are each recording with each variant and config, and a conf
   CHECK(cases->at(5).run.overrides[1].value == "1.8 m");  // its own comes after the common ones
   CHECK(cases->at(6).variant == 1);
   bench.options.set = {"walker"};
-  CHECK(bench.cases().failure().text.find("PATH=VALUE") != std::string::npos);
+  CHECK(contains(bench.cases().failure().text, "PATH=VALUE"));
 }
 
 TEST_CASE("the rows of several recordings are followed by their summary") {
@@ -158,13 +150,12 @@ TEST_CASE("the rows of several recordings are followed by their summary") {
         "a          walk      1.0\n"
         "b          walk      3.0\n"
         "median     walk      2.0\n");
-  CHECK(cases_text({rows[0]}, "figures", "", "median").find("median") == std::string::npos);
+  CHECK_FALSE(contains(cases_text({rows[0]}, "figures", "", "median"), "median"));
 }
 
 TEST_CASE("values replace those of a config, and those of list items by number or plugin") {
   RunOptions options{.config = kConfigFile};
-  const auto plain = config_of(options);
-  REQUIRE(plain);
+  const auto plain = required(config_of(options));
   options.overrides = {{"walker.height", "180 cm"}, {"absolute_fixers.fix/gnss.parameters.correlation", "7 s"}};
   const auto changed = required(config_of(options));
   const auto parameter = [](const PluginChoice& plugin, const std::string& name) {
@@ -183,16 +174,13 @@ TEST_CASE("values replace those of a config, and those of list items by number o
 }
 
 TEST_CASE("an error for a wrong path or value names the nearest key or the expected value") {
-  CHECK(failure_of({{"walker.heigth", "1.8 m"}}).find("unknown key 'heigth'") != std::string::npos);
-  CHECK(failure_of({{"walker.heigth", "1.8 m"}}).find("nearest: 'height'") != std::string::npos);
-  CHECK(failure_of({{"walkr.height", "1.8 m"}}).find("nearest: 'walker'") != std::string::npos);
-  CHECK(failure_of({{"absolute_fixers.fix/gnns.parameters.correlation", "0 s"}}).find("nearest: 'fix/gnss'") !=
-        std::string::npos);
-  CHECK(failure_of({{"absolute_fixers.fix/gnss.parameters.corelation", "0 s"}}).find("nearest: 'correlation'") !=
-        std::string::npos);
-  CHECK(failure_of({{"walker.height", "9 m"}}).find("height") != std::string::npos);
-  CHECK(failure_of({{"walker.height.more", "1"}}).find("there is no 'more' in the value '1.70 m'") !=
-        std::string::npos);
+  CHECK(contains(failure_of({{"walker.heigth", "1.8 m"}}), "unknown key 'heigth'"));
+  CHECK(contains(failure_of({{"walker.heigth", "1.8 m"}}), "nearest: 'height'"));
+  CHECK(contains(failure_of({{"walkr.height", "1.8 m"}}), "nearest: 'walker'"));
+  CHECK(contains(failure_of({{"absolute_fixers.fix/gnns.parameters.correlation", "0 s"}}), "nearest: 'fix/gnss'"));
+  CHECK(contains(failure_of({{"absolute_fixers.fix/gnss.parameters.corelation", "0 s"}}), "nearest: 'correlation'"));
+  CHECK(contains(failure_of({{"walker.height", "9 m"}}), "height"));
+  CHECK(contains(failure_of({{"walker.height.more", "1"}}), "there is no 'more' in the value '1.70 m'"));
   CHECK_FALSE(parse_override("walker.height"));
   CHECK_FALSE(parse_override("=1"));
   CHECK(parse_override("a.b=c=d")->value == "c=d");
@@ -202,8 +190,7 @@ TEST_CASE("a document that is written again parses to the same values") {
   const std::string text =
       "a: 1.70 m\nb: \"1.70 m\"\nc: [1, two, 'three, four']\nd: {e: , f: \"#x\"}\ng: plain # comment\nh: "
       "\"q\\\"uote\"\n";
-  const auto first = parse_yaml(text, "first");
-  REQUIRE(first);
+  const auto first = required(parse_yaml(text, "first"));
   const auto again = required(parse_yaml(yaml_text(*first), "again"));
   CHECK(yaml_text(*again) == yaml_text(*first));
   CHECK(node_at(*again, "c.2")->text == "three, four");
@@ -237,5 +224,3 @@ TEST_CASE(
   CHECK(ended == std::vector<size_t>{1, 0});
   CHECK(run_in_child(0.1, [] { return usleep(3000000), std::string(); }).text == "took longer than 0.1 s");
 }
-
-TEST_SUITE_END();

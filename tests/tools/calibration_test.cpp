@@ -1,8 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <algorithm>
-#include <cmath>
-
-#include <doctest/doctest.h>
 #include <opencv2/imgproc.hpp>
 
 #include "sdk/host/config/camera_yaml.hpp"
@@ -11,8 +7,6 @@
 #include "sdk/tools/simulation/board_pictures.hpp"
 #include "sdk/tools/simulation/random.hpp"
 #include "tests/support/support.hpp"
-
-using namespace odograph;
 
 namespace {
 
@@ -98,8 +92,7 @@ TEST_SUITE("calibration") {
   TEST_CASE("corners without noise give the lens exactly") {
     const odo_calibration truth = lens(ODO_CAMERA_PINHOLE);
     const auto views = exact_views(truth);
-    const auto found = calibrate_lens(views, {640, 480}, kFourCoefficients);
-    REQUIRE(found);
+    const auto found = required(calibrate_lens(views, {640, 480}, kFourCoefficients));
     CHECK(found->rms_px < 1e-4);  // corners are single precision
     CHECK(found->fx == doctest::Approx(truth.fx).epsilon(1e-5));
     CHECK(found->cy == doctest::Approx(truth.cy).epsilon(1e-5));
@@ -111,8 +104,7 @@ TEST_SUITE("calibration") {
     double squares[4] = {0, 0, 0, 0};
     constexpr int kTrials = 150;
     for (uint64_t seed = 1; seed <= kTrials; ++seed) {
-      const auto found = calibrate_lens(exact_views(truth, 0.2, seed), {640, 480}, kFourCoefficients);
-      REQUIRE(found);
+      const auto found = required(calibrate_lens(exact_views(truth, 0.2, seed), {640, 480}, kFourCoefficients));
       const double off[] = {(found->fx - truth.fx) / found->sigma_fx, (found->fy - truth.fy) / found->sigma_fy,
                             (found->cx - truth.cx) / found->sigma_cx, (found->cy - truth.cy) / found->sigma_cy};
       for (int k = 0; k < 4; ++k) squares[k] += off[k] * off[k] / kTrials;
@@ -120,8 +112,7 @@ TEST_SUITE("calibration") {
     }
     MESSAGE("squared error by variance: " << squares[0] << " " << squares[1] << " " << squares[2] << " " << squares[3]);
     for (const double square : squares) {  // of 150 normal errors: 0.88 to 1.12, one sigma
-      CHECK(square > 0.7);
-      CHECK(square < 1.4);
+      CHECK(square == Between{0.7, 1.4});
     }
   }
 
@@ -131,8 +122,7 @@ TEST_SUITE("calibration") {
       CAPTURE(first_is_white);
       cv::Mat picture = board_picture(board, 40, first_is_white);
       cv::GaussianBlur(picture, picture, {0, 0}, 0.8);
-      const auto view = BoardFinder(board).find(picture);
-      REQUIRE(view);
+      const auto view = required(BoardFinder(board).find(picture));
       CHECK(view->pixels.size() == static_cast<size_t>(board.inner_corners()));
       for (size_t i = 0; i < view->pixels.size(); ++i) {
         const cv::Point2f expected(view->corners_m[i].x / 0.025F * 40 + 19.5F,
@@ -156,11 +146,10 @@ TEST_SUITE("calibration") {
   }
 
   TEST_CASE("insufficient data gives an error text or a large sigma, never an invented number") {
-    CHECK(calibrate_lens({}, {640, 480}, {}).failure().text.find("at least 3") != std::string::npos);
+    CHECK(contains(calibrate_lens({}, {640, 480}, {}).failure().text, "at least 3"));
     const auto views = views_of({}, lens(ODO_CAMERA_PINHOLE), 6, 5);
-    const auto few = calibrate_lens(views, {640, 480}, {});
-    REQUIRE(few);
-    CHECK(warnings_about(*few).front().find("only") != std::string::npos);
+    const auto few = required(calibrate_lens(views, {640, 480}, {}));
+    CHECK(contains(warnings_about(*few).front(), "only"));
     // A board that differs from the pictures.
     const auto other = views_of({.columns = 8, .rows = 5, .family = "25h9"}, lens(ODO_CAMERA_PINHOLE), 6, 3);
     BoardFinder finder({.family = "16h5"});
@@ -173,12 +162,10 @@ TEST_SUITE("calibration") {
   }
 
   TEST_CASE("the written camera.yaml is read back") {
-    const auto found =
-        calibrate_lens(views_of({}, lens(ODO_CAMERA_KANNALA_BRANDT), 8, 8), {640, 480}, {.lens = Lens::kannala_brandt});
-    REQUIRE(found);
+    const auto found = required(calibrate_lens(views_of({}, lens(ODO_CAMERA_KANNALA_BRANDT), 8, 8), {640, 480},
+                                               {.lens = Lens::kannala_brandt}));
     const TemporaryFolder folder;
-    const auto read = read_camera_yaml(write_text(folder / "camera.yaml", camera_yaml(*found)), nullptr);
-    REQUIRE(read);
+    const auto read = required(read_camera_yaml(write_text(folder / "camera.yaml", camera_yaml(*found)), nullptr));
     CHECK(read->model == ODO_CAMERA_KANNALA_BRANDT);
     CHECK(read->fx == doctest::Approx(found->fx).epsilon(1e-8));
     CHECK(read->distortion_count == 4);

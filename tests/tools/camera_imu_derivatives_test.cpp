@@ -1,12 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sdk/tools/calibration/camera_imu_problem.hpp"
 #undef CHECK  // glog's, which Ceres includes
-#include <doctest/doctest.h>
-
 #include "sdk/tools/replay/camera_imu_source.hpp"
+#include "tests/support/support.hpp"
 #include "tests/tools/camera_imu_motion.hpp"
-
-using namespace odograph;
 
 TEST_SUITE_BEGIN("camera_imu");
 
@@ -98,5 +95,3 @@ TEST_CASE("windows seen twice within a second carry no more information than onc
   }
   CHECK(once.bottomRightCorner(shared::count - shared::lens, shared::count - shared::lens).norm() == 0);
 }
-
-TEST_SUITE_END();

@@ -1,12 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <doctest/doctest.h>
-
 #include "sdk/host/config/camera_yaml.hpp"
 #include "sdk/tools/replay/camera_imu_source.hpp"
 #include "tests/tools/camera_imu_motion.hpp"
 #include "tests/support/support.hpp"
-
-using namespace odograph;
 
 namespace {
 
@@ -45,8 +41,7 @@ TEST_CASE("without initial values: mount within 0.2 degrees, offset within 0.5 m
     CAPTURE(seed);
     HandHeld held = phone(seed);
     if (seed % 2 == 0) held.walk_mps = 0.15;
-    const auto found = calibrate_camera_imu(unknown(held, seed), {});
-    REQUIRE(found);
+    const auto found = required(calibrate_camera_imu(unknown(held, seed), {}));
     CHECK(found->rotation_observable);
     const bool walks = seed % 2;
     // On the spot the corners and a small path share the effect of the row time: of 12 phones the worst are 0.48
@@ -64,8 +59,7 @@ TEST_CASE("without initial values: mount within 0.2 degrees, offset within 0.5 m
 TEST_CASE("noise-free tracks give the exact mount and times") {
   HandHeld held = phone(9);
   held.noise_px = 0, held.gyro_noise_rps = 0, held.imu_hz = 400;
-  const auto found = calibrate_camera_imu(unknown(held, 9), {});
-  REQUIRE(found);
+  const auto found = required(calibrate_camera_imu(unknown(held, 9), {}));
   CHECK(found->q_b_c.angularDistance(held.q_b_c_true()) < 0.03 * kDegree);
   CHECK(std::abs(found->time_offset_s.value - held.time_offset_s) < 1e-4);
   CHECK(std::abs(found->row_time_s.value / held.row_time_s - 1) < 0.02);
@@ -74,8 +68,7 @@ TEST_CASE("noise-free tracks give the exact mount and times") {
 TEST_CASE("a global shutter is detected") {
   HandHeld held = phone(3);
   held.row_time_s = 0;
-  const auto found = calibrate_camera_imu(unknown(held, 3), {});
-  REQUIRE(found);
+  const auto found = required(calibrate_camera_imu(unknown(held, 3), {}));
   CHECK(std::abs(found->row_time_s.value) < 1e-6);
   CHECK(shutter_of(*found) != Shutter::rolling_up);
 }
@@ -96,8 +89,7 @@ TEST_CASE("an unobservable parameter keeps its given value and is reported") {
   held.rotation_rad *= 0.25, held.noise_px = 2, held.seconds = 12;
   CameraImuData data = held.data(5);
   data.given_row_time_s = 12e-6;
-  const auto found = calibrate_camera_imu(data, {.max_readout_sigma_s = 1e-4});
-  REQUIRE(found);
+  const auto found = required(calibrate_camera_imu(data, {.max_readout_sigma_s = 1e-4}));
   CHECK_FALSE(found->row_time_s.observable);
   CHECK(found->row_time_s.value == 12e-6);
   CHECK_FALSE(found->focal_px.observable);
@@ -113,26 +105,25 @@ TEST_CASE("insufficient data gives an error text") {
   const CameraImuData good = unknown(phone(1), 1);
   CameraImuData data = good;
   data.frames.clear();
-  CHECK(words(data).find("no frames") != std::string::npos);
+  CHECK(contains(words(data), "no frames"));
   data = good, data.gyro.clear();
-  CHECK(words(data).find("no IMU") != std::string::npos);
+  CHECK(contains(words(data), "no IMU"));
   data = good;
   for (auto& sample : data.gyro) sample.rate_b *= 0.01;
-  CHECK(words(data).find("too little rotation") != std::string::npos);
+  CHECK(contains(words(data), "too little rotation"));
   data = good;
   std::mt19937_64 random(1);
   std::normal_distribution<double> normal(0, 0.5);
   for (auto& sample : data.gyro) sample.rate_b = {normal(random), normal(random), normal(random)};
-  CHECK(words(data).find("does not match the gyroscope") != std::string::npos);
+  CHECK(contains(words(data), "does not match the gyroscope"));
   data = good;
   for (auto& frame : data.frames) frame.ids.resize(8), frame.pixels.resize(8);
-  CHECK(words(data).find("enough corners") != std::string::npos);
+  CHECK(contains(words(data), "enough corners"));
 }
 
 TEST_CASE("the written camera.yaml is read back with mount and times") {
   const HandHeld held = phone(4);
-  const auto found = calibrate_camera_imu(unknown(held, 4), {});
-  REQUIRE(found);
+  const auto found = required(calibrate_camera_imu(unknown(held, 4), {}));
   const TemporaryFolder folder;
   const auto read = read_camera_yaml(write_text(folder / "camera.yaml", camera_yaml(*found)), nullptr);
   REQUIRE_MESSAGE(read, (read ? "" : read.failure().text));
@@ -147,30 +138,22 @@ TEST_CASE("the written camera.yaml is read back with mount and times") {
 TEST_CASE("real recordings match a drone's published calibration and another calibrator's for a phone" *
           doctest::test_suite("camera_imu_data")) {
   if (const auto folder = data_or_skip("euroc_mh05"); !folder.empty()) {
-    const auto recording = read_recording(folder);
-    REQUIRE(recording);
-    auto data = camera_imu_data(*recording);
-    REQUIRE(data);
+    const auto recording = required(read_recording(folder));
+    auto data = required(camera_imu_data(*recording));
     const odo_calibration published = data->given;
     data->given.header.flags = 0;
-    const auto found = calibrate_camera_imu(*data, {});
-    REQUIRE(found);
+    const auto found = required(calibrate_camera_imu(*data, {}));
     const double* q = published.q_b_c;
     CHECK(found->q_b_c.angularDistance(Eigen::Quaterniond(q[0], q[1], q[2], q[3])) < 0.5 * kDegree);
     CHECK(std::abs(found->time_offset_s.value) < 1e-3);
     CHECK(shutter_of(*found) != Shutter::rolling);
   }
   if (const auto folder = data_or_skip("phone_house"); !folder.empty()) {
-    const auto recording = read_recording(folder);
-    REQUIRE(recording);
-    auto data = camera_imu_data(*recording);
-    REQUIRE(data);
-    const auto found = calibrate_camera_imu(*data, {});
-    REQUIRE(found);
+    const auto recording = required(read_recording(folder));
+    auto data = required(camera_imu_data(*recording));
+    const auto found = required(calibrate_camera_imu(*data, {}));
     CHECK(found->q_b_c.angularDistance(found->given_q_b_c) < 2 * kDegree);
     CHECK(std::abs(found->time_offset_s.value + 0.002) < 1.5e-3);  // OpenVINS: -2 ms
     CHECK(std::abs(found->focal_px.value / 502 - 1) < 0.03);       // OpenVINS: 502 px
   }
 }
-
-TEST_SUITE_END();

@@ -1,15 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <map>
-
-#include <doctest/doctest.h>
 #include <opencv2/imgcodecs.hpp>
 
 #include "sdk/tools/evaluation/degrade.hpp"
 #include "sdk/tools/evaluation/evaluation.hpp"
 #include "tests/support/runs.hpp"
 #include "tests/support/messages.hpp"
-
-using namespace odograph;
 
 TEST_SUITE_BEGIN("degrade");
 
@@ -164,8 +159,7 @@ TEST_CASE("one outlier per minute is at full scale on every axis") {
       CHECK(std::abs(s.gyro_b[k]) == kOutlierGyro_radps);
     }
   }
-  CHECK(wild > 3);  // ten expected
-  CHECK(wild < 20);
+  CHECK(wild == Between{3, 20});  // ten expected
 }
 
 TEST_CASE("a cut starts within the recording and keeps the sensors' descriptions") {
@@ -204,8 +198,7 @@ TEST_CASE("a black picture has the size of the original") {
   m.picture = {.file = std::make_shared<const std::filesystem::path>(file)};
   for (const bool black : {false, true}) {
     m.picture.gain_percent = black ? 0 : 100;
-    const auto frame = load_frame(m);
-    REQUIRE(frame);
+    const auto frame = required(load_frame(m));
     CHECK(frame->width == 8);
     CHECK(frame->height == 6);
     CHECK(frame->planes[0].data[13] == (black ? 0 : 200));
@@ -221,5 +214,3 @@ TEST_CASE("the table of sensors has each fault once, starting with none") {
   for (const Degradation& d : all) ++names[d.name];
   CHECK(names.size() == all.size());
 }
-
-TEST_SUITE_END();

@@ -1,14 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <doctest/doctest.h>
-
 #include <regex>
 
 #include "sdk/host/config/pipeline_config.hpp"
 #include "sdk/host/config/registry.hpp"
 #include "tests/support/support.hpp"
-
-using namespace odograph;
-namespace fs = std::filesystem;
 
 TEST_SUITE_BEGIN("documents");
 
@@ -46,5 +41,3 @@ TEST_CASE("every YAML example of the documents is a valid config or part of one"
     }
   CHECK(examples >= 1);
 }
-
-TEST_SUITE_END();

@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <doctest/doctest.h>
 #include <nlohmann/json.hpp>
 #include <rapidcheck.h>
 
 #include "sdk/tools/evaluation/evaluation.hpp"
 #include "tests/support/support.hpp"
 
-using namespace odograph;
 using Eigen::Vector3d;
 
 TEST_SUITE_BEGIN("evaluation");
@@ -37,14 +35,12 @@ TEST_CASE(
   const Trajectory truth = winding(200);
   const Eigen::Quaterniond yaw(Eigen::AngleAxisd(0.7, Vector3d::UnitZ()));
   const Pairs longer{truth, moved(truth, 1.25, yaw, {5, -3, 1})};
-  const auto of_scale = scale_part(truth, align(longer, Alignment::yaw, nullptr));
-  REQUIRE(of_scale);
+  const auto of_scale = required(scale_part(truth, align(longer, Alignment::yaw, nullptr)));
   CHECK(of_scale->scale == doctest::Approx(1.25));
   CHECK(of_scale->rms_m < 1e-9);
   Pairs both = longer;
   for (size_t i = 0; i < both.estimate.size(); ++i) both.estimate[i].p.z() += i % 2 ? 0.1 : -0.1;
-  const auto rest = scale_part(truth, align(both, Alignment::yaw, nullptr));
-  REQUIRE(rest);
+  const auto rest = required(scale_part(truth, align(both, Alignment::yaw, nullptr)));
   CHECK(rest->scale == doctest::Approx(1.25).epsilon(0.01));
   CHECK(rest->rms_m == doctest::Approx(0.1 / 1.25).epsilon(0.02));
   CHECK_FALSE(scale_part(truth, moved(truth, 0, yaw, {1, 2, 3})));
@@ -214,5 +210,3 @@ TEST_CASE("with the true lengths only direction errors remain") {
   CHECK(t.without_motion == 1);
   CHECK((t.track.back().p - pairs.reference.back().p).norm() == doctest::Approx(6.0));
 }
-
-TEST_SUITE_END();

@@ -1,16 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Figures of synthetic tracks with closed-form answers.
-#include <doctest/doctest.h>
-
-#include <cmath>
-
 #include "sdk/tools/evaluation/fix_figures.hpp"
 #include "sdk/tools/evaluation/pose_consistency.hpp"
 #include "sdk/tools/evaluation/vo_consistency.hpp"
 #include "tests/support/messages.hpp"
+#include "tests/support/support.hpp"
 
-using namespace odograph;
 using Eigen::AngleAxisd;
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
@@ -78,8 +74,7 @@ TEST_SUITE("evaluation") {
     CHECK((position_at(t, kSecond + kSecond / 4) - Vector3d(2.5, 3, 0.25)).norm() < 1e-12);
     CHECK(position_at(t, 0) == t[0].p);
     CHECK(position_at(t, 5 * kSecond) == t[1].p);
-    const auto pose = pose_at(t, kSecond + kSecond / 4, 1);
-    REQUIRE(pose);
+    const auto pose = required(pose_at(t, kSecond + kSecond / 4, 1));
     CHECK(pose->t_ns == kSecond + kSecond / 4);
     CHECK((pose->p - Vector3d(2.5, 3, 0.25)).norm() < 1e-12);
     CHECK(pose->q.angularDistance(yaw(0.2)) < 1e-9);

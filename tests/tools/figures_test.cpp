@@ -1,11 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Benchmark figures on synthetic cases with known answers.
-#include <doctest/doctest.h>
-
-#include <algorithm>
-#include <cmath>
-
 #include <opencv2/imgproc.hpp>
 
 #include "sdk/tools/evaluation/corner_flow.hpp"
@@ -16,8 +11,8 @@
 #include "sdk/tools/evaluation/vo_consistency.hpp"
 #include "sdk/tools/evaluation/vo_figures.hpp"
 #include "sdk/tools/evaluation/walk_figures.hpp"
+#include "tests/support/support.hpp"
 
-using namespace odograph;
 using Eigen::AngleAxisd;
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
@@ -361,5 +356,3 @@ TEST_CASE("a position is found by the distance walked") {
   CHECK(e.error_m[0] == doctest::Approx(5));
   CHECK(e.error_percent[0] == doctest::Approx(100 * 5 / 4.2));
 }
-
-TEST_SUITE_END();

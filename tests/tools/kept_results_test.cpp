@@ -2,18 +2,10 @@
 //
 // Kept results: the output of pipelines and simulator, compared with the last reviewed one. Any change of a number
 // shows, intended ones too: ODOGRAPH_KEEP_RESULTS=1 writes the files again, and the commit with them gives the reason.
-#include <cmath>
-#include <cstdlib>
-#include <string>
-
-#include <doctest/doctest.h>
-
 #include "sdk/tools/replay/anchor_walk.hpp"
 #include "sdk/tools/replay/app_stream.hpp"
 #include "tests/support/kept.hpp"
 #include "tests/support/runs.hpp"
-
-using namespace odograph;
 
 namespace {
 
@@ -189,14 +181,12 @@ TEST_CASE("a rendered walk past known objects gives the kept results as played b
   const TemporaryFolder folder;
   const Recording recording = rendered("tests/kept_results/walk.yaml", 14, folder);
   const RunOptions options = pipeline("samples/configs/walk_known_objects.yaml", folder.path().string());
-  const auto app = app_stream(recording, options, {});
-  REQUIRE(app);
+  const auto app = required(app_stream(recording, options, {}));
   Digest digest;
   const Clock seconds{recording.messages.front().message.header().t_ns};
   for (const PolledPose& x : app->poses.polls)
     add_pose(digest, x.pose, seconds), digest.add("smooth.p_n", x.smooth.p_n, 3);
-  const auto anchors = anchor_walk(recording, options, {});
-  REQUIRE(anchors);
+  const auto anchors = required(anchor_walk(recording, options, {}));
   for (double px : anchors->px) digest.add("anchor.px", px);
   for (double px : anchors->smooth_px) digest.add("anchor.smooth_px", px);
   digest.add("anchor.start_off_m", anchors->start_off_m);
@@ -205,7 +195,6 @@ TEST_CASE("a rendered walk past known objects gives the kept results as played b
   compare_kept("walk_app", digest.text(), kRendered);
 }
 
-TEST_SUITE_END();
 TEST_SUITE_BEGIN("kept_results_data");
 
 TEST_CASE("a phone through a house, a drone in a hall and a hand-held camera in a room give the kept results") {
@@ -224,5 +213,3 @@ TEST_CASE("a phone through a shopping mall gives the kept results") {
   if (walks.empty()) return;
   check("phone_walk_magyq", "mall", walks / "site2_F3_5dd398c544333f00067aa431.txt");
 }
-
-TEST_SUITE_END();

@@ -1,16 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // A picture in a pocket is noise, which is not tracked.
-#include <array>
-
-#include <doctest/doctest.h>
 #include <opencv2/imgproc.hpp>
 
 #include "plugins/shared/camera/picture_content.hpp"
 #include "plugins/vo/five_point/visual_odometry.hpp"
 #include "plugins/vo/odograph/visual/odometry.hpp"
-
-using namespace odograph;
+#include "tests/support/support.hpp"
 
 TEST_SUITE_BEGIN("vo_odograph");
 
@@ -72,5 +68,3 @@ TEST_CASE("no odometry finds a motion in a pocket") {
     check(ours.process(frame)), check(plain.process(picture, {}));
   }
 }
-
-TEST_SUITE_END();

@@ -1,16 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The simulated camera: rays and pixels are inverse to each other, and its errors have the requested size.
-#include <doctest/doctest.h>
-
-#include <cmath>
-
 #include "sdk/tools/evaluation/evaluation.hpp"
 #include "sdk/tools/simulation/camera.hpp"
 #include "sdk/tools/simulation/simulate.hpp"
 #include "tests/support/support.hpp"
 
-using namespace odograph;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
@@ -61,8 +56,7 @@ TEST_SUITE("phone_camera") {
           const double when = t + camera.row_offset_s(y);
           const SimLens::State lens = camera.lens().at(when);
           const Vector3d ray = (camera.lens().moves() ? camera.ray(x, y, lens) : camera.ray(x, y)).cast<double>();
-          const auto seen = camera.project_rolling(phone, t, camera.pose(phone, when) * (6 * ray));
-          REQUIRE(seen);
+          const auto seen = required(camera.project_rolling(phone, t, camera.pose(phone, when) * (6 * ray)));
           CHECK((*seen - Vector2d(x, y)).norm() < 0.02);
           furthest_px = std::max(furthest_px, (camera.project(ray) - Vector2d(x, y)).norm());
         }
@@ -156,8 +150,7 @@ TEST_SUITE("phone_camera") {
       REQUIRE(simulate(s, 3, folder / "walk.odo", {.threads = 1}));
       std::vector<int64_t> stamps_ns;
       int64_t told_ns = 0;
-      const auto recording = read_recording(folder / "walk.odo");
-      REQUIRE(recording);
+      const auto recording = required(read_recording(folder / "walk.odo"));
       for (const RecordedMessage& m : recording->messages) {
         if (m.message.header().type == ODO_TYPE_FRAME) stamps_ns.push_back(m.message.header().t_ns);
         if (m.message.header().type == ODO_TYPE_CALIBRATION)

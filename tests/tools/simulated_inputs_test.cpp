@@ -2,10 +2,6 @@
 //
 // Inputs of benchmarks: simulated sensors and boards, degraded receivers, options, and frame times of a
 // recording.
-#include <doctest/doctest.h>
-
-#include <filesystem>
-
 #include "sdk/tools/city/city_scenario.hpp"
 #include "sdk/tools/evaluation/degrade.hpp"
 #include "sdk/tools/evaluation/evaluation.hpp"
@@ -14,7 +10,6 @@
 #include "sdk/tools/simulation/simulate.hpp"
 #include "tests/support/support.hpp"
 
-using namespace odograph;
 using Eigen::Vector3d;
 
 TEST_SUITE_BEGIN("simulated_inputs");
@@ -104,7 +99,5 @@ TEST_CASE("an interval is two numbers of seconds, the second above zero") {
   CHECK(from_s == 10);
   CHECK(for_s == 2.5);
   for (const char* wrong : {"10", "10:", "10:2s", "-1:2", "10:0"})
-    CHECK(parse_interval(wrong, "--gap", from_s, for_s).failure().text.find("expected FROM:FOR") != std::string::npos);
+    CHECK(contains(parse_interval(wrong, "--gap", from_s, for_s).failure().text, "expected FROM:FOR"));
 }
-
-TEST_SUITE_END();

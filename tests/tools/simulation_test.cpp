@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <doctest/doctest.h>
 #include <nlohmann/json.hpp>
 #include <valijson/adapters/nlohmann_json_adapter.hpp>
 #include <valijson/schema.hpp>
@@ -7,14 +6,10 @@
 #include <valijson/validator.hpp>
 
 #include "sdk/host/config/manifest.hpp"
-#include "sdk/tools/replay/runner.hpp"
 #include "sdk/tools/simulation/drive.hpp"
 #include "sdk/tools/simulation/sensors.hpp"
-#include "sdk/tools/simulation/simulate.hpp"
 #include "sdk/tools/simulation/walker.hpp"
-#include "tests/support/support.hpp"
-
-using namespace odograph;
+#include "tests/support/runs.hpp"
 
 TEST_SUITE_BEGIN("simulation");
 
@@ -100,8 +95,7 @@ TEST_CASE("the true steps cover the walk and end at the stops") {
   for (size_t i = 0; i < walk.steps.size(); ++i) {
     const auto& step = walk.steps[i];
     CHECK(step.t_end_s > step.t_start_s);
-    CHECK(step.length_m > 0.1);
-    CHECK(step.length_m < 1.0);
+    CHECK(step.length_m == Between{0.1, 1.0});
     if (i > 0) longest_break = std::max(longest_break, step.t_start_s - walk.steps[i - 1].t_end_s);
     sum += step.length_m;
   }
@@ -121,19 +115,16 @@ TEST_CASE("the paper's pipeline tracks a simulated walk") {
   const TemporaryFolder folder;
   Scenario s = small();
   s.camera = Scenario().camera;  // the resolution that the configs are made for
-  REQUIRE(simulate(s, 11, folder / "walk.odo").ok());
-  const auto recording = required(read_recording(folder / "walk.odo"));
-  RunOptions options{.config = source("samples/configs/antigny2019.yaml").string(),
-                     .plugin_path = plugin_folder().string()};
-  const auto result = replay(*recording, options);
-  REQUIRE_MESSAGE(result.ok(), (result.ok() ? "" : result.failure().text));
-  CHECK(result->track.size() == recording->truth.size());  // one pose a frame
-  CHECK(std::abs(static_cast<double>(result->steps.size()) - static_cast<double>(recording->true_steps.size())) <= 3);
-  const Pairs pairs = associate(recording->truth, result->track, 0.001);
+  const Recording recording = recorded(s, 11, folder / "walk.odo");
+  const RunOptions options = options_of(source("samples/configs/antigny2019.yaml"));
+  const RunResult result = run_of(recording, options);
+  CHECK(result.track.size() == recording.truth.size());  // one pose a frame
+  CHECK(std::abs(static_cast<double>(result.steps.size()) - static_cast<double>(recording.true_steps.size())) <= 3);
+  const Pairs pairs = associate(recording.truth, result.track, 0.001);
   const auto errors = absolute_errors(pairs.reference, align(pairs, Alignment::yaw, nullptr)).translation_m;
-  CHECK(statistics_of(errors).rmse < 0.06 * path_length(recording->truth));
-  CHECK(result->statistics.lost_s < 1.0);
-  CHECK(write_run(folder / "out", *recording, *result, options).ok());
+  CHECK(statistics_of(errors).rmse < 0.06 * path_length(recording.truth));
+  CHECK(result.statistics.lost_s < 1.0);
+  CHECK(write_run(folder / "out", recording, result, options).ok());
   for (const char* name : {"trajectory.tum", "steps.csv", "scale.csv", "fixes.csv", "summary.json"})
     CHECK(std::filesystem::file_size(folder / (std::string("out/") + name)) > 30);
   const auto schema_json = nlohmann::json::parse(read_text(source("schemas/summary.schema.json")));
@@ -149,26 +140,21 @@ TEST_CASE("an exported EuRoC folder is read back and gives the identical run") {
   Scenario scenario = small();
   scenario.camera.distortion = {-0.1, 0.02, 0.0005, -0.001};
   scenario.route = {{0, 0, 0}, {5, 0, 0}};
-  REQUIRE(simulate(scenario, 9, folder / "walk.odo").ok());
-  const auto original = required(read_recording(folder / "walk.odo"));
-  REQUIRE(write_euroc(*original, folder / "asl", nullptr).ok());
-  const auto copy = read_recording(folder / "asl");
-  REQUIRE_MESSAGE(copy.ok(), (copy.ok() ? "" : copy.failure().text));
+  const Recording original = recorded(scenario, 9, folder / "walk.odo");
+  REQUIRE(write_euroc(original, folder / "asl", nullptr).ok());
+  const auto copy = required(read_recording(folder / "asl"));
   CHECK(copy->format == "EuRoC/ASL");
-  RunOptions options{.plugin_path = plugin_folder().string()};
   for (const char* config : {"antigny2019", "phone_walk_camera"}) {  // the second models the rolling shutter
-    options.config = source("samples/configs/" + std::string(config) + ".yaml").string();
-    const auto a = required(replay(*original, options)), b = replay(*copy, options);
-    REQUIRE(b.ok());
-    REQUIRE(a->track.size() == b->track.size());
-    CHECK(a->track.size() > 40);
+    const auto file = source("samples/configs/" + std::string(config) + ".yaml");
+    const Trajectory a = run_of(original, file).track, b = run_of(*copy, file).track;
+    REQUIRE(a.size() == b.size());
+    CHECK(a.size() > 40);
     bool same = true;
-    for (size_t i = 0; i < a->track.size(); ++i)
-      same = same && a->track[i].t_ns == b->track[i].t_ns && a->track[i].p == b->track[i].p &&
-             a->track[i].q.coeffs() == b->track[i].q.coeffs();
+    for (size_t i = 0; i < a.size(); ++i)
+      same = same && a[i].t_ns == b[i].t_ns && a[i].p == b[i].p && a[i].q.coeffs() == b[i].q.coeffs();
     CHECK_MESSAGE(same, config);
   }
-  REQUIRE(copy->truth.size() == original->true_states.size());
+  REQUIRE(copy->truth.size() == original.true_states.size());
   CHECK(std::filesystem::exists(folder / "asl/camchain-imucam.yaml"));
   // The layout of the data set's own files.
   const auto first_line = [&](const char* file) {
@@ -186,15 +172,14 @@ TEST_CASE("an exported EuRoC folder is read back and gives the identical run") {
   for (const char* key : {"sensor_type: camera", "T_BS:", "cols: 4", "rows: 4", "data: [",
                           "rate_hz:", "resolution:", "camera_model: pinhole",
                           "intrinsics:", "distortion_model: radial-tangential", "distortion_coefficients:"})
-    CHECK_MESSAGE(camera.find(key) != std::string::npos, key);
+    CHECK_MESSAGE(contains(camera, key), key);
 }
 
 TEST_CASE("every scenario of the SDK is valid and walks its route") {
   size_t found = 0;
   for (const auto& entry : std::filesystem::directory_iterator(source("samples/scenarios"))) {
     CAPTURE(entry.path().string());
-    const auto scenario = read_scenario(entry.path().string());
-    REQUIRE_MESSAGE(scenario.ok(), (scenario.ok() ? "" : scenario.failure().text));
+    const auto scenario = required(read_scenario(entry.path().string()));
     const Route route(scenario->route, scenario->corner_m);
     const Journey walk = scenario->drives() ? make_drive(*scenario, route, 2) : make_walk(*scenario, route, 2);
     CHECK(walk.phone.duration_s() > 5);
@@ -257,28 +242,22 @@ TEST_CASE("GNSS fixes bound the error of a geodetic walk") {
   s.route = {{0, 0, 0}, {25, 0, 0}, {25, 25, 0}};
   s.gnss = {1.0, 1.0, 20.0, 1.0};
   s.magnetometer.hard_iron = s.magnetometer.disturbance = 0;
-  REQUIRE(simulate(s, 4, folder / "walk.odo").ok());
-  const auto recording = read_recording(folder / "walk.odo");
-  RunOptions options;
-  options.config = write_text(folder / "c.yaml",
-                              "odograph: 1\nattitude:\n  plugin: attitude/vqf\n  parameters:\n    magnetometer: true\n"
-                              "step_estimator:\n  plugin: step/renaudin2012\nabsolute_fixers:\n  - plugin: fix/gnss\n")
-                       .string();
-  options.plugin_path = plugin_folder().string();
-  const auto result = replay(*recording, options);
-  REQUIRE_MESSAGE(result.ok(), (result.ok() ? "" : result.failure().text));
-  CHECK(result->statistics.fixes_accepted > 30);
+  const Recording recording = recorded(s, 4, folder / "walk.odo");
+  const auto config =
+      write_text(folder / "c.yaml",
+                 "odograph: 1\nattitude:\n  plugin: attitude/vqf\n  parameters:\n    magnetometer: true\n"
+                 "step_estimator:\n  plugin: step/renaudin2012\nabsolute_fixers:\n  - plugin: fix/gnss\n");
+  const RunResult result = run_of(recording, config);
+  CHECK(result.statistics.fixes_accepted > 30);
   // The source of the fixes can be looked up.
-  REQUIRE(result->plugins.size() == 3);
-  REQUIRE_FALSE(result->fixes.empty());
-  for (const auto& fix : result->fixes) {
-    const auto& plugin = result->plugins.at(fix.fix.header.source - 1);
+  REQUIRE(result.plugins.size() == 3);
+  REQUIRE_FALSE(result.fixes.empty());
+  for (const auto& fix : result.fixes) {
+    const auto& plugin = result.plugins.at(fix.fix.header.source - 1);
     CHECK(plugin.number == fix.fix.header.source);
     CHECK((plugin.id == "fix/gnss" && plugin.kind == "absolute_fixer"));
     CHECK(plugin.sha256 == *sha256_of(plugin_folder() / "fix_gnss.so"));
   }
   // n's origin is the first fix, the walk starts at the true origin: the offset is that fix's error.
-  CHECK((result->track.back().p - recording->truth.back().p).head<2>().norm() < 6.0);
+  CHECK((result.track.back().p - recording.truth.back().p).head<2>().norm() < 6.0);
 }
-
-TEST_SUITE_END();

@@ -1,12 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <doctest/doctest.h>
-
-#include <cmath>
-
 #include "sdk/tools/table/table.hpp"
 #include "sdk/tools/text/text.hpp"
-
-using namespace odograph;
+#include "tests/support/support.hpp"
 
 TEST_SUITE_BEGIN("table");
 
@@ -25,7 +20,7 @@ TEST_CASE("a table has a line for each row, and a dash where a row has no number
         "and then\n"
         "long name  b           -      -\n");
   const Table by_config{"", {}, {{"W1", "a", "W1configs/walk.yaml"}}};
-  CHECK(table_text(by_config, {{{"W1configs/walk.yaml", "0.17 m"}}}).find("0.17 m") != std::string::npos);
+  CHECK(contains(table_text(by_config, {{{"W1configs/walk.yaml", "0.17 m"}}}), "0.17 m"));
 }
 
 TEST_CASE("a summary combines numbers and lists of all rows") {
@@ -49,7 +44,7 @@ TEST_CASE("a summary combines numbers and lists of all rows") {
   CHECK(summaries[0]["share"] == 50);  // 3 of 6
   CHECK(summaries[1]["share"] == 0);
   CHECK(summaries[0]["all"] == Json{1.0, 3.0});
-  CHECK(Json(summaries[0]).dump().find("\"none\":null") != std::string::npos);
+  CHECK(contains(Json(summaries[0]).dump(), "\"none\":null"));
   CHECK(summaries[1]["x"]["worst"] == 9);
   CHECK(visible_rows({{{"x", 1}, {"_y", 2}}}).dump() == R"([{"x":1}])");
 }
@@ -95,5 +90,3 @@ TEST_CASE("a formatted text has its full length and may be empty") {
   CHECK(text("%d %.2f %s", 7, 1.25, "x") == "7 1.25 x");
   CHECK(text("%s.", std::string(5000, 'a').c_str()) == std::string(5000, 'a') + '.');
 }
-
-TEST_SUITE_END();

@@ -1,20 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The walker's parameters estimated by step/odograph.
-#include <doctest/doctest.h>
-
 #include <Eigen/Geometry>
 
 #include "plugins/step/odograph/length_model.hpp"
 #include "sdk/tools/evaluation/evaluation.hpp"
-#include "sdk/tools/replay/runner.hpp"
 #include "sdk/tools/simulation/random.hpp"
 #include "sdk/tools/simulation/reconstruct_walk.hpp"
-#include "sdk/tools/simulation/simulate.hpp"
 #include "sdk/tools/simulation/walker.hpp"
-#include "tests/support/support.hpp"
+#include "tests/support/runs.hpp"
 
-using namespace odograph;
 using namespace odograph::steps;
 using Eigen::Vector3d;
 
@@ -112,8 +107,6 @@ TEST_CASE("the estimate is saved, and invalid data is not loaded") {
   CHECK(other.factor() == 1.07);
 }
 
-TEST_SUITE_END();
-
 TEST_SUITE_BEGIN("world");
 
 TEST_CASE("a real walk is retraced with its waypoints, its orientation and the bounce of its steps" *
@@ -182,22 +175,19 @@ TEST_CASE("pictures rendered along a real walk come with that walk's own samples
   Scenario s;
   s.world.type = "room";
   s.camera.width = 160, s.camera.height = 120, s.camera.focal_px = 120, s.camera.rate_hz = 5;
-  REQUIRE(simulate(s, 1, out / "h.odo", {.walk = &*walk}).ok());
-  const auto made = required(read_recording(out / "h.odo"));
+  const Recording made = recorded(s, 1, out / "h.odo", {.walk = &*walk});
   size_t real = 0, same = 0, frames = 0;
   for (const auto& m : walk->messages) real += m.message.header().type == ODO_TYPE_IMU;
-  for (const auto& m : made->messages) {
+  for (const auto& m : made.messages) {
     same += m.message.header().type == ODO_TYPE_IMU;
     frames += m.message.header().type == ODO_TYPE_FRAME;
   }
   CHECK(same == real);
   CHECK(frames > 90);
-  CHECK(made->truth.size() == frames);
-  CHECK(made->waypoints().size() == walk->waypoints().size());
+  CHECK(made.truth.size() == frames);
+  CHECK(made.waypoints().size() == walk->waypoints().size());
   walk->phone_attitudes.clear();
   const auto without = simulate(s, 1, out / "x.odo", {.walk = &*walk});
   REQUIRE_FALSE(without.ok());
-  CHECK(without.failure().text.find("rotation vector") != std::string::npos);
+  CHECK(contains(without.failure().text, "rotation vector"));
 }
-
-TEST_SUITE_END();

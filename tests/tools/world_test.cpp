@@ -1,16 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <apriltag/apriltag.h>
-#include <apriltag/tag36h11.h>
 #include <complex>
-#include <doctest/doctest.h>
 
 #include "sdk/tools/simulation/camera.hpp"
 #include "sdk/tools/simulation/drive.hpp"
-#include "sdk/tools/simulation/simulate.hpp"
 #include "sdk/tools/simulation/walker.hpp"
-#include "tests/support/support.hpp"
+#include "tests/tools/tags.hpp"
 
-using namespace odograph;
 using Eigen::Vector3d;
 
 TEST_SUITE_BEGIN("world");
@@ -65,16 +60,15 @@ TEST_CASE("a broken city model is rejected with its name, the object and the exp
     CHECK(city.failure().text.starts_with("house.city.json: "));
     return city.failure().text;
   };
-  CHECK(why("{").find("not JSON") != std::string::npos);
-  CHECK(why("[]").find("CityJSON") != std::string::npos);
-  CHECK(why(replaced(kHouse, "\"2.0\"", "\"3.0\"")).find("reads CityJSON 1.0 to 2.0") != std::string::npos);
-  CHECK(why(replaced(kHouse, "[3, 2, 1, 0]", "[3, 2, 1, 12]")).find("house: no vertex 12; there are 12") !=
-        std::string::npos);
-  CHECK(why(replaced(kHouse, "[[3, 2, 1, 0]]", "7")).find("house: a surface is not a list") != std::string::npos);
-  CHECK(why(replaced(kHouse, "[0.001, 0.001, 0.001]", "[0.001]")).find("transform") != std::string::npos);
-  CHECK(why(replaced(kHouse, "[5000,5000,0]", "[5000,5000]")).find("vertex 0") != std::string::npos);
-  CHECK(why(replaced(kHouse, "[30000,20000,0]", "[2e8,20000,0]")).find("metres") != std::string::npos);
-  CHECK(why(replaced(kHouse, "[30000,20000,0]", "[3e11,20000,0]")).find("farther than") != std::string::npos);
+  CHECK(contains(why("{"), "not JSON"));
+  CHECK(contains(why("[]"), "CityJSON"));
+  CHECK(contains(why(replaced(kHouse, "\"2.0\"", "\"3.0\"")), "reads CityJSON 1.0 to 2.0"));
+  CHECK(contains(why(replaced(kHouse, "[3, 2, 1, 0]", "[3, 2, 1, 12]")), "house: no vertex 12; there are 12"));
+  CHECK(contains(why(replaced(kHouse, "[[3, 2, 1, 0]]", "7")), "house: a surface is not a list"));
+  CHECK(contains(why(replaced(kHouse, "[0.001, 0.001, 0.001]", "[0.001]")), "transform"));
+  CHECK(contains(why(replaced(kHouse, "[5000,5000,0]", "[5000,5000]")), "vertex 0"));
+  CHECK(contains(why(replaced(kHouse, "[30000,20000,0]", "[2e8,20000,0]")), "metres"));
+  CHECK(contains(why(replaced(kHouse, "[30000,20000,0]", "[3e11,20000,0]")), "farther than"));
 }
 
 TEST_CASE("an OBJ model is read as a city with its ground separate") {
@@ -142,46 +136,9 @@ TEST_CASE("the model of a real town loads, and a route follows its terrain" * do
 
 TEST_CASE("AprilTag's own detector finds a tag in a frame at its true position") {
   const TemporaryFolder folder;
-  Scenario s;
-  s.route = {{0, 0, 0}, {5, 0, 0}};
-  s.objects = {{8, 0.6, 1.4, 0.5}};
-  s.world.pedestrians = 0, s.world.cars = 0;
-  s.camera.rate_hz = 4;
-  REQUIRE(simulate(s, 2, folder / "tag.odo").ok());
-  const auto recording = required(read_recording(folder / "tag.odo"));
-  REQUIRE(recording->true_sightings.size() > 5);
-  apriltag_family_t* family = tag36h11_create();
-  apriltag_detector_t* detector = apriltag_detector_create();
-  apriltag_detector_add_family(detector, family);
-  detector->quad_decimate = 1;
-  size_t frame_index = 0, compared = 0;
-  for (const auto& m : recording->messages) {
-    if (m.message.header().type != ODO_TYPE_FRAME) continue;
-    const int64_t t = recording->truth[frame_index++].t_ns;
-    const auto frame = required(load_frame(m));
-    image_u8_t image{640, 480, static_cast<int32_t>(frame->planes[0].row_stride),
-                     const_cast<uint8_t*>(frame->planes[0].data)};
-    zarray_t* found = apriltag_detector_detect(detector, &image);
-    for (const TrueSighting& sighting : recording->true_sightings) {
-      if (sighting.t_ns != t || sighting.visible < 1) continue;
-      for (int i = 0; i < zarray_size(found); ++i) {
-        apriltag_detection_t* d = nullptr;
-        zarray_get(found, i, &d);
-        CHECK(d->id == 0);
-        ++compared;
-        for (int k = 0; k < 4; ++k) {  // AprilTag's pixel centres are at one half
-          const size_t at = static_cast<size_t>(2 * k);
-          CHECK(std::hypot(d->p[k][0] - 0.5 - sighting.corners_px[at], d->p[k][1] - 0.5 - sighting.corners_px[at + 1]) <
-                0.6);
-        }
-      }
-    }
-    apriltag_detections_destroy(found);
-    frame->loan.release(frame->loan.owner);
-  }
-  apriltag_detector_destroy(detector);
-  tag36h11_destroy(family);
-  CHECK(compared > 5);
+  const Recording recording = recorded(past_a_tag(), 2, folder / "tag.odo");
+  REQUIRE(recording.true_sightings.size() > 5);
+  check_tags(recording, 0.6, [](auto...) {});
 }
 
 TEST_CASE("the skyline is that of the buildings along a street") {
@@ -236,14 +193,11 @@ TEST_CASE("a car observes its limits, stops, dives and shakes, and its camera lo
     const Vector3d looks = camera.pose(drive.phone, t).linear().col(2);
     worst_tilt = std::max(worst_tilt, std::acos(std::min(1.0, -looks.z())));
   }
-  CHECK(fastest > 7);
-  CHECK(fastest < 10.2);
+  CHECK(fastest == Between{7, 10.2});
   CHECK(path == doctest::Approx(route.length()).epsilon(0.01));
   CHECK(stopped_s > 3.0);
-  CHECK(pull < 6.0);  // the roof swings over the bump
-  CHECK(pull > 1.2);
-  CHECK(sideways < 4.0);
-  CHECK(sideways > 1.2);
+  CHECK(pull == Between{1.2, 6.0});  // the roof swings over the bump
+  CHECK(sideways == Between{1.2, 4.0});
   CHECK(worst_tilt < 0.12);
   // While standing the engine shakes it at twice its revolutions: 800 per minute.
   double power = 0, other = 0;
@@ -265,22 +219,17 @@ TEST_CASE("in the pocket the lens sees nothing, and a crowd fills the picture") 
   s.events = {{5, "pocket"}, {12, "texting"}};
   s.world.street_width_m = 7, s.world.pedestrians = 200, s.world.cars = 0;
   const auto made = required(simulate(s, 3, folder / "p.odo"));
-  const auto recording = read_recording(folder / "p.odo");
   size_t dark = 0, bright = 0;
-  for (const auto& m : recording->messages) {
-    if (m.message.header().type != ODO_TYPE_FRAME) continue;
-    const auto frame = load_frame(m);
+  for_each_picture(recorded(folder / "p.odo"), [&](const odo_frame& frame) {
     double sum = 0;
-    for (int i = 0; i < 96; ++i) sum += frame->planes[0].data[36 * frame->planes[0].row_stride + i];
-    frame->loan.release(frame->loan.owner);
+    for (int i = 0; i < 96; ++i) sum += frame.planes[0].data[36 * frame.planes[0].row_stride + i];
     (sum / 96 < 25 ? dark : bright) += 1;
-  }
+  });
   CHECK(dark > 35);
   CHECK(bright > 70);
   double most = 0;
   for (const float part : made->moving_parts) most = std::max(most, static_cast<double>(part));
-  CHECK(most > 0.15);
-  CHECK(most < 0.7);
+  CHECK(most == Between{0.15, 0.7});
 }
 
 TEST_CASE("between the kerbs the walker is lower by a kerb") {
@@ -304,10 +253,8 @@ TEST_CASE("a drive's scenario rejects a walker's actions, and vice versa") {
     REQUIRE_FALSE(s.ok());
     return s.failure().text;
   };
-  CHECK(why("carrier: car\nroute:\n  events:\n    - {at: 3 m, do: evade}\n").find("s.yaml:5:") != std::string::npos);
-  CHECK(why("route:\n  events:\n    - {at: 3 m, do: bump}\n").find("a walker does") != std::string::npos);
-  CHECK(why("world: {type: city}\n").find("world.model: missing") != std::string::npos);
-  CHECK(why("world: {model: a.city.json}\n").find("only `type: city`") != std::string::npos);
+  CHECK(contains(why("carrier: car\nroute:\n  events:\n    - {at: 3 m, do: evade}\n"), "s.yaml:5:"));
+  CHECK(contains(why("route:\n  events:\n    - {at: 3 m, do: bump}\n"), "a walker does"));
+  CHECK(contains(why("world: {type: city}\n"), "world.model: missing"));
+  CHECK(contains(why("world: {model: a.city.json}\n"), "only `type: city`"));
 }
-
-TEST_SUITE_END();

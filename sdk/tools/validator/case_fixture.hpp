@@ -76,17 +76,42 @@ class CaseFixture {
 };
 
 struct Case {
-  const char* id;
-  const char* what;
-  double limit_s;
-  double input_s;  ///< length of the walk that it needs
-  bool loaded;     ///< it requires the loaded library
-  Verdict (*test)(CaseFixture&);
+  const char* id = "";
+  const char* what = "";
+  double limit_s = 0;
+  double input_s = 0;  ///< length of the walk that it needs
+  Verdict (*test)(CaseFixture&) = nullptr;
+  bool loaded = true;      ///< it requires the loaded library
   bool any_input = false;  ///< it checks the events of any input, including a recording's
 
   /// The returned or thrown verdict.
   Verdict run(CaseFixture& fixture) const;
 };
+
+/// CASES begins a file of cases, which NAME_cases() returns in their order. CASE defines one of them, CASE_OF adds one
+/// by its function; the last arguments are other members of Case.
+#define CASES(name)                         \
+  static std::vector<Case>& name##_list() { \
+    static std::vector<Case> list;          \
+    return list;                            \
+  }                                         \
+  std::vector<Case> name##_cases() { return name##_list(); }
+#define CASE(name, id, what, limit_s, input_s, ...) \
+  CASE_BY(CASE_NUMBER(case_, __COUNTER__), name, id, what, limit_s, input_s __VA_OPT__(, ) __VA_ARGS__)
+#define CASE_BY(function, name, id, what, limit_s, input_s, ...)                  \
+  static Verdict function(CaseFixture& fixture);                                  \
+  CASE_OF(name, id, what, limit_s, input_s, function __VA_OPT__(, ) __VA_ARGS__); \
+  static Verdict function([[maybe_unused]] CaseFixture& fixture)
+#define CASE_OF(name, id_, what_, limit, input, function, ...)                 \
+  [[maybe_unused]] static const bool CASE_NUMBER(added_, __COUNTER__) =        \
+      (name##_list().push_back({.id = id_,                                     \
+                                .what = what_,                                 \
+                                .limit_s = limit,                              \
+                                .input_s = input,                              \
+                                .test = function __VA_OPT__(, ) __VA_ARGS__}), \
+       true)
+#define CASE_NUMBER(word, number) CASE_NUMBER_OF(word, number)
+#define CASE_NUMBER_OF(word, number) word##number
 
 /// Number of entries of a folder, as of /proc/self/fd.
 inline size_t entries_of(const char* folder) {

@@ -15,6 +15,7 @@
 #include "sdk/tools/validator/child.hpp"
 
 namespace odograph {
+CASES(entry)
 namespace {
 namespace fs = std::filesystem;
 
@@ -53,12 +54,20 @@ Answer ask(const CaseFixture& fixture, const odo_host* host, uint32_t size) {
   return answer;
 }
 
-Verdict file_is_library(CaseFixture& fixture) {
+bool is_plain_utf8(std::string_view text) {
+  while (const size_t bytes = utf8_character(text)) {
+    if (static_cast<unsigned char>(text[0]) < 0x20 && text[0] != '\n') return false;
+    text.remove_prefix(bytes);
+  }
+  return text.empty();
+}
+
+CASE(entry, "file.library", "is a shared library for this machine", 10, 0, .loaded = false) {
   const auto file = check_shared_library(fixture.path, fixture.path);
   return file ? "" : file.failure().text;
 }
 
-Verdict manifest_is_there(CaseFixture& fixture) {
+CASE(entry, "file.manifest", "has a manifest beside it", 10, 0, .loaded = false) {
   const auto path = manifest_of(fixture.path);
   std::error_code error;
   if (!fs::exists(path, error)) return path.filename().string() + " is missing: `odograph plugin manifest` writes it";
@@ -66,14 +75,14 @@ Verdict manifest_is_there(CaseFixture& fixture) {
   return manifest ? "" : manifest.failure().text;
 }
 
-Verdict manifest_has_hash(CaseFixture& fixture) {
+CASE(entry, "file.hash", "is the library of its manifest", 20, 0, .loaded = false) {
   const auto manifest = read_manifest(manifest_of(fixture.path));
   if (!manifest) return not_applicable("there is no manifest to compare with");
   const auto hash = sha256_of(fixture.path);
   return hash && *hash == manifest->sha256 ? "" : "the library is not the one of the manifest: write a new manifest";
 }
 
-Verdict is_signed(CaseFixture& fixture) {
+CASE(entry, "file.signature", "has a manifest signed by the key of --signer", 10, 0, .loaded = false) {
   if (fixture.signer.empty()) return not_applicable("no --signer is given");
   const auto manifest = read_manifest(manifest_of(fixture.path));
   if (!manifest) return manifest.failure().text;
@@ -81,7 +90,77 @@ Verdict is_signed(CaseFixture& fixture) {
   return verified ? "" : verified.failure().text;
 }
 
-Verdict manifest_agrees(CaseFixture& fixture) {
+CASE(entry, "entry.loads", "loads and exports the entry", 10, 0, .loaded = false) {
+  entry_of(fixture);
+  return {};
+}
+
+CASE(entry, "entry.fills_table", "fills a table that the host accepts", 10, 0, .loaded = false) {
+  return fixture.load();
+}
+
+CASE(entry, "entry.quick", "loads and returns in less than 2 s", 10, 0, .loaded = false) {
+  const auto before = std::chrono::steady_clock::now();
+  ask(fixture, &fixture.host, sizeof(odo_plugin));
+  const double s = std::chrono::duration<double>(std::chrono::steady_clock::now() - before).count();
+  return s < 2 ? "" : "loading and the entry took " + std::to_string(s) + " s; expected less than 2 s";
+}
+
+CASE(entry, "entry.other_major", "refuses a host of another ABI major, with a reason", 10, 0, .loaded = false) {
+  odo_host future = fixture.host;
+  future.abi_major_min = future.abi_major_max = ODO_ABI_MAJOR + 7;
+  Answer answer = ask(fixture, &future, sizeof(odo_plugin));
+  if (answer.status >= 0) return "it accepted a host of ABI major " + std::to_string(ODO_ABI_MAJOR + 7);
+  return answer.table().refusal.size ? "" : "it refused without a reason (odo_plugin.refusal)";
+}
+
+CASE(entry, "entry.null", "refuses null pointers", 10, 0, .loaded = false) {
+  const auto entry = entry_of(fixture);
+  odo_plugin table{};
+  table.struct_size = sizeof table;
+  if (entry(nullptr, &table) >= 0) return "it accepted a null host";
+  return entry(&fixture.host, nullptr) < 0 ? "" : "it accepted a null table";
+}
+
+CASE(entry, "entry.small_table", "refuses a table that is too small, and writes nothing beyond it", 10, 0,
+     .loaded = false) {
+  const Answer answer = ask(fixture, &fixture.host, 32);
+  if (answer.status >= 0) return "it filled a table of 32 bytes; expected ODO_E_STRUCT_SIZE";
+  return answer.untouched_from(32) ? "" : "it wrote beyond a table of 32 bytes";
+}
+
+CASE(entry, "entry.table_end", "fills older and newer hosts' tables, and writes nothing beyond them", 10, 0,
+     .loaded = false) {
+  for (const uint32_t size : {ODO_PLUGIN_SIZE_MIN, static_cast<uint32_t>(sizeof(odo_plugin)), 1024u}) {
+    Answer answer = ask(fixture, &fixture.host, size);
+    if (answer.status < 0) return "it refused a table of " + std::to_string(size) + " bytes";
+    if (!answer.untouched_from(size)) return "it wrote behind a table of " + std::to_string(size) + " bytes";
+    if (answer.table().struct_size > size)
+      return "it states that it filled more than the table's " + std::to_string(size) + " bytes";
+  }
+  return "";
+}
+
+CASE(entry, "entry.twice", "returns the same table again", 10, 0, .loaded = false) {
+  Answer one = ask(fixture, &fixture.host, sizeof(odo_plugin)), other = ask(fixture, &fixture.host, sizeof(odo_plugin));
+  if (one.status != other.status) return "the second call returned another status";
+  return text(one.table().id) == text(other.table().id) && one.table().create == other.table().create
+             ? ""
+             : "the second call returned another table";
+}
+
+/// Only this library is checked: its dependencies may have side effects when loaded.
+CASE(entry, "entry.no_side_effects", "starts no thread and leaves no file when it is loaded", 10, 0, .loaded = false) {
+  entry_of(fixture);
+  const size_t files = entries_of("/proc/self/fd"), threads = entries_of("/proc/self/task"), here = entries_of(".");
+  ask(fixture, &fixture.host, sizeof(odo_plugin));
+  if (entries_of("/proc/self/task") > threads) return "it started a thread";
+  if (entries_of("/proc/self/fd") > files) return "it left a file open";
+  if (entries_of(".") > here) return "it wrote a file";
+  return {};
+}
+
+CASE(entry, "file.manifest_agrees", "agrees with its manifest", 10, 0) {
   const auto manifest = read_manifest(manifest_of(fixture.path));
   if (!manifest) return not_applicable("there is no manifest to compare with");
   const odo_plugin& t = fixture.table();
@@ -98,73 +177,7 @@ Verdict manifest_agrees(CaseFixture& fixture) {
   return "";
 }
 
-Verdict loads(CaseFixture& fixture) {
-  entry_of(fixture);
-  return {};
-}
-
-Verdict fills_table(CaseFixture& fixture) { return fixture.load(); }
-
-Verdict is_quick(CaseFixture& fixture) {
-  const auto before = std::chrono::steady_clock::now();
-  ask(fixture, &fixture.host, sizeof(odo_plugin));
-  const double s = std::chrono::duration<double>(std::chrono::steady_clock::now() - before).count();
-  return s < 2 ? "" : "loading and the entry took " + std::to_string(s) + " s; expected less than 2 s";
-}
-
-Verdict refuses_other_major(CaseFixture& fixture) {
-  odo_host future = fixture.host;
-  future.abi_major_min = future.abi_major_max = ODO_ABI_MAJOR + 7;
-  Answer answer = ask(fixture, &future, sizeof(odo_plugin));
-  if (answer.status >= 0) return "it accepted a host of ABI major " + std::to_string(ODO_ABI_MAJOR + 7);
-  return answer.table().refusal.size ? "" : "it refused without a reason (odo_plugin.refusal)";
-}
-
-Verdict survives_null(CaseFixture& fixture) {
-  const auto entry = entry_of(fixture);
-  odo_plugin table{};
-  table.struct_size = sizeof table;
-  if (entry(nullptr, &table) >= 0) return "it accepted a null host";
-  return entry(&fixture.host, nullptr) < 0 ? "" : "it accepted a null table";
-}
-
-Verdict refuses_small_table(CaseFixture& fixture) {
-  const Answer answer = ask(fixture, &fixture.host, 32);
-  if (answer.status >= 0) return "it filled a table of 32 bytes; expected ODO_E_STRUCT_SIZE";
-  return answer.untouched_from(32) ? "" : "it wrote beyond a table of 32 bytes";
-}
-
-Verdict fills_only_its_table(CaseFixture& fixture) {
-  for (const uint32_t size : {ODO_PLUGIN_SIZE_MIN, static_cast<uint32_t>(sizeof(odo_plugin)), 1024u}) {
-    Answer answer = ask(fixture, &fixture.host, size);
-    if (answer.status < 0) return "it refused a table of " + std::to_string(size) + " bytes";
-    if (!answer.untouched_from(size)) return "it wrote behind a table of " + std::to_string(size) + " bytes";
-    if (answer.table().struct_size > size)
-      return "it states that it filled more than the table's " + std::to_string(size) + " bytes";
-  }
-  return "";
-}
-
-Verdict same_twice(CaseFixture& fixture) {
-  Answer one = ask(fixture, &fixture.host, sizeof(odo_plugin)), other = ask(fixture, &fixture.host, sizeof(odo_plugin));
-  if (one.status != other.status) return "the second call returned another status";
-  return text(one.table().id) == text(other.table().id) && one.table().create == other.table().create
-             ? ""
-             : "the second call returned another table";
-}
-
-/// Only this library is checked: its dependencies may have side effects when loaded.
-Verdict starts_nothing(CaseFixture& fixture) {
-  entry_of(fixture);
-  const size_t files = entries_of("/proc/self/fd"), threads = entries_of("/proc/self/task"), here = entries_of(".");
-  ask(fixture, &fixture.host, sizeof(odo_plugin));
-  if (entries_of("/proc/self/task") > threads) return "it started a thread";
-  if (entries_of("/proc/self/fd") > files) return "it left a file open";
-  if (entries_of(".") > here) return "it wrote a file";
-  return {};
-}
-
-Verdict id_is_valid(CaseFixture& fixture) {
+CASE(entry, "table.id", "has an id group/name", 10, 0) {
   const std::string id = text(fixture.table().id);
   const auto slash = id.find('/');
   const bool good =
@@ -175,22 +188,14 @@ Verdict id_is_valid(CaseFixture& fixture) {
   return good ? "" : "id = '" + id + "'; expected group/name in lower case";
 }
 
-Verdict version_is_valid(CaseFixture& fixture) {
+CASE(entry, "table.version", "has a version major.minor.patch", 10, 0) {
   const std::string version = text(fixture.table().version);
   int major, minor, patch, end = 0;
   const bool good = std::sscanf(version.c_str(), "%d.%d.%d%n", &major, &minor, &patch, &end) == 3 && end > 0;
   return good ? "" : "version = '" + version + "'; expected major.minor.patch";
 }
 
-bool is_plain_utf8(std::string_view text) {
-  while (const size_t bytes = utf8_character(text)) {
-    if (static_cast<unsigned char>(text[0]) < 0x20 && text[0] != '\n') return false;
-    text.remove_prefix(bytes);
-  }
-  return text.empty();
-}
-
-Verdict texts_are_valid(CaseFixture& fixture) {
+CASE(entry, "table.texts", "has texts in UTF-8 and a summary", 10, 0) {
   const odo_plugin& t = fixture.table();
   if (text(t.summary).empty()) return "summary is empty; expected one sentence";
   std::vector<std::string> all = {text(t.id), text(t.version), text(t.summary)};
@@ -201,7 +206,7 @@ Verdict texts_are_valid(CaseFixture& fixture) {
   return "";
 }
 
-Verdict kinds_are_known(CaseFixture& fixture) {
+CASE(entry, "table.kinds", "serves kinds of this ABI, each listed once", 10, 0) {
   const odo_plugin& t = fixture.table();
   std::vector<std::string> seen;
   for (uint32_t i = 0; i < t.interface_count; ++i) {
@@ -214,7 +219,7 @@ Verdict kinds_are_known(CaseFixture& fixture) {
   return "";
 }
 
-Verdict types_are_valid(CaseFixture& fixture) {
+CASE(entry, "table.types", "declares valid message types", 10, 0) {
   const odo_plugin& t = fixture.table();
   const auto judge = [&](const uint32_t* types, uint32_t count, const char* list, bool output) -> std::string {
     for (uint32_t i = 0; i < count; ++i) {
@@ -231,31 +236,5 @@ Verdict types_are_valid(CaseFixture& fixture) {
 }
 
 }  // namespace
-
-std::vector<Case> entry_cases() {
-  return {
-      {"file.library", "is a shared library for this machine", 10, 0, false, file_is_library},
-      {"file.manifest", "has a manifest beside it", 10, 0, false, manifest_is_there},
-      {"file.hash", "is the library of its manifest", 20, 0, false, manifest_has_hash},
-      {"file.signature", "has a manifest signed by the key of --signer", 10, 0, false, is_signed},
-      {"entry.loads", "loads and exports the entry", 10, 0, false, loads},
-      {"entry.fills_table", "fills a table that the host accepts", 10, 0, false, fills_table},
-      {"entry.quick", "loads and returns in less than 2 s", 10, 0, false, is_quick},
-      {"entry.other_major", "refuses a host of another ABI major, with a reason", 10, 0, false, refuses_other_major},
-      {"entry.null", "refuses null pointers", 10, 0, false, survives_null},
-      {"entry.small_table", "refuses a table that is too small, and writes nothing beyond it", 10, 0, false,
-       refuses_small_table},
-      {"entry.table_end", "fills older and newer hosts' tables, and writes nothing beyond them", 10, 0, false,
-       fills_only_its_table},
-      {"entry.twice", "returns the same table again", 10, 0, false, same_twice},
-      {"entry.no_side_effects", "starts no thread and leaves no file when it is loaded", 10, 0, false, starts_nothing},
-      {"file.manifest_agrees", "agrees with its manifest", 10, 0, true, manifest_agrees},
-      {"table.id", "has an id group/name", 10, 0, true, id_is_valid},
-      {"table.version", "has a version major.minor.patch", 10, 0, true, version_is_valid},
-      {"table.texts", "has texts in UTF-8 and a summary", 10, 0, true, texts_are_valid},
-      {"table.kinds", "serves kinds of this ABI, each listed once", 10, 0, true, kinds_are_known},
-      {"table.types", "declares valid message types", 10, 0, true, types_are_valid},
-  };
-}
 
 }  // namespace odograph

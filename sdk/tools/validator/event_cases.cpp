@@ -11,6 +11,7 @@
 #include "sdk/tools/validator/case_fixture.hpp"
 
 namespace odograph {
+CASES(event)
 namespace {
 
 Verdict no_violation(CaseFixture& fixture, const char* beginning) {
@@ -19,10 +20,6 @@ Verdict no_violation(CaseFixture& fixture, const char* beginning) {
     if (violation.starts_with(beginning)) return violation;
   return "";
 }
-Verdict type(CaseFixture& fixture) { return no_violation(fixture, "type"); }
-Verdict size(CaseFixture& fixture) { return no_violation(fixture, "size"); }
-Verdict numbers(CaseFixture& fixture) { return no_violation(fixture, "numbers"); }
-Verdict count(CaseFixture& fixture) { return no_violation(fixture, "count"); }
 
 /// Checks each event; returns the first non-empty result.
 template <class Ask>
@@ -36,7 +33,7 @@ Verdict of_each_event(CaseFixture& fixture, Ask&& ask) {
   return "";
 }
 
-Verdict works(CaseFixture& fixture) {
+CASE(event, "process.works", "accepts good input without an error", 20, 10, .any_input = true) {
   const auto driver = fixture.walked_instance();
   for (const auto& [status, times] : driver->statuses)
     if (status <= ODO_E_MEMORY || status == ODO_E_STATE || status == ODO_E_ARGUMENT)
@@ -45,7 +42,7 @@ Verdict works(CaseFixture& fixture) {
   return "";
 }
 
-Verdict known_status(CaseFixture& fixture) {
+CASE(event, "process.status", "returns status codes of the ABI", 20, 5, .any_input = true) {
   const auto driver = fixture.walked_instance();
   for (const auto& [status, times] : driver->statuses)
     if (status > ODO_NOT_READY)
@@ -53,14 +50,39 @@ Verdict known_status(CaseFixture& fixture) {
   return "";
 }
 
-Verdict reserved(CaseFixture& fixture) {
+CASE(event, "events.some", "emits events in a walk of 10 s", 20, 10) {
+  const auto driver = fixture.walked_instance();
+  if (!driver->events.empty()) return "";
+  if (fixture.serves(ODO_INTERFACE_ABSOLUTE_FIXER) || fixture.serves(ODO_INTERFACE_SCALE_SOURCE))
+    return not_applicable("a fix plugin or a scale source need not emit anything here");
+  return "it emits nothing in a walk of 10 s";
+}
+
+CASE(event, "events.type", "emits only events of its kind and those that its table declares", 20, 10,
+     .any_input = true) {
+  return no_violation(fixture, "type");
+}
+
+CASE(event, "events.size", "emits events with the size of their structs", 20, 10, .any_input = true) {
+  return no_violation(fixture, "size");
+}
+
+CASE(event, "events.numbers", "emits finite numbers in their ranges and unit quaternions", 20, 10, .any_input = true) {
+  return no_violation(fixture, "numbers");
+}
+
+CASE(event, "events.count", "emits at most 256 events in a call", 20, 10, .any_input = true) {
+  return no_violation(fixture, "count");
+}
+
+CASE(event, "events.reserved", "leaves reserved fields zero", 20, 10, .any_input = true) {
   return of_each_event(fixture, [](const SeenEvent&, const odo_header& h) -> std::string {
     return h.reserved == 0 ? "" : "has header.reserved = " + std::to_string(h.reserved) + "; expected 0";
   });
 }
 
 /// The flags of each type, from its header; a plugin must not set the host's own.
-Verdict flags(CaseFixture& fixture) {
+CASE(event, "events.flags", "sets the flags of the type, none of the host's", 20, 10, .any_input = true) {
   static const std::map<uint32_t, uint32_t> known = {
       {ODO_TYPE_ATTITUDE, 2 * ODO_ATTITUDE_GYRO_BIAS - 1},
       {ODO_TYPE_STEP, 2 * ODO_STEP_HEADING_SIGMA - 1},
@@ -81,7 +103,7 @@ Verdict flags(CaseFixture& fixture) {
   });
 }
 
-Verdict time_order(CaseFixture& fixture) {
+CASE(event, "events.time_order", "emits each type in time order", 20, 10, .any_input = true) {
   std::map<uint32_t, int64_t> latest;
   return of_each_event(fixture, [&](const SeenEvent&, const odo_header& h) -> std::string {
     const auto [entry, is_new] = latest.try_emplace(h.type, h.t_ns);
@@ -92,7 +114,8 @@ Verdict time_order(CaseFixture& fixture) {
 }
 
 /// A plugin can only know times up to the newest of its input.
-Verdict time_known(CaseFixture& fixture) {
+CASE(event, "events.time_known", "emits times of the sensor clock, none ahead of its input", 20, 10,
+     .any_input = true) {
   if (fixture.input.empty()) return not_applicable("it receives no input");
   int64_t first = INT64_MAX;  // of the samples; sensor descriptions may have any time
   for (const AnyMessage& message : fixture.input)
@@ -108,7 +131,8 @@ Verdict time_known(CaseFixture& fixture) {
 }
 
 /// A variance of zero in a component stated as known claims an exactness that no estimate has.
-Verdict uncertainties(CaseFixture& fixture) {
+CASE(event, "events.uncertainty", "states a non-zero uncertainty for each component stated as known", 20, 10,
+     .any_input = true) {
   return of_each_event(fixture, [](const SeenEvent&, const odo_header& h) -> std::string {
     if (h.type == ODO_TYPE_STEP && as<odo_step>(h).sigma_m <= 0)
       return "has sigma_m = 0; expected the standard deviation of the length";
@@ -120,7 +144,7 @@ Verdict uncertainties(CaseFixture& fixture) {
   });
 }
 
-Verdict lists(CaseFixture& fixture) {
+CASE(event, "events.lists", "uses the modes, states and reasons of the lists", 20, 10, .any_input = true) {
   return of_each_event(fixture, [](const SeenEvent&, const odo_header& h) -> std::string {
     const auto out_of = [](const char* field, uint32_t value) {
       return std::string("has ") + field + " = " + std::to_string(value) + ", which is not in the list";
@@ -136,33 +160,6 @@ Verdict lists(CaseFixture& fixture) {
   });
 }
 
-Verdict some(CaseFixture& fixture) {
-  const auto driver = fixture.walked_instance();
-  if (!driver->events.empty()) return "";
-  if (fixture.serves(ODO_INTERFACE_ABSOLUTE_FIXER) || fixture.serves(ODO_INTERFACE_SCALE_SOURCE))
-    return not_applicable("a fix plugin or a scale source need not emit anything here");
-  return "it emits nothing in a walk of 10 s";
-}
-
 }  // namespace
-
-std::vector<Case> event_cases() {
-  return {
-      {"process.works", "accepts good input without an error", 20, 10, true, works, true},
-      {"process.status", "returns status codes of the ABI", 20, 5, true, known_status, true},
-      {"events.some", "emits events in a walk of 10 s", 20, 10, true, some},
-      {"events.type", "emits only events of its kind and those that its table declares", 20, 10, true, type, true},
-      {"events.size", "emits events with the size of their structs", 20, 10, true, size, true},
-      {"events.numbers", "emits finite numbers in their ranges and unit quaternions", 20, 10, true, numbers, true},
-      {"events.count", "emits at most 256 events in a call", 20, 10, true, count, true},
-      {"events.reserved", "leaves reserved fields zero", 20, 10, true, reserved, true},
-      {"events.flags", "sets the flags of the type, none of the host's", 20, 10, true, flags, true},
-      {"events.time_order", "emits each type in time order", 20, 10, true, time_order, true},
-      {"events.time_known", "emits times of the sensor clock, none ahead of its input", 20, 10, true, time_known, true},
-      {"events.uncertainty", "states a non-zero uncertainty for each component stated as known", 20, 10, true,
-       uncertainties, true},
-      {"events.lists", "uses the modes, states and reasons of the lists", 20, 10, true, lists, true},
-  };
-}
 
 }  // namespace odograph

@@ -4,17 +4,15 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <fstream>
 #include <iterator>
 #include <limits>
 #include <memory>
-
-#include <unistd.h>
 
 #include "sdk/host/core/sample_gate.hpp"
 #include "sdk/tools/validator/case_fixture.hpp"
 
 namespace odograph {
+CASES(fault)
 namespace {
 
 /// Maximum median duration of a call, wall clock: a phone's inertial samples arrive at 200 Hz, its pictures at 30 Hz.
@@ -65,22 +63,6 @@ MessageLayout every_tenth(double value) {
   };
   return layout;
 }
-Verdict zeros(CaseFixture& fixture) { return survives(fixture, fixture.input, every_tenth(0.0).change); }
-Verdict subnormal(CaseFixture& fixture) {
-  return survives(fixture, fixture.input, every_tenth(std::numeric_limits<double>::denorm_min()).change);
-}
-
-Verdict huge(CaseFixture& fixture) { return survives(fixture, fixture.input, every_tenth(1e300).change); }
-Verdict not_a_number(CaseFixture& fixture) {
-  return survives(fixture, fixture.input, every_tenth(std::nan("")).change);
-}
-
-Verdict long_steps(CaseFixture& fixture) {
-  if (!fixture.accepts(ODO_TYPE_STEP)) return not_applicable("it receives no steps");
-  return survives(fixture, fixture.input, [](AnyMessage& message) {
-    if (message.header().type == ODO_TYPE_STEP) reinterpret_cast<odo_step&>(message.header()).length_m = 700;
-  });
-}
 
 Verdict only(CaseFixture& fixture, uint32_t type) {
   if (!fixture.accepts(type)) return not_applicable("it is given no " + message_name(type));
@@ -89,111 +71,11 @@ Verdict only(CaseFixture& fixture, uint32_t type) {
     if (message.header().type == type) some.push_back(message);
   return survives(fixture, some);
 }
-Verdict only_imu(CaseFixture& fixture) { return only(fixture, ODO_TYPE_IMU); }
-
-Verdict without_imu(CaseFixture& fixture) {
-  if (!fixture.accepts(ODO_TYPE_IMU)) return not_applicable("it receives no imu");
-  std::vector<AnyMessage> some;
-  for (const AnyMessage& message : fixture.input)
-    if (message.header().type != ODO_TYPE_IMU) some.push_back(message);
-  return survives(fixture, some);
-}
-
-void shift(AnyMessage& message, int64_t by_ns) {
-  message.header().t_ns += by_ns;
-  if (message.header().type == ODO_TYPE_VO_MOTION)
-    reinterpret_cast<odo_vo_motion&>(message.header()).t_from_ns += by_ns;
-  if (message.header().type != ODO_TYPE_STEP) return;
-  reinterpret_cast<odo_step&>(message.header()).t_start_ns += by_ns;
-  reinterpret_cast<odo_step&>(message.header()).t_end_ns += by_ns;
-}
 
 Verdict gap(CaseFixture& fixture, int64_t gap_ns) {
   const int64_t middle = TestInput::kStart_ns + 2'000'000'000;
   return survives(fixture, fixture.input, [=](AnyMessage& message) {
     if (message.header().t_ns > middle) shift(message, gap_ns);
-  });
-}
-Verdict short_gap(CaseFixture& fixture) { return gap(fixture, 10'000'000'000); }
-Verdict long_gap(CaseFixture& fixture) { return gap(fixture, 3'600'000'000'000); }
-Verdict late_clock(CaseFixture& fixture) {
-  return survives(fixture, fixture.input, [](AnyMessage& message) { shift(message, INT64_MAX / 2 - 60'000'000'000); });
-}
-Verdict early_clock(CaseFixture& fixture) {
-  return survives(fixture, fixture.input, [](AnyMessage& message) { shift(message, INT64_MIN / 2); });
-}
-
-Verdict twice(CaseFixture& fixture) {
-  std::vector<AnyMessage> doubled;
-  for (const AnyMessage& message : fixture.input) doubled.push_back(message), doubled.push_back(message);
-  return survives(fixture, doubled);
-}
-
-Verdict backwards(CaseFixture& fixture) {
-  auto reversed = fixture.input;
-  std::reverse(reversed.begin(), reversed.end());
-  return survives(fixture, reversed);
-}
-
-/// Flips bits anywhere after the header except in pointers; makes numbers finite again, as a host would.
-Verdict fuzzed(CaseFixture& fixture) {
-  uint32_t random = 99;
-  const SampleGate gate;
-  return survives(fixture, fixture.input, [&](AnyMessage& message) {
-    random = random * 1664525u + 1013904223u;
-    if (random >> 30 || message.header().type == ODO_TYPE_FRAME) return;
-    auto* bytes = reinterpret_cast<unsigned char*>(&message.header());
-    const size_t size = message.header().struct_size - sizeof(odo_header);
-    for (int i = 0; i < 3; ++i) {
-      random = random * 1664525u + 1013904223u;
-      bytes[sizeof(odo_header) + (random >> 8) % size] ^= static_cast<unsigned char>(1u << (random & 7));
-    }
-    const bool dropped = !message_is_good(message.header()) || !gate.within_range(message.header());
-    if (dropped) message.header().type = 0x0FED;  // as any host would drop it
-  });
-}
-
-/// The host knows only the size of a vendor's message: a plugin that declares the type must check the rest.
-Verdict vendors(CaseFixture& fixture) {
-  constexpr uint32_t sizes[] = {32, 40, 48, 64, 96, 200, 4096};
-  std::vector<AnyMessage> mixed;
-  uint32_t random = 7, made = 0;
-  for (const AnyMessage& message : fixture.input) {
-    mixed.push_back(message);
-    for (uint32_t k = 0; k < fixture.table().input_count; ++k) {
-      if (!ODO_IS_VENDOR(fixture.table().inputs[k])) continue;
-      alignas(8) unsigned char bytes[4096];
-      for (unsigned char& byte : bytes)
-        byte = static_cast<unsigned char>((random = random * 1664525u + 1013904223u) >> 24);
-      odo_header header{};
-      header.struct_size = sizes[made++ % std::size(sizes)];
-      header.type = fixture.table().inputs[k], header.t_ns = message.header().t_ns;
-      std::memcpy(bytes, &header, sizeof header);
-      mixed.emplace_back(*reinterpret_cast<const odo_header*>(bytes));
-    }
-  }
-  return made == 0 ? not_applicable("it declares no vendor messages") : survives(fixture, mixed);
-}
-
-Verdict unknown_flags(CaseFixture& fixture) {
-  return survives(fixture, fixture.input, [](AnyMessage& message) { message.header().flags |= 0xFFFF0000; });
-}
-
-Verdict no_flags(CaseFixture& fixture) {
-  int count = 0;
-  return survives(fixture, fixture.input, [&](AnyMessage& message) {
-    if (++count % 5 == 0) message.header().flags = 0;
-  });
-}
-
-Verdict later_lists(CaseFixture& fixture) {
-  return survives(fixture, fixture.input, [](AnyMessage& message) {
-    odo_header& h = message.header();
-    if (h.type == ODO_TYPE_STEP) reinterpret_cast<odo_step&>(h).mode = 4711;
-    if (h.type == ODO_TYPE_VO_MOTION)
-      reinterpret_cast<odo_vo_motion&>(h).state = 4711, reinterpret_cast<odo_vo_motion&>(h).reason = 4711;
-    if (h.type == ODO_TYPE_POSE) reinterpret_cast<odo_pose&>(h).state = 4711;
-    if (h.type == ODO_TYPE_CALIBRATION) reinterpret_cast<odo_calibration&>(h).model = 4711;
   });
 }
 
@@ -218,46 +100,144 @@ Verdict fast_enough(CaseFixture& fixture, uint32_t type, double limit_s) {
   return "a call takes " + std::to_string(best * 1e3) + " ms in the median; expected less than " +
          std::to_string(limit_s * 1e3);
 }
-Verdict imu_time(CaseFixture& fixture) { return fast_enough(fixture, ODO_TYPE_IMU, kImuCall_s); }
-Verdict frame_time(CaseFixture& fixture) { return fast_enough(fixture, ODO_TYPE_FRAME, kFrameCall_s); }
-Verdict motion_time(CaseFixture& fixture) { return fast_enough(fixture, ODO_TYPE_VO_MOTION, kImuCall_s); }
 
-Verdict memory(CaseFixture& fixture) {
+CASE(fault, "faults.zeros", "survives sensors that read zero", 20, 4) {
+  return survives(fixture, fixture.input, every_tenth(0.0).change);
+}
+
+CASE(fault, "faults.huge", "survives numbers of 1e300", 20, 4) {
+  return survives(fixture, fixture.input, every_tenth(1e300).change);
+}
+
+CASE(fault, "faults.subnormal", "survives subnormal numbers", 20, 4) {
+  return survives(fixture, fixture.input, every_tenth(std::numeric_limits<double>::denorm_min()).change);
+}
+
+CASE(fault, "faults.nan", "survives NaN", 20, 4) {
+  return survives(fixture, fixture.input, every_tenth(std::nan("")).change);
+}
+
+CASE(fault, "faults.long_steps", "survives steps of 700 m", 20, 5) {
+  if (!fixture.accepts(ODO_TYPE_STEP)) return not_applicable("it receives no steps");
+  return survives(fixture, fixture.input, [](AnyMessage& message) {
+    if (message.header().type == ODO_TYPE_STEP) reinterpret_cast<odo_step&>(message.header()).length_m = 700;
+  });
+}
+
+CASE(fault, "faults.only_imu", "survives IMU input only", 20, 4) { return only(fixture, ODO_TYPE_IMU); }
+
+CASE(fault, "faults.without_imu", "survives the lack of an IMU", 20, 4) {
+  if (!fixture.accepts(ODO_TYPE_IMU)) return not_applicable("it receives no imu");
+  std::vector<AnyMessage> some;
+  for (const AnyMessage& message : fixture.input)
+    if (message.header().type != ODO_TYPE_IMU) some.push_back(message);
+  return survives(fixture, some);
+}
+
+CASE(fault, "faults.gap_10s", "survives a pause of 10 s", 20, 5) { return gap(fixture, 10'000'000'000); }
+
+CASE(fault, "faults.gap_1h", "survives a pause of an hour", 20, 5) { return gap(fixture, 3'600'000'000'000); }
+
+CASE(fault, "faults.late_clock", "survives a clock near its limit, 2^62 ns", 20, 4) {
+  return survives(fixture, fixture.input, [](AnyMessage& message) { shift(message, INT64_MAX / 2 - 60'000'000'000); });
+}
+
+CASE(fault, "faults.early_clock", "survives times below zero", 20, 4) {
+  return survives(fixture, fixture.input, [](AnyMessage& message) { shift(message, INT64_MIN / 2); });
+}
+
+CASE(fault, "faults.twice", "survives duplicate messages", 20, 3) {
+  std::vector<AnyMessage> doubled;
+  for (const AnyMessage& message : fixture.input) doubled.push_back(message), doubled.push_back(message);
+  return survives(fixture, doubled);
+}
+
+CASE(fault, "faults.backwards", "survives messages in the wrong order", 20, 3) {
+  auto reversed = fixture.input;
+  std::reverse(reversed.begin(), reversed.end());
+  return survives(fixture, reversed);
+}
+
+/// Flips bits anywhere after the header except in pointers; makes numbers finite again, as a host would.
+CASE(fault, "faults.fuzzed", "survives flipped bits", 20, 6) {
+  uint32_t random = 99;
+  const SampleGate gate;
+  return survives(fixture, fixture.input, [&](AnyMessage& message) {
+    random = random * 1664525u + 1013904223u;
+    if (random >> 30 || message.header().type == ODO_TYPE_FRAME) return;
+    auto* bytes = reinterpret_cast<unsigned char*>(&message.header());
+    const size_t size = message.header().struct_size - sizeof(odo_header);
+    for (int i = 0; i < 3; ++i) {
+      random = random * 1664525u + 1013904223u;
+      bytes[sizeof(odo_header) + (random >> 8) % size] ^= static_cast<unsigned char>(1u << (random & 7));
+    }
+    const bool dropped = !message_is_good(message.header()) || !gate.within_range(message.header());
+    if (dropped) message.header().type = 0x0FED;  // as any host would drop it
+  });
+}
+
+/// The host knows only the size of a vendor's message: a plugin that declares the type must check the rest.
+CASE(fault, "faults.vendor", "survives vendors' messages of any size and content", 20, 3) {
+  constexpr uint32_t sizes[] = {32, 40, 48, 64, 96, 200, 4096};
+  std::vector<AnyMessage> mixed;
+  uint32_t random = 7, made = 0;
+  for (const AnyMessage& message : fixture.input) {
+    mixed.push_back(message);
+    for (uint32_t k = 0; k < fixture.table().input_count; ++k) {
+      if (!ODO_IS_VENDOR(fixture.table().inputs[k])) continue;
+      alignas(8) unsigned char bytes[4096];
+      for (unsigned char& byte : bytes)
+        byte = static_cast<unsigned char>((random = random * 1664525u + 1013904223u) >> 24);
+      odo_header header{};
+      header.struct_size = sizes[made++ % std::size(sizes)];
+      header.type = fixture.table().inputs[k], header.t_ns = message.header().t_ns;
+      std::memcpy(bytes, &header, sizeof header);
+      mixed.emplace_back(*reinterpret_cast<const odo_header*>(bytes));
+    }
+  }
+  return made == 0 ? not_applicable("it declares no vendor messages") : survives(fixture, mixed);
+}
+
+CASE(fault, "faults.unknown_flags", "survives flags of a later version", 20, 3) {
+  return survives(fixture, fixture.input, [](AnyMessage& message) { message.header().flags |= 0xFFFF0000; });
+}
+
+CASE(fault, "faults.no_flags", "survives messages in which nothing is valid", 20, 3) {
+  int count = 0;
+  return survives(fixture, fixture.input, [&](AnyMessage& message) {
+    if (++count % 5 == 0) message.header().flags = 0;
+  });
+}
+
+CASE(fault, "faults.later_lists", "survives modes, states and models of a later version", 20, 4) {
+  return survives(fixture, fixture.input, [](AnyMessage& message) {
+    odo_header& h = message.header();
+    if (h.type == ODO_TYPE_STEP) reinterpret_cast<odo_step&>(h).mode = 4711;
+    if (h.type == ODO_TYPE_VO_MOTION)
+      reinterpret_cast<odo_vo_motion&>(h).state = 4711, reinterpret_cast<odo_vo_motion&>(h).reason = 4711;
+    if (h.type == ODO_TYPE_POSE) reinterpret_cast<odo_pose&>(h).state = 4711;
+    if (h.type == ODO_TYPE_CALIBRATION) reinterpret_cast<odo_calibration&>(h).model = 4711;
+  });
+}
+
+CASE(fault, "cost.imu", "needs less than 5 ms for an inertial sample", 30, 3) {
+  return fast_enough(fixture, ODO_TYPE_IMU, kImuCall_s);
+}
+
+CASE(fault, "cost.frame", "needs less than 33 ms for a picture of 64 x 48", 60, 4) {
+  return fast_enough(fixture, ODO_TYPE_FRAME, kFrameCall_s);
+}
+
+CASE(fault, "cost.motion", "needs less than 5 ms for a motion", 30, 4) {
+  return fast_enough(fixture, ODO_TYPE_VO_MOTION, kImuCall_s);
+}
+
+CASE(fault, "cost.memory", "needs less than 512 MB", 20, 4) {
   fixture.run(fixture.input, {});
-  std::ifstream file("/proc/self/statm");
-  double all = 0, resident = 0;
-  file >> all >> resident;
-  const double mb = resident * static_cast<double>(sysconf(_SC_PAGESIZE)) / 1e6;
+  const double mb = resident_mb();
   return mb < kMemory_mb ? "" : std::to_string(mb) + " MB; expected less than 512";
 }
 
 }  // namespace
-
-std::vector<Case> fault_cases() {
-  return {
-      {"faults.zeros", "survives sensors that read zero", 20, 4, true, zeros},
-      {"faults.huge", "survives numbers of 1e300", 20, 4, true, huge},
-      {"faults.subnormal", "survives subnormal numbers", 20, 4, true, subnormal},
-      {"faults.nan", "survives NaN", 20, 4, true, not_a_number},
-      {"faults.long_steps", "survives steps of 700 m", 20, 5, true, long_steps},
-      {"faults.only_imu", "survives IMU input only", 20, 4, true, only_imu},
-      {"faults.without_imu", "survives the lack of an IMU", 20, 4, true, without_imu},
-      {"faults.gap_10s", "survives a pause of 10 s", 20, 5, true, short_gap},
-      {"faults.gap_1h", "survives a pause of an hour", 20, 5, true, long_gap},
-      {"faults.late_clock", "survives a clock near its limit, 2^62 ns", 20, 4, true, late_clock},
-      {"faults.early_clock", "survives times below zero", 20, 4, true, early_clock},
-      {"faults.twice", "survives duplicate messages", 20, 3, true, twice},
-      {"faults.backwards", "survives messages in the wrong order", 20, 3, true, backwards},
-      {"faults.fuzzed", "survives flipped bits", 20, 6, true, fuzzed},
-      {"faults.vendor", "survives vendors' messages of any size and content", 20, 3, true, vendors},
-      {"faults.unknown_flags", "survives flags of a later version", 20, 3, true, unknown_flags},
-      {"faults.no_flags", "survives messages in which nothing is valid", 20, 3, true, no_flags},
-      {"faults.later_lists", "survives modes, states and models of a later version", 20, 4, true, later_lists},
-      {"cost.imu", "needs less than 5 ms for an inertial sample", 30, 3, true, imu_time},
-      {"cost.frame", "needs less than 33 ms for a picture of 64 x 48", 60, 4, true, frame_time},
-      {"cost.motion", "needs less than 5 ms for a motion", 30, 4, true, motion_time},
-      {"cost.memory", "needs less than 512 MB", 20, 4, true, memory},
-  };
-}
 
 }  // namespace odograph

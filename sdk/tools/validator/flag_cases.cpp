@@ -11,6 +11,7 @@
 #include "sdk/tools/validator/message_fields.hpp"
 
 namespace odograph {
+CASES(flag)
 namespace {
 
 /// 8-byte numbers that are valid with a flag, or with any of several.
@@ -116,7 +117,7 @@ std::vector<std::vector<unsigned char>> events_without(CaseFixture& fixture, con
   return events;
 }
 
-Verdict validity_flags(CaseFixture& fixture) {
+CASE(flag, "process.flags", "uses fields only if their flag is set", 120, 4) {
   size_t asked = 0;
   for (const auto& [key, fields] : optional_numbers()) {
     const uint32_t type = key.first;
@@ -132,9 +133,5 @@ Verdict validity_flags(CaseFixture& fixture) {
 }
 
 }  // namespace
-
-std::vector<Case> flag_cases() {
-  return {{"process.flags", "uses fields only if their flag is set", 120, 4, true, validity_flags}};
-}
 
 }  // namespace odograph

@@ -17,6 +17,7 @@
 #include "sdk/tools/validator/case_fixture.hpp"
 
 namespace odograph {
+CASES(meaning)
 namespace {
 
 constexpr double kShortestStep_m = 0.1, kLongestStep_m = 2.6;  // a runner's longest
@@ -57,8 +58,8 @@ Verdict of_each(CaseFixture& fixture, uint32_t type, Ask&& ask) {
 std::string at(const odo_header& h) { return " (t_ns = " + std::to_string(h.t_ns) + ")"; }
 
 // ---- attitude ------------------------------------------------------------------------------------------------------
-
-Verdict attitude_each(CaseFixture& fixture) {
+CASE(meaning, "attitude.each_sample", "emits an attitude for each sample once it has started", 20, 10,
+     .any_input = true) {
   if (!fixture.serves(ODO_INTERFACE_ATTITUDE)) return not_applicable("it is not an attitude plugin");
   return of_all<odo_attitude>(fixture, ODO_TYPE_ATTITUDE, [&](const auto& all) -> std::string {
     size_t next = 0;
@@ -73,7 +74,7 @@ Verdict attitude_each(CaseFixture& fixture) {
   });
 }
 
-Verdict attitude_up(CaseFixture& fixture) {
+CASE(meaning, "attitude.up", "knows the vertical after 10 s", 20, 10) {
   return of_all<odo_attitude>(fixture, ODO_TYPE_ATTITUDE, [](const auto& all) -> std::string {
     if (all.empty()) return "it emitted no attitude";
     const Eigen::Vector3d up_n = raw_quaternion(all.back().second->q_n_b) * Eigen::Vector3d::UnitZ();
@@ -85,22 +86,21 @@ Verdict attitude_up(CaseFixture& fixture) {
 }
 
 // ---- steps ---------------------------------------------------------------------------------------------------------
-
-Verdict step_length(CaseFixture& fixture) {
+CASE(meaning, "step.length", "emits steps of plausible length", 20, 10, .any_input = true) {
   return of_each<odo_step>(fixture, ODO_TYPE_STEP, [](const odo_step& step) -> std::string {
     if (step.length_m >= kShortestStep_m && step.length_m <= kLongestStep_m) return "";
     return "length_m = " + std::to_string(step.length_m) + ", people step 0.1 to 2.6 m";
   });
 }
 
-Verdict step_frequency(CaseFixture& fixture) {
+CASE(meaning, "step.frequency", "emits plausible step frequencies", 20, 10, .any_input = true) {
   return of_each<odo_step>(fixture, ODO_TYPE_STEP, [](const odo_step& step) -> std::string {
     if (step.frequency_hz > 0 && step.frequency_hz <= kFastestStep_hz) return "";
     return "frequency_hz = " + std::to_string(step.frequency_hz) + ", expected steps a second";
   });
 }
 
-Verdict step_order(CaseFixture& fixture) {
+CASE(meaning, "step.order", "emits steps that do not overlap", 20, 10, .any_input = true) {
   return of_all<odo_step>(fixture, ODO_TYPE_STEP, [](const auto& all) -> std::string {
     for (size_t i = 1; i < all.size(); ++i)
       if (all[i].second->t_start_ns < all[i - 1].second->t_end_ns)
@@ -109,7 +109,7 @@ Verdict step_order(CaseFixture& fixture) {
   });
 }
 
-Verdict step_times(CaseFixture& fixture) {
+CASE(meaning, "step.times", "emits only completed steps of finite duration", 20, 10, .any_input = true) {
   return of_each<odo_step>(fixture, ODO_TYPE_STEP, [](const odo_step& step) -> std::string {
     if (step.t_end_ns > step.header.t_ns) return "t_end_ns is after the step's own time";
     return step.t_end_ns - step.t_start_ns > 5 * kSecond_ns ? "a step lasts more than 5 s" : "";
@@ -118,7 +118,7 @@ Verdict step_times(CaseFixture& fixture) {
 
 /// The first steps of a walk may be held back until the walk is confirmed: they arrive together with a timely one, long
 /// after the previous walk's last step.
-Verdict step_late(CaseFixture& fixture) {
+CASE(meaning, "step.late", "emits a step at most 0.5 s after the foot's contact", 20, 10, .any_input = true) {
   return of_all<odo_step>(fixture, ODO_TYPE_STEP, [](const auto& all) -> std::string {
     int64_t last_end_ns = INT64_MIN;  // of the earlier calls
     for (size_t i = 0; i < all.size();) {
@@ -141,7 +141,7 @@ Verdict step_late(CaseFixture& fixture) {
   });
 }
 
-Verdict step_index(CaseFixture& fixture) {
+CASE(meaning, "step.index", "counts its steps from 0", 20, 10, .any_input = true) {
   return of_all<odo_step>(fixture, ODO_TYPE_STEP, [](const auto& all) -> std::string {
     for (size_t i = 0; i < all.size(); ++i)
       if (all[i].second->index != i)
@@ -150,7 +150,7 @@ Verdict step_index(CaseFixture& fixture) {
   });
 }
 
-Verdict mode_changes(CaseFixture& fixture) {
+CASE(meaning, "mode.changes", "reports a mode only when it changes", 20, 10, .any_input = true) {
   return of_all<odo_motion_mode>(fixture, ODO_TYPE_MOTION_MODE, [](const auto& all) -> std::string {
     for (size_t i = 1; i < all.size(); ++i)
       if (all[i].second->mode == all[i - 1].second->mode)
@@ -160,8 +160,8 @@ Verdict mode_changes(CaseFixture& fixture) {
 }
 
 // ---- odometry ------------------------------------------------------------------------------------------------------
-
-Verdict motion_each(CaseFixture& fixture) {
+CASE(meaning, "motion.each_frame", "emits a motion for each frame after the first, from the previous one", 20, 10,
+     .any_input = true) {
   if (!fixture.serves(ODO_INTERFACE_VO_FRONTEND)) return not_applicable("it is no front-end");
   return of_all<odo_vo_motion>(fixture, ODO_TYPE_VO_MOTION, [&](const auto& all) -> std::string {
     std::vector<int64_t> frames;
@@ -180,7 +180,8 @@ Verdict motion_each(CaseFixture& fixture) {
   });
 }
 
-Verdict motion_reason(CaseFixture& fixture) {
+CASE(meaning, "motion.reason", "has a reason when it is lost, a covariance with a translation", 20, 10,
+     .any_input = true) {
   return of_each<odo_vo_motion>(fixture, ODO_TYPE_VO_MOTION, [](const odo_vo_motion& motion) -> std::string {
     if (motion.state == ODO_LOST && motion.reason == ODO_REASON_NONE) return "it is lost without a reason";
     if (motion.inliers > motion.tracked) return "more inliers than tracked features";
@@ -189,7 +190,7 @@ Verdict motion_reason(CaseFixture& fixture) {
   });
 }
 
-Verdict motion_speed(CaseFixture& fixture) {
+CASE(meaning, "motion.speed", "emits metric motions in metres", 20, 10) {
   return of_each<odo_vo_motion>(fixture, ODO_TYPE_VO_MOTION, [](const odo_vo_motion& motion) -> std::string {
     const double distance = Eigen::Vector3d(motion.p_c0_c1).norm();
     if (!(motion.header.flags & ODO_VO_METRIC) || distance <= 10) return "";
@@ -197,13 +198,13 @@ Verdict motion_speed(CaseFixture& fixture) {
   });
 }
 
-Verdict motion_camera(CaseFixture& fixture) {
+CASE(meaning, "motion.camera", "names the camera", 20, 10) {
   return of_each<odo_vo_motion>(fixture, ODO_TYPE_VO_MOTION, [](const odo_vo_motion& motion) -> std::string {
     return motion.camera == 0 ? "" : "camera = " + std::to_string(motion.camera) + ", the only one is 0";
   });
 }
 
-Verdict refined(CaseFixture& fixture) {
+CASE(meaning, "motion.refined", "refines an existing camera, at most once a second", 20, 10) {
   if (!fixture.serves(ODO_INTERFACE_VO_FRONTEND)) return not_applicable("it is no front-end");
   return of_all<odo_refined>(fixture, ODO_TYPE_REFINED, [](const auto& all) -> std::string {
     int64_t last_ns = INT64_MIN / 2;
@@ -218,8 +219,7 @@ Verdict refined(CaseFixture& fixture) {
 }
 
 // ---- scales and fixes ----------------------------------------------------------------------------------------------
-
-Verdict scale_unit(CaseFixture& fixture) {
+CASE(meaning, "scale.unit", "gives metres", 20, 10) {
   return of_each<odo_scale>(fixture, ODO_TYPE_SCALE, [](const odo_scale& scale) -> std::string {
     const double times = scale.scale / (TestInput::kSpeed_mps / TestInput::kUnit_mps);
     if (times <= kWrongScale && times >= 1 / kWrongScale) return "";
@@ -227,14 +227,14 @@ Verdict scale_unit(CaseFixture& fixture) {
   });
 }
 
-Verdict scale_group(CaseFixture& fixture) {
+CASE(meaning, "scale.group", "refers to the motions' scale group", 20, 10) {
   return of_each<odo_scale>(fixture, ODO_TYPE_SCALE, [](const odo_scale& scale) -> std::string {
     if (scale.scale_group == 3) return "";
     return "scale_group = " + std::to_string(scale.scale_group) + ", all motions were of group 3";
   });
 }
 
-Verdict scale_interval(CaseFixture& fixture) {
+CASE(meaning, "scale.interval", "states for which motions it is valid", 20, 10, .any_input = true) {
   return of_all<odo_scale>(fixture, ODO_TYPE_SCALE, [&](const auto& all) -> std::string {
     for (const auto& [seen, scale] : all)
       if (scale->valid_from_ns >= scale->valid_to_ns)
@@ -253,20 +253,20 @@ Verdict scale_interval(CaseFixture& fixture) {
   });
 }
 
-Verdict scale_sigma(CaseFixture& fixture) {
+CASE(meaning, "scale.sigma", "has a plausible sigma", 20, 10, .any_input = true) {
   return of_each<odo_scale>(fixture, ODO_TYPE_SCALE, [](const odo_scale& scale) -> std::string {
     const bool plausible = scale.sigma >= 0 && scale.sigma <= 1e3 * std::max(scale.scale, 1e-9);
     return plausible ? "" : "sigma = " + std::to_string(scale.sigma);
   });
 }
 
-Verdict fix_has_content(CaseFixture& fixture) {
+CASE(meaning, "fix.says_something", "emits fixes with at least one valid component", 20, 10, .any_input = true) {
   return of_each<odo_fix>(fixture, ODO_TYPE_FIX, [](const odo_fix& fix) -> std::string {
     return fix.header.flags & 127 ? "" : "a fix without a valid component";
   });
 }
 
-Verdict fix_place(CaseFixture& fixture) {
+CASE(meaning, "fix.place", "emits fixes on the Earth, near the local frame", 20, 10, .any_input = true) {
   return of_each<odo_fix>(fixture, ODO_TYPE_FIX, [](const odo_fix& fix) -> std::string {
     for (int i = 0; i < 3; ++i)
       if ((fix.header.flags >> i & 1) && std::abs(fix.p_n[i]) > kFarthest_m)
@@ -277,7 +277,7 @@ Verdict fix_place(CaseFixture& fixture) {
 }
 
 /// A terrain height below a pose is new information; a position derived from a pose is not.
-Verdict fix_echo(CaseFixture& fixture) {
+CASE(meaning, "fix.no_echo", "does not derive positions from poses", 20, 10, .any_input = true) {
   return of_all<odo_fix>(fixture, ODO_TYPE_FIX, [&](const auto& all) -> std::string {
     constexpr uint32_t place = ODO_FIX_NORTH | ODO_FIX_EAST;
     size_t echoes = 0;
@@ -291,34 +291,5 @@ Verdict fix_echo(CaseFixture& fixture) {
 }
 
 }  // namespace
-
-std::vector<Case> meaning_cases() {
-  return {
-      {"attitude.each_sample", "emits an attitude for each sample once it has started", 20, 10, true, attitude_each,
-       true},
-      {"attitude.up", "knows the vertical after 10 s", 20, 10, true, attitude_up},
-      {"step.length", "emits steps of plausible length", 20, 10, true, step_length, true},
-      {"step.frequency", "emits plausible step frequencies", 20, 10, true, step_frequency, true},
-      {"step.order", "emits steps that do not overlap", 20, 10, true, step_order, true},
-      {"step.times", "emits only completed steps of finite duration", 20, 10, true, step_times, true},
-      {"step.late", "emits a step at most 0.5 s after the foot's contact", 20, 10, true, step_late, true},
-      {"step.index", "counts its steps from 0", 20, 10, true, step_index, true},
-      {"mode.changes", "reports a mode only when it changes", 20, 10, true, mode_changes, true},
-      {"motion.each_frame", "emits a motion for each frame after the first, from the previous one", 20, 10, true,
-       motion_each, true},
-      {"motion.reason", "has a reason when it is lost, a covariance with a translation", 20, 10, true, motion_reason,
-       true},
-      {"motion.speed", "emits metric motions in metres", 20, 10, true, motion_speed},
-      {"motion.camera", "names the camera", 20, 10, true, motion_camera},
-      {"motion.refined", "refines an existing camera, at most once a second", 20, 10, true, refined},
-      {"scale.unit", "gives metres", 20, 10, true, scale_unit},
-      {"scale.group", "refers to the motions' scale group", 20, 10, true, scale_group},
-      {"scale.interval", "states for which motions it is valid", 20, 10, true, scale_interval, true},
-      {"scale.sigma", "has a plausible sigma", 20, 10, true, scale_sigma, true},
-      {"fix.says_something", "emits fixes with at least one valid component", 20, 10, true, fix_has_content, true},
-      {"fix.place", "emits fixes on the Earth, near the local frame", 20, 10, true, fix_place, true},
-      {"fix.no_echo", "does not derive positions from poses", 20, 10, true, fix_echo, true},
-  };
-}
 
 }  // namespace odograph

@@ -11,6 +11,7 @@
 #include "sdk/tools/validator/case_fixture.hpp"
 
 namespace odograph {
+CASES(parameter)
 namespace {
 
 /// Checks each row; returns the first non-empty result, preceded by the parameter's name.
@@ -37,18 +38,6 @@ std::string refusal_of(const Spec& spec, const std::string& text) {
   if (!node) return node.failure().text;
   const auto checked = validate(*node, table, "default", none);
   return checked ? "" : checked.failure().text;
-}
-
-Verdict names(CaseFixture& fixture) {
-  const auto& all = fixture.choice.manifest.parameters;
-  return of_each_parameter(fixture, [&](const Spec& spec) -> std::string {
-    const bool good = !spec.name.empty() && std::all_of(spec.name.begin(), spec.name.end(), [](char c) {
-      return std::islower(static_cast<unsigned char>(c)) || std::isdigit(static_cast<unsigned char>(c)) || c == '_';
-    });
-    if (!good) return "is not a name in lower_case";
-    const auto same = std::count_if(all.begin(), all.end(), [&](const Spec& other) { return other.name == spec.name; });
-    return same == 1 ? "" : "is listed " + std::to_string(same) + " times";
-  });
 }
 
 /// Whether a text is a product or quotient of powers of SI units (and px): "m/s^2", "rad/s*Hz^(1/2)", "1/s".
@@ -79,7 +68,19 @@ bool is_si_unit(std::string_view text) {
   return text.empty();
 }
 
-Verdict units(CaseFixture& fixture) {
+CASE(parameter, "parameters.names", "has parameters in lower_case, each once", 10, 0) {
+  const auto& all = fixture.choice.manifest.parameters;
+  return of_each_parameter(fixture, [&](const Spec& spec) -> std::string {
+    const bool good = !spec.name.empty() && std::all_of(spec.name.begin(), spec.name.end(), [](char c) {
+      return std::islower(static_cast<unsigned char>(c)) || std::isdigit(static_cast<unsigned char>(c)) || c == '_';
+    });
+    if (!good) return "is not a name in lower_case";
+    const auto same = std::count_if(all.begin(), all.end(), [&](const Spec& other) { return other.name == spec.name; });
+    return same == 1 ? "" : "is listed " + std::to_string(same) + " times";
+  });
+}
+
+CASE(parameter, "parameters.units", "has units of the SI", 10, 0) {
   return of_each_parameter(fixture, [](const Spec& spec) -> std::string {
     if (spec.unit.empty() || !is_number(spec)) return "";
     return !is_si_unit(spec.unit)
@@ -88,12 +89,12 @@ Verdict units(CaseFixture& fixture) {
   });
 }
 
-Verdict helps(CaseFixture& fixture) {
+CASE(parameter, "parameters.help", "explains each parameter", 10, 0) {
   return of_each_parameter(fixture,
                            [](const Spec& spec) -> std::string { return spec.help.empty() ? "has no help" : ""; });
 }
 
-Verdict ranges(CaseFixture& fixture) {
+CASE(parameter, "parameters.ranges", "has ranges with min not above max", 10, 0) {
   return of_each_parameter(fixture, [](const Spec& spec) -> std::string {
     if (!std::isfinite(spec.min) || !std::isfinite(spec.max)) return "has a bound that is not finite";
     return spec.min <= spec.max ? ""
@@ -101,14 +102,14 @@ Verdict ranges(CaseFixture& fixture) {
   });
 }
 
-Verdict defaults(CaseFixture& fixture) {
+CASE(parameter, "parameters.defaults", "has defaults that are valid in a config", 10, 0) {
   return of_each_parameter(fixture, [](const Spec& spec) -> std::string {
     if (spec.fallback.empty() && !is_number(spec)) return "";
     return refusal_of(spec, spec.fallback);
   });
 }
 
-Verdict choices(CaseFixture& fixture) {
+CASE(parameter, "parameters.choices", "has choices, the default among them", 10, 0) {
   return of_each_parameter(fixture, [](const Spec& spec) -> std::string {
     if (spec.type != SpecType::choice) return "";
     const auto all = split(spec.choices, '|');
@@ -119,7 +120,7 @@ Verdict choices(CaseFixture& fixture) {
   });
 }
 
-Verdict counts(CaseFixture& fixture) {
+CASE(parameter, "parameters.counts", "has lists of 1 to 64 numbers", 10, 0) {
   return of_each_parameter(fixture, [](const Spec& spec) -> std::string {
     const bool good = spec.type != SpecType::reals || (spec.count >= 1 && spec.count <= 64);
     return good ? "" : "has count = " + std::to_string(spec.count) + "; expected 1 to 64";
@@ -127,7 +128,7 @@ Verdict counts(CaseFixture& fixture) {
 }
 
 /// Starts with a value at an end of its range; refusal with ODO_E_CONFIG and a report is also good.
-Verdict at_ends(CaseFixture& fixture) {
+CASE(parameter, "parameters.ends", "accepts values at the ends of their ranges, or refuses them with a report", 30, 0) {
   bool any = false;
   for (size_t i = 0; i < fixture.choice.parameters.size(); ++i) {
     const auto& [spec, value] = fixture.choice.parameters[i];
@@ -149,7 +150,7 @@ Verdict at_ends(CaseFixture& fixture) {
   return any ? Verdict() : not_applicable("none of its numbers has bounds");
 }
 
-Verdict unknown_name(CaseFixture& fixture) {
+CASE(parameter, "parameters.unknown", "survives a parameter of a later version", 10, 0) {
   auto values = fixture.values;
   odo_value unknown_row{};
   unknown_row.struct_size = sizeof unknown_row;
@@ -161,7 +162,7 @@ Verdict unknown_name(CaseFixture& fixture) {
   return "";
 }
 
-Verdict any_order(CaseFixture& fixture) {
+CASE(parameter, "parameters.order", "accepts them in any order", 20, 2) {
   if (fixture.values.size() < 2) return not_applicable("it has less than two parameters");
   const auto straight = fixture.run(fixture.input, {});
   std::reverse(fixture.values.begin(), fixture.values.end());
@@ -170,7 +171,7 @@ Verdict any_order(CaseFixture& fixture) {
 }
 
 /// Values from a newer host, whose rows are longer.
-Verdict larger_rows(CaseFixture& fixture) {
+CASE(parameter, "parameters.larger_rows", "accepts the larger rows of a newer host", 20, 2) {
   struct Later {
     odo_value value;
     uint64_t more[3];
@@ -191,7 +192,7 @@ Verdict larger_rows(CaseFixture& fixture) {
 }
 
 /// The values are unmapped after the call.
-Verdict keeps_no_pointer(CaseFixture& fixture) {
+CASE(parameter, "parameters.copied", "keeps no pointer to the values", 20, 2) {
   const auto plain = fixture.run(fixture.input, {});
   const auto driver = fixture.driver();
   {
@@ -219,23 +220,5 @@ Verdict keeps_no_pointer(CaseFixture& fixture) {
 }
 
 }  // namespace
-
-std::vector<Case> parameter_cases() {
-  return {
-      {"parameters.names", "has parameters in lower_case, each once", 10, 0, true, names},
-      {"parameters.units", "has units of the SI", 10, 0, true, units},
-      {"parameters.help", "explains each parameter", 10, 0, true, helps},
-      {"parameters.ranges", "has ranges with min not above max", 10, 0, true, ranges},
-      {"parameters.defaults", "has defaults that are valid in a config", 10, 0, true, defaults},
-      {"parameters.choices", "has choices, the default among them", 10, 0, true, choices},
-      {"parameters.counts", "has lists of 1 to 64 numbers", 10, 0, true, counts},
-      {"parameters.ends", "accepts values at the ends of their ranges, or refuses them with a report", 30, 0, true,
-       at_ends},
-      {"parameters.unknown", "survives a parameter of a later version", 10, 0, true, unknown_name},
-      {"parameters.order", "accepts them in any order", 20, 2, true, any_order},
-      {"parameters.larger_rows", "accepts the larger rows of a newer host", 20, 2, true, larger_rows},
-      {"parameters.copied", "keeps no pointer to the values", 20, 2, true, keeps_no_pointer},
-  };
-}
 
 }  // namespace odograph

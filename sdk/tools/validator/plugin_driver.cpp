@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstring>
+#include <fstream>
 
 #include <sys/mman.h>
 #include <unistd.h>
@@ -197,5 +198,12 @@ int32_t LoanCounter::retain(void* owner) {
 }
 
 void LoanCounter::release(void* owner) { ++static_cast<LoanCounter*>(owner)->released; }
+
+double resident_mb() {
+  std::ifstream file("/proc/self/statm");
+  double all = 0, resident = 0;
+  file >> all >> resident;
+  return resident * static_cast<double>(sysconf(_SC_PAGESIZE)) / 1e6;
+}
 
 }  // namespace odograph

@@ -88,4 +88,7 @@ struct LoanCounter {
   static void ODO_CALL release(void* owner);
 };
 
+/// Resident memory of this process.
+double resident_mb();
+
 }  // namespace odograph

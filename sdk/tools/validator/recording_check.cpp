@@ -13,8 +13,8 @@ constexpr double kCheckLimit_s = 3600;  // for a recording of any length, includ
 constexpr char kBetween = '\x1e';       // separates the child's results, one for each row of rows()
 
 std::vector<Case> rows() {
-  std::vector<Case> rows = {{"given", "receives messages that it accepts", 0, 0, true, nullptr, true},
-                            {"emitted", "emits events", 0, 0, true, nullptr, true}};
+  std::vector<Case> rows = {{.id = "given", .what = "receives messages that it accepts"},
+                            {.id = "emitted", .what = "emits events"}};
   for (const Case& one : all_cases())
     if (one.any_input) rows.push_back(one);
   return rows;

@@ -7,12 +7,8 @@
 #include "sdk/tools/validator/child.hpp"
 
 namespace odograph {
+CASES(repeat)
 namespace {
-
-Verdict run_twice(CaseFixture& fixture) {
-  const auto one = fixture.run(fixture.input, {}), other = fixture.run(fixture.input, {});
-  return difference(one, other);
-}
 
 template <size_t batch>
 Verdict cut(CaseFixture& fixture) {
@@ -20,27 +16,6 @@ Verdict cut(CaseFixture& fixture) {
   layout.batch = batch;
   const auto one = fixture.run(fixture.input, {}), other = fixture.run(fixture.input, layout);
   return difference(one, other);
-}
-
-Verdict after_reset(CaseFixture& fixture) {
-  if (!fixture.table().reset) return not_applicable("it has no reset: the host makes a new instance");
-  const auto driver = fixture.start_instance();
-  driver->process(fixture.input);
-  const auto first = driver->bytes();
-  if (const int32_t status = driver->reset(); status < 0) return "reset gave status " + std::to_string(status);
-  driver->events.clear();
-  driver->process(fixture.input);
-  return difference(first, driver->bytes());
-}
-
-Verdict reset_first(CaseFixture& fixture) {
-  if (!fixture.table().reset) return not_applicable("it has no reset: the host makes a new instance");
-  const auto plain = fixture.run(fixture.input, {});
-  const auto driver = fixture.start_instance();
-  for (int i = 0; i < 3; ++i)
-    if (const int32_t status = driver->reset(); status < 0) return "reset gave status " + std::to_string(status);
-  driver->process(fixture.input);
-  return difference(plain, driver->bytes());
 }
 
 /// Passed, with the FNV-1a hash of all events of a child process as its detail.
@@ -51,38 +26,8 @@ Verdict fingerprint(CaseFixture& fixture) {
       for (const unsigned char byte : event) hash = (hash ^ byte) * 1099511628211u;
     return {PluginCheck::Outcome::passed, std::to_string(hash)};
   };
-  const ChildResult result = run_in_child(20, [&] { return encoded(Case{"", "", 20, 0, true, +hashed}.run(fixture)); });
+  const ChildResult result = run_in_child(20, [&] { return encoded(Case{.test = hashed}.run(fixture)); });
   return result.finished ? decoded(result.text) : Verdict(result.text);
-}
-
-Verdict other_process(CaseFixture& fixture) {
-  const Verdict one = fingerprint(fixture), other = fingerprint(fixture);
-  if (one.outcome != PluginCheck::Outcome::passed) return one;
-  return one.detail == other.detail ? "" : "two processes gave different events";
-}
-
-Verdict shuffled_memory(CaseFixture& fixture) {
-  const auto one = fixture.run(fixture.input, {});
-  std::vector<std::vector<char>> holes;
-  for (size_t i = 1; i < 2000; ++i) holes.emplace_back(i * 37 % 5000, static_cast<char>(0xA5));
-  for (size_t i = 0; i < holes.size(); i += 2) holes[i] = {};  // memory that is neither fresh nor zero
-  const auto other = fixture.run(fixture.input, {});
-  return difference(one, other);
-}
-
-Verdict guarded(CaseFixture& fixture) {
-  MessageLayout layout;
-  layout.guarded = true;
-  const auto one = fixture.run(fixture.input, {}), other = fixture.run(fixture.input, layout);
-  return difference(one, other);
-}
-
-Verdict empty_batch(CaseFixture& fixture) {
-  const auto driver = fixture.start_instance();
-  note_phase("process", "of an empty batch");
-  const odo_batch batch{sizeof batch, 0, nullptr};
-  const int32_t status = driver->call(batch);
-  return status >= 0 ? "" : "an empty batch gave status " + std::to_string(status);
 }
 
 /// Inserts messages of a type, of any size, between the others.
@@ -115,8 +60,69 @@ Verdict same_for(CaseFixture& fixture, const MessageLayout& layout) {
   return difference(plain->bytes(), other->bytes());
 }
 
+CASE(repeat, "repeat.instance", "emits the same events again", 20, 4) {
+  const auto one = fixture.run(fixture.input, {}), other = fixture.run(fixture.input, {});
+  return difference(one, other);
+}
+
+CASE(repeat, "repeat.process", "emits the same events in another process", 45, 4) {
+  const Verdict one = fingerprint(fixture), other = fingerprint(fixture);
+  if (one.outcome != PluginCheck::Outcome::passed) return one;
+  return one.detail == other.detail ? "" : "two processes gave different events";
+}
+
+CASE(repeat, "repeat.memory", "does not depend on previous memory contents", 20, 4) {
+  const auto one = fixture.run(fixture.input, {});
+  std::vector<std::vector<char>> holes;
+  for (size_t i = 1; i < 2000; ++i) holes.emplace_back(i * 37 % 5000, static_cast<char>(0xA5));
+  for (size_t i = 0; i < holes.size(); i += 2) holes[i] = {};  // memory that is neither fresh nor zero
+  const auto other = fixture.run(fixture.input, {});
+  return difference(one, other);
+}
+
+CASE_OF(repeat, "repeat.batches_of_2", "emits the same events with two messages per call", 20, 4, cut<2>);
+CASE_OF(repeat, "repeat.batches_of_17", "emits the same events with 17 messages per call", 20, 4, cut<17>);
+CASE(repeat, "repeat.reset", "emits the same events after a reset", 20, 4) {
+  if (!fixture.table().reset) return not_applicable("it has no reset: the host makes a new instance");
+  const auto driver = fixture.start_instance();
+  driver->process(fixture.input);
+  const auto first = driver->bytes();
+  if (const int32_t status = driver->reset(); status < 0) return "reset gave status " + std::to_string(status);
+  driver->events.clear();
+  driver->process(fixture.input);
+  return difference(first, driver->bytes());
+}
+
+CASE(repeat, "repeat.reset_first", "has the same state after resets as after activate", 20, 3) {
+  if (!fixture.table().reset) return not_applicable("it has no reset: the host makes a new instance");
+  const auto plain = fixture.run(fixture.input, {});
+  const auto driver = fixture.start_instance();
+  for (int i = 0; i < 3; ++i)
+    if (const int32_t status = driver->reset(); status < 0) return "reset gave status " + std::to_string(status);
+  driver->process(fixture.input);
+  return difference(plain, driver->bytes());
+}
+
+CASE(repeat, "batch.empty", "accepts an empty batch", 10, 0) {
+  const auto driver = fixture.start_instance();
+  note_phase("process", "of an empty batch");
+  const odo_batch batch{sizeof batch, 0, nullptr};
+  const int32_t status = driver->call(batch);
+  return status >= 0 ? "" : "an empty batch gave status " + std::to_string(status);
+}
+
+CASE(repeat, "batch.read_only", "writes to no message, reads none beyond its end, retains none after the call", 20, 4) {
+  MessageLayout layout;
+  layout.guarded = true;
+  const auto one = fixture.run(fixture.input, {}), other = fixture.run(fixture.input, layout);
+  return difference(one, other);
+}
+
+CASE_OF(repeat, "growth.newer_type", "ignores messages of unknown types", 20, 3, with_unknown_type<0x07ED>);
+CASE_OF(repeat, "growth.vendor_type", "ignores vendors' messages", 20, 3,
+        with_unknown_type<ODO_TYPE_VENDOR(77777, 42)>);
 /// Messages from a host of version 1.0: later members are missing, and no memory is mapped behind them.
-Verdict older_messages(CaseFixture& fixture) {
+CASE(repeat, "growth.older_messages", "accepts messages of a host of version 1.0", 20, 3) {
   const auto grown = [](const AnyMessage& m) {
     const MessageInfo* info = message_info(m.header().type);
     return info && info->min_size < info->size;
@@ -134,7 +140,7 @@ Verdict older_messages(CaseFixture& fixture) {
 }
 
 /// Messages of a later version, with more members at the end.
-Verdict newer_messages(CaseFixture& fixture) {
+CASE(repeat, "growth.newer_messages", "accepts messages with more members at the end", 20, 3) {
   MessageLayout layout;
   layout.change = [](AnyMessage& message) {
     const auto bytes = message.bytes();
@@ -148,7 +154,7 @@ Verdict newer_messages(CaseFixture& fixture) {
 }
 
 /// Compared without services on both sides: they need the real host.
-Verdict newer_host(CaseFixture& fixture) {
+CASE(repeat, "growth.newer_host", "accepts a host and a sink with more members at the end", 20, 3) {
   struct LaterHost : odo_host {
     uint64_t more[4];
   } host;
@@ -170,7 +176,7 @@ Verdict newer_host(CaseFixture& fixture) {
 }
 
 /// A batch struct of a later version, in memory that ends with it.
-Verdict newer_batch(CaseFixture& fixture) {
+CASE(repeat, "growth.newer_batch", "accepts a batch with more members at the end", 20, 3) {
   const auto plain = fixture.run(fixture.input, {});
   const auto driver = fixture.start_instance();
   for (const AnyMessage& message : fixture.input) {
@@ -185,26 +191,5 @@ Verdict newer_batch(CaseFixture& fixture) {
 }
 
 }  // namespace
-
-std::vector<Case> repeat_cases() {
-  return {
-      {"repeat.instance", "emits the same events again", 20, 4, true, run_twice},
-      {"repeat.process", "emits the same events in another process", 45, 4, true, other_process},
-      {"repeat.memory", "does not depend on previous memory contents", 20, 4, true, shuffled_memory},
-      {"repeat.batches_of_2", "emits the same events with two messages per call", 20, 4, true, cut<2>},
-      {"repeat.batches_of_17", "emits the same events with 17 messages per call", 20, 4, true, cut<17>},
-      {"repeat.reset", "emits the same events after a reset", 20, 4, true, after_reset},
-      {"repeat.reset_first", "has the same state after resets as after activate", 20, 3, true, reset_first},
-      {"batch.empty", "accepts an empty batch", 10, 0, true, empty_batch},
-      {"batch.read_only", "writes to no message, reads none beyond its end, retains none after the call", 20, 4, true,
-       guarded},
-      {"growth.newer_type", "ignores messages of unknown types", 20, 3, true, with_unknown_type<0x07ED>},
-      {"growth.vendor_type", "ignores vendors' messages", 20, 3, true, with_unknown_type<ODO_TYPE_VENDOR(77777, 42)>},
-      {"growth.older_messages", "accepts messages of a host of version 1.0", 20, 3, true, older_messages},
-      {"growth.newer_messages", "accepts messages with more members at the end", 20, 3, true, newer_messages},
-      {"growth.newer_host", "accepts a host and a sink with more members at the end", 20, 3, true, newer_host},
-      {"growth.newer_batch", "accepts a batch with more members at the end", 20, 3, true, newer_batch},
-  };
-}
 
 }  // namespace odograph

@@ -130,4 +130,13 @@ std::vector<AnyMessage> TestInput::of(const std::vector<uint32_t>& types) const 
   return some;
 }
 
+void shift(AnyMessage& message, int64_t by_ns) {
+  message.header().t_ns += by_ns;
+  if (message.header().type == ODO_TYPE_VO_MOTION)
+    reinterpret_cast<odo_vo_motion&>(message.header()).t_from_ns += by_ns;
+  if (message.header().type != ODO_TYPE_STEP) return;
+  reinterpret_cast<odo_step&>(message.header()).t_start_ns += by_ns;
+  reinterpret_cast<odo_step&>(message.header()).t_end_ns += by_ns;
+}
+
 }  // namespace odograph

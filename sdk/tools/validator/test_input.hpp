@@ -34,4 +34,7 @@ class TestInput {
   std::vector<std::unique_ptr<std::vector<uint8_t>>> pixels_;
 };
 
+/// Shifts all times of a message.
+void shift(AnyMessage& message, int64_t by_ns);
+
 }  // namespace odograph

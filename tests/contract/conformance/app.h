@@ -80,13 +80,18 @@ typedef struct sample_kind {
 } sample_kind;
 extern const sample_kind sample_kinds[];
 extern const size_t sample_kind_count;
-#define LARGEST_SAMPLE 1024 /* holds any of them with an extended end */
+typedef union any_sample { /* holds any of them with an extended end */
+  odo_header header;
+  unsigned char bytes[1024];
+} any_sample;
 
 /* Hooks: attitude and front-end answer as in a forward walk at one metre per second. The fixer emits `walk_fix` with
  * the
  * next barometer sample if its struct_size is set. */
 int32_t walk_message(odo_instance* instance, const odo_header* message);
 extern odo_fix walk_fix;
+/* A replay of that many seconds of the walk, flushed. */
+app* app_walk(int seconds);
 /* One second of the walk: inertial samples every 10 ms, frames every 100 ms. The first call pushes the calibration. */
 void walk_second(app* self, int second);
 /* Call before another walk in the same case. */
@@ -102,6 +107,11 @@ typedef struct lent {
 } lent;
 #define NOT_LENT \
   { .lock = PTHREAD_MUTEX_INITIALIZER }
+/* A frame whose pixels are `lent_pixels`, with retain and release. */
+extern uint8_t lent_pixels[64 * 48];
+void put_lent_frame(odo_frame* out, lent* of, int64_t t_ns);
+/* Pushes it; the struct is invalid afterwards. */
+int32_t push_lent(app* self, lent* of, int64_t t_ns);
 void lend(odo_loan* loan, lent* self);
 /* Each retain was followed by one release. */
 #define CHECK_BALANCED(self, min_retains)                                                                            \

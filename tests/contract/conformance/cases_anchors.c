@@ -3,9 +3,7 @@
  * Anchors: created, queried, listed, removed. */
 #include "app.h"
 
-#include <math.h>
-#include <stdio.h>
-#include <string.h>
+#define MAKES "Ids count from 1, belong to the session and are never reused in it."
 
 #define ORIGIN "navigation:\n  origin: {latitude: 0.83, longitude: 0.15, height: 400 m}\n"
 #define START "  start: {position: [0 m, 0 m, 0 m], heading: 0}\n"
@@ -29,10 +27,6 @@ static int32_t get(app* self, uint64_t id, odo_anchor* anchor) {
 
 static app* walk(const char* more, int seconds) {
   char config[512];
-  NEED(anchor_create);
-  NEED(anchor_get);
-  NEED(anchor_list);
-  NEED(anchor_remove);
   hooks.on_message = walk_message;
   snprintf(config, sizeof config, "%s%s", CAMERA_WALK, more);
   app* self = app_open(config, ODO_RUN_REPLAY);
@@ -41,21 +35,21 @@ static app* walk(const char* more, int seconds) {
   return self;
 }
 
-static void life_of_anchors(int unused) {
+CASE("anchors are numbered from 1, listed in their order and removed once", "anchor.h", MAKES) {
   app* self = walk("", 2);
   const odo_anchor_place place = place_of(ODO_ANCHOR_POSE);
   uint64_t ids[8], id = 0, next = 0;
   odo_anchor anchor;
   CHECK(odo.anchor_list(self->session, NULL, 0) == 0, "there are anchors before the first");
   EXPECT(odo.anchor_create(self->session, &place, &id), ODO_OK);
-  CHECK(id == 1, "the first id is %llu; expected 1", (unsigned long long)id);
+  EQUAL(id, 1);
   EXPECT(odo.anchor_create(self->session, &place, &next), ODO_OK);
-  CHECK(next == 2, "the second id is %llu; expected 2", (unsigned long long)next);
+  EQUAL(next, 2);
   EXPECT(odo.anchor_remove(self->session, next), ODO_OK);
   EXPECT(odo.anchor_remove(self->session, next), ODO_E_NOT_FOUND);
   EXPECT(get(self, next, &anchor), ODO_E_NOT_FOUND);
   EXPECT(odo.anchor_create(self->session, &place, &next), ODO_OK);
-  CHECK(next == 3, "after a removal the id is %llu; expected 3", (unsigned long long)next);
+  EQUAL(next, 3);
   memset(ids, 0, sizeof ids);
   CHECK(odo.anchor_list(self->session, ids, 1) == 2 && ids[0] == 1 && ids[1] == 0,
         "with a capacity of 1 the list was %llu, %llu", (unsigned long long)ids[0], (unsigned long long)ids[1]);
@@ -63,7 +57,8 @@ static void life_of_anchors(int unused) {
         "the list was %llu, %llu; expected 1, 3", (unsigned long long)ids[0], (unsigned long long)ids[1]);
 }
 
-static void local_needs_a_position(int unused) {
+CASE("a local anchor needs a position", "anchor.h",
+     "ODO_NOT_READY while the position of the phone is unknown (local anchors)") {
   app* self = walk("", 0);
   const odo_anchor_place pose = place_of(ODO_ANCHOR_POSE), view = place_of(ODO_ANCHOR_VIEW);
   uint64_t id = 77;
@@ -72,7 +67,7 @@ static void local_needs_a_position(int unused) {
   CHECK(odo.anchor_list(self->session, NULL, 0) == 0, "there is an anchor");
 }
 
-static void time_is_kept(int unused) {
+CASE("a local anchor needs a time that is kept", "anchor.h", "ODO_E_NOT_FOUND for a time outside the stored poses") {
   app* self = walk("", 2);
   odo_anchor_place place = place_of(ODO_ANCHOR_POSE);
   uint64_t id;
@@ -82,7 +77,9 @@ static void time_is_kept(int unused) {
   EXPECT(odo.anchor_create(self->session, &place, &id), ODO_OK);
 }
 
-static void bad_places(int unused) {
+CASE("bad places are refused", "anchor.h",
+     "ODO_E_ARGUMENT (unknown kind, number not finite, q not a unit quaternion, latitude beyond a pole, longitude "
+     "beyond 2 pi, name of more than 63 bytes)") {
   app* self = walk(ORIGIN, 2);
   uint64_t id;
   for (int which = 0; which < 11; ++which) {
@@ -106,7 +103,7 @@ static void bad_places(int unused) {
   CHECK(odo.anchor_list(self->session, NULL, 0) == 0, "there is an anchor");
 }
 
-static void too_many(int unused) {
+CASE("there are 1024 anchors at most", "anchor.h", "ODO_E_EXHAUSTED beyond 1024 anchors") {
   app* self = walk("", 1);
   const odo_anchor_place place = place_of(ODO_ANCHOR_GEODETIC);
   uint64_t id;
@@ -114,10 +111,10 @@ static void too_many(int unused) {
   EXPECT(odo.anchor_create(self->session, &place, &id), ODO_E_EXHAUSTED);
   EXPECT(odo.anchor_remove(self->session, 5), ODO_OK);
   EXPECT(odo.anchor_create(self->session, &place, &id), ODO_OK);
-  CHECK(id == 1025, "the id is %llu; expected 1025", (unsigned long long)id);
+  EQUAL(id, 1025);
 }
 
-static void where_it_is(int unused) {
+CASE("a local anchor is where it was put, with 63 bytes of its name", "anchor.h", "UTF-8, at most 63 bytes") {
   app* self = walk("", 2);
   odo_anchor_place place = place_of(ODO_ANCHOR_POSE);
   odo_anchor anchor;
@@ -153,7 +150,9 @@ static odo_anchor geodetic(const char* navigation, uint32_t height_above) {
   return anchor;
 }
 
-static void on_the_earth(int unused) {
+CASE("a geodetic anchor is placed where start and origin are known", "anchor.h",
+     "A geodetic anchor is placed as soon as the position of the phone in n, the origin of n and, above terrain, the "
+     "height of the ground are known.") {
   const odo_anchor anchor = geodetic(ORIGIN START, ODO_HEIGHT_ELLIPSOID);
   CHECK(anchor.flags & ODO_ANCHOR_PLACED, "its flags are 0x%x and its reason %u", anchor.flags, anchor.reason);
   CHECK(fabs(anchor.p_n[0]) < 1e-3 && fabs(anchor.p_n[2]) < 1e-3, "at the origin it is at %g, %g, %g", anchor.p_n[0],
@@ -171,8 +170,16 @@ static void not_placed(int reason) {
         "its flags are 0x%x and its state is %u", anchor.flags, anchor.state);
   CHECK(anchor.reason == (uint32_t)reason, "its reason is %u; expected %d", anchor.reason, reason);
 }
+CASE_OF(not_placed, ODO_REASON_NO_FIX, "a geodetic anchor without start and fix is lost for want of a fix", "anchor.h",
+        "position of the phone in n unknown: neither navigation.start nor a position fix");
+CASE_OF(not_placed, ODO_REASON_NO_ORIGIN, "a geodetic anchor without an origin is lost for want of the origin",
+        "anchor.h", "position in n known, origin of n unknown: neither navigation.origin nor GNSS");
+CASE_OF(not_placed, ODO_REASON_NO_GROUND,
+        "an anchor above terrain without a terrain model is lost for want of the ground", "anchor.h",
+        "height of the ground unknown at that point");
 
-static void in_front(int unused) {
+CASE("an anchor behind the camera has a pose in the view and is not in front", "anchor.h",
+     "With VIEW_POSE: the anchor is on the side that the camera faces") {
   app* self = walk("", 2);
   odo_anchor_place place = place_of(ODO_ANCHOR_VIEW);
   odo_anchor anchor;
@@ -188,31 +195,3 @@ static void in_front(int unused) {
   CHECK((anchor.flags & ODO_ANCHOR_VIEW_POSE) && !(anchor.flags & ODO_ANCHOR_IN_FRONT) && anchor.p_view[2] < -2,
         "behind the camera it has flags 0x%x and p_view[2] = %g", anchor.flags, anchor.p_view[2]);
 }
-
-#define MAKES "Ids count from 1, belong to the session and are never reused in it."
-const conformance_case cases_anchors[] = {
-    {"anchors are numbered from 1, listed in their order and removed once", "anchor.h", MAKES, life_of_anchors, 0},
-    {"a local anchor needs a position", "anchor.h",
-     "ODO_NOT_READY while the position of the phone is unknown (local anchors)", local_needs_a_position, 0},
-    {"a local anchor needs a time that is kept", "anchor.h", "ODO_E_NOT_FOUND for a time outside the stored poses",
-     time_is_kept, 0},
-    {"bad places are refused", "anchor.h",
-     "ODO_E_ARGUMENT (unknown kind, number not finite, q not a unit quaternion, latitude beyond a pole, longitude "
-     "beyond 2 pi, name of more than 63 bytes)",
-     bad_places, 0},
-    {"there are 1024 anchors at most", "anchor.h", "ODO_E_EXHAUSTED beyond 1024 anchors", too_many, 0},
-    {"a local anchor is where it was put, with 63 bytes of its name", "anchor.h", "UTF-8, at most 63 bytes",
-     where_it_is, 0},
-    {"a geodetic anchor is placed where start and origin are known", "anchor.h",
-     "A geodetic anchor is placed as soon as the position of the phone in n, the origin of n and, above terrain, the "
-     "height of the ground are known.",
-     on_the_earth, 0},
-    {"a geodetic anchor without start and fix is lost for want of a fix", "anchor.h",
-     "position of the phone in n unknown: neither navigation.start nor a position fix", not_placed, ODO_REASON_NO_FIX},
-    {"a geodetic anchor without an origin is lost for want of the origin", "anchor.h",
-     "position in n known, origin of n unknown: neither navigation.origin nor GNSS", not_placed, ODO_REASON_NO_ORIGIN},
-    {"an anchor above terrain without a terrain model is lost for want of the ground", "anchor.h",
-     "height of the ground unknown at that point", not_placed, ODO_REASON_NO_GROUND},
-    {"an anchor behind the camera has a pose in the view and is not in front", "anchor.h",
-     "With VIEW_POSE: the anchor is on the side that the camera faces", in_front, 0},
-    {NULL, NULL, NULL, NULL, 0}};

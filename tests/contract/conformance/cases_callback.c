@@ -3,7 +3,7 @@
  * The callback: its thread, permitted calls, its end. */
 #include "app.h"
 
-#include <string.h>
+#define RULE "Called on the thread of the session (live) or within push or flush (replay)."
 
 static int32_t event_for_each(odo_instance* instance, const odo_header* message) {
   odo_header event;
@@ -24,7 +24,7 @@ static void note_thread(app* self, const odo_header* event) {
   if (!within_call) ++outside;
 }
 
-static void within_push_in_replay(int unused) {
+CASE("a replay's events come within push and flush, on the caller's thread", "odograph.h", RULE) {
   app* self = open_with_events(ODO_RUN_REPLAY);
   caller = pthread_self();
   self->on_event = note_thread;
@@ -37,12 +37,12 @@ static void within_push_in_replay(int unused) {
   CHECK(app_events(self, PROBE_EVENT) > 0, "there was no event before the flush");
   within_call = 1;
   app_flush(self);
-  CHECK(app_events(self, PROBE_EVENT) == 100, "%u events; expected 100", (unsigned)app_events(self, PROBE_EVENT));
-  CHECK(elsewhere == 0, "%d events came on another thread", elsewhere);
-  CHECK(outside == 0, "%d events came outside of push and flush", outside);
+  EQUAL(app_events(self, PROBE_EVENT), 100);
+  EQUAL(elsewhere, 0);
+  EQUAL(outside, 0);
 }
 
-static void another_thread_when_live(int unused) {
+CASE("a live session's events come on one thread of its own", "odograph.h", RULE) {
   app* self = open_with_events(ODO_RUN_LIVE);
   caller = pthread_self();
   self->on_event = note_thread;
@@ -50,7 +50,7 @@ static void another_thread_when_live(int unused) {
   REQUIRE(app_wait_events(self, PROBE_EVENT, 1), "there was no event");
   pthread_t first = self->callback_thread;
   app_flush(self);
-  CHECK(app_events(self, PROBE_EVENT) == 100, "%u events; expected 100", (unsigned)app_events(self, PROBE_EVENT));
+  EQUAL(app_events(self, PROBE_EVENT), 100);
   CHECK(elsewhere >= 100, "%d of 100 events came on the session's thread", elsewhere);
   CHECK(pthread_equal(first, self->callback_thread), "events came on several threads");
 }
@@ -76,6 +76,8 @@ static void no_call_after_the_end(int run) {
   app_flush(self);
   CHECK(after_end == 0, "a call ran after odo_session_set_callback had returned");
 }
+IN_BOTH_RUNS(no_call_after_the_end, "no call runs after ", "'s callback was ended", "odograph.h",
+             "With count 0 or a null function, no more calls follow; after the return none is running");
 
 static int inner_calls;
 static void end_from_within(app* self, const odo_header* event) {
@@ -88,8 +90,10 @@ static void ended_from_within(int run) {
   self->on_event = end_from_within;
   push_rest_between(self, T0, T0 + SECOND);
   app_flush(self);
-  CHECK(inner_calls == 1, "the callback was called %d times; expected once", inner_calls);
+  EQUAL(inner_calls, 1);
 }
+IN_BOTH_RUNS(ended_from_within, "a callback of ", " may end itself", "odograph.h",
+             "except the one that called this function");
 
 /* ---- what it may call ---- */
 static void call_everything(app* self, const odo_header* event) {
@@ -107,22 +111,21 @@ static void call_everything(app* self, const odo_header* event) {
   odo.session_get_pose(self->session, ODO_TIME_LATEST, &pose);
   EXPECT(odo.session_get_statistics(self->session, &counts), ODO_OK);
   odo.session_last_error(self->session, &error);
-  if (odo.anchor_list) CHECK(odo.anchor_list(self->session, ids, 4) == 0, "there is an anchor");
-  if (odo.anchor_get)
-    EXPECT(odo.anchor_get(self->session, 1, ODO_WORLD_CORRECTED, ODO_TIME_LATEST, &anchor), ODO_E_NOT_FOUND);
-  if (odo.current_plugin_call) odo.current_plugin_call(text, sizeof text);
+  CHECK(odo.anchor_list(self->session, ids, 4) == 0, "there is an anchor");
+  EXPECT(odo.anchor_get(self->session, 1, ODO_WORLD_CORRECTED, ODO_TIME_LATEST, &anchor), ODO_E_NOT_FOUND);
+  odo.current_plugin_call(text, sizeof text);
   ++inner_calls;
 }
 
 static void it_may_call(int run) {
   app* self = open_with_events((uint32_t)run);
-  NEED(session_get_pose);
-  NEED(session_last_error);
   self->on_event = call_everything;
   push_rest_between(self, T0, T0 + 500 * MS);
   app_flush(self);
-  CHECK(inner_calls == 50, "%d calls ended; expected 50", inner_calls);
+  EQUAL(inner_calls, 50);
 }
+IN_BOTH_RUNS(it_may_call, "", "'s callback may call what any thread may, but not flush", "odograph.h",
+             "No lock is held: it may call [any] functions");
 
 static int pushed_within, processed_within;
 static bool run_is_live;
@@ -144,17 +147,16 @@ static void it_may_push(int run) {
   CHECK(pushed_within == 20 && given_count(ODO_TYPE_BAROMETER, FIXER) == 20,
         "%d samples were pushed within the callback and %u given; expected 20 and 20", pushed_within,
         (unsigned)given_count(ODO_TYPE_BAROMETER, FIXER));
-  CHECK(processed_within == 0, "%d were processed before the callback returned", processed_within);
+  EQUAL(processed_within, 0);
   CHECK(journal_overlaps() == 0, "calls of one instance overlapped");
 }
+IN_BOTH_RUNS(it_may_push, "what ", "'s callback pushes is processed after it has returned", "odograph.h",
+             "Samples that it pushes are processed after it returns.");
 
 /* ---- which events ---- */
-static void null_function(int unused) {
+CASE("a null function ends the calls", "odograph.h", "With count 0 or a null function, no more calls follow") {
   static const uint32_t types[] = {ODO_TYPE_ATTITUDE, PROBE_UNDECLARED, 0x1FFF, ODO_TYPE_BAROMETER};
-  hooks.on_message = walk_message;
-  app* self = app_open(CAMERA_WALK, ODO_RUN_REPLAY);
-  walk_second(self, 0);
-  app_flush(self);
+  app* self = app_walk(1);
   CHECK(app_events(self, ODO_TYPE_ATTITUDE) > 0 && app_events(self, ODO_TYPE_VO_MOTION) > 0, "not all events came");
   size_t before = self->count;
   EXPECT(odo.session_set_callback(self->session, types, COUNT_OF(types), NULL, NULL), ODO_OK);
@@ -170,7 +172,8 @@ static void ODO_CALL count_attitudes(void* user, const odo_header* event) {
   wanted_calls += *(int*)user;
 }
 
-static void filtered(int unused) {
+CASE("a callback is given the events that are wanted, and none when none are", "odograph.h",
+     "`types` are the wanted events (ODO_TYPE_*, vendor types too) and are copied") {
   uint32_t types[] = {ODO_TYPE_ATTITUDE, PROBE_UNDECLARED, 0x1FFF};
   int one = 1;
   hooks.on_message = walk_message;
@@ -179,7 +182,7 @@ static void filtered(int unused) {
   memset(types, 0, sizeof types); /* they were copied */
   walk_second(self, 0);
   app_flush(self);
-  CHECK(strange_type == 0, "it was called with an event of type 0x%x", strange_type);
+  EQUAL(strange_type, 0);
   CHECK(wanted_calls > 0, "it was not called");
   wanted_calls = 0;
   types[0] = ODO_TYPE_ATTITUDE;
@@ -189,7 +192,8 @@ static void filtered(int unused) {
   CHECK(wanted_calls == 0, "it was called although no type is wanted");
 }
 
-static void all_in_spite_of_types(int unused) {
+CASE("with the count of all events the types are not read", "odograph.h",
+     "With the count ODO_ALL_EVENTS, which selects all, types is ignored.") {
   const uint32_t types[] = {ODO_TYPE_REPORT};
   int one = 1;
   hooks.on_message = walk_message;
@@ -200,34 +204,3 @@ static void all_in_spite_of_types(int unused) {
   CHECK(wanted_calls > 0 && strange_type != 0, "it was called %d times, only with attitudes: %s", wanted_calls,
         strange_type ? "no" : "yes");
 }
-
-#define RULE "Called on the thread of the session (live) or within push or flush (replay)."
-const conformance_case cases_callback[] = {
-    {"a replay's events come within push and flush, on the caller's thread", "odograph.h", RULE, within_push_in_replay,
-     0},
-    {"a live session's events come on one thread of its own", "odograph.h", RULE, another_thread_when_live, 0},
-    {"no call runs after a replay's callback was ended", "odograph.h",
-     "With count 0 or a null function, no more calls follow; after the return none is running", no_call_after_the_end,
-     ODO_RUN_REPLAY},
-    {"no call runs after a live session's callback was ended", "odograph.h",
-     "With count 0 or a null function, no more calls follow; after the return none is running", no_call_after_the_end,
-     ODO_RUN_LIVE},
-    {"a callback of a replay may end itself", "odograph.h", "except the one that called this function",
-     ended_from_within, ODO_RUN_REPLAY},
-    {"a callback of a live session may end itself", "odograph.h", "except the one that called this function",
-     ended_from_within, ODO_RUN_LIVE},
-    {"a replay's callback may call what any thread may, but not flush", "odograph.h",
-     "No lock is held: it may call [any] functions", it_may_call, ODO_RUN_REPLAY},
-    {"a live session's callback may call what any thread may, but not flush", "odograph.h",
-     "No lock is held: it may call [any] functions", it_may_call, ODO_RUN_LIVE},
-    {"what a replay's callback pushes is processed after it has returned", "odograph.h",
-     "Samples that it pushes are processed after it returns.", it_may_push, ODO_RUN_REPLAY},
-    {"what a live session's callback pushes is processed after it has returned", "odograph.h",
-     "Samples that it pushes are processed after it returns.", it_may_push, ODO_RUN_LIVE},
-    {"a null function ends the calls", "odograph.h", "With count 0 or a null function, no more calls follow",
-     null_function, 0},
-    {"a callback is given the events that are wanted, and none when none are", "odograph.h",
-     "`types` are the wanted events (ODO_TYPE_*, vendor types too) and are copied", filtered, 0},
-    {"with the count of all events the types are not read", "odograph.h",
-     "With the count ODO_ALL_EVENTS, which selects all, types is ignored.", all_in_spite_of_types, 0},
-    {NULL, NULL, NULL, NULL, 0}};

@@ -3,7 +3,9 @@
  * Several cameras, and cameras whose clock is not the IMU's. */
 #include "app.h"
 
-#include <string.h>
+#define SAME_SOURCE "the same for frames and calibration of one camera"
+#define SHIFTS \
+  "The host applies it: plugins receive frames in IMU time and calibrations without ODO_CALIBRATION_TIME_OFFSET"
 
 static int32_t push_frame(app* self, uint32_t camera, int64_t t_ns) {
   odo_frame frame;
@@ -32,10 +34,10 @@ static void push_pairs(app* self, uint32_t first, uint32_t second) {
     EXPECT(push_frame(self, second, T0 + i * 100 * MS), ODO_OK);
   }
   app_flush(self);
-  CHECK(app_statistics(self).duplicate == 0, "duplicate is %llu", (unsigned long long)app_statistics(self).duplicate);
+  EQUAL(app_statistics(self).duplicate, 0);
 }
 
-static void same_time_is_no_duplicate(int unused) {
+CASE("frames of two cameras may have the same time", "base.h", SAME_SOURCE) {
   app* self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
   push_calibration(self, 0, 0), push_calibration(self, 1, 0);
   push_pairs(self, 0, 1);
@@ -54,10 +56,15 @@ static void one_camera_for_a_frontend(int calibrated) {
         "it was given %u frames of the first camera and %u of the second; expected 4 and 0",
         (unsigned)frames_of(first, FRONTEND), (unsigned)frames_of(7 - first, FRONTEND));
   for (size_t i = 0; (found = given_message(ODO_TYPE_CALIBRATION, FRONTEND, i)) != NULL; ++i)
-    CHECK(found->source == first, "it was given the calibration of camera %u", found->source);
+    EQUAL(found->source, first);
 }
+CASE_OF(one_camera_for_a_frontend, 0, "a front-end is given the first camera that has a frame", "vo_frontend.h",
+        "Frames and calibrations are those of the main camera");
+CASE_OF(one_camera_for_a_frontend, 1, "a front-end is given one of two calibrated cameras", "vo_frontend.h",
+        "Frames and calibrations are those of the main camera");
 
-static void first_calibration_decides(int unused) {
+CASE("a front-end is given the first camera that has a calibration", "vo_frontend.h",
+     "Frames and calibrations are those of the main camera") {
   app* self = app_open(CONFIG WITH_FRONTEND, ODO_RUN_REPLAY);
   push_calibration(self, 2, 0);
   push_pairs(self, 5, 2);
@@ -66,7 +73,8 @@ static void first_calibration_decides(int unused) {
         (unsigned)frames_of(5, FRONTEND), (unsigned)frames_of(2, FRONTEND));
 }
 
-static void several_where_declared(int unused) {
+CASE("a front-end for several cameras is given all", "plugin.h",
+     "the front-end receives frames of all cameras, not only of the main one") {
   app* self = app_open(CONFIG WITH_SEVERAL, ODO_RUN_REPLAY);
   push_calibration(self, 5, 0), push_calibration(self, 2, 0);
   push_pairs(self, 5, 2);
@@ -75,7 +83,7 @@ static void several_where_declared(int unused) {
   EQUAL(given_count(ODO_TYPE_CALIBRATION, FRONTEND), 2);
 }
 
-static void offset_is_applied_once(int unused) {
+CASE("a camera's time offset is applied once, by the host", "samples.h", SHIFTS) {
   app* self = app_open(CONFIG WITH_FRONTEND WITH_FIXER, ODO_RUN_REPLAY);
   static const char* const kinds[] = {FRONTEND, FIXER};
   push_calibration(self, 0, 30 * MS);
@@ -92,7 +100,7 @@ static void offset_is_applied_once(int unused) {
   }
 }
 
-static void offset_keeps_other_bits(int unused) {
+CASE("a calibration loses its time offset and nothing else", "samples.h", SHIFTS) {
   app* self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
   odo_calibration calibration;
   put_calibration(&calibration, 0, T0);
@@ -102,10 +110,10 @@ static void offset_keeps_other_bits(int unused) {
   app_flush(self);
   const odo_header* found = given_message(ODO_TYPE_CALIBRATION, FIXER, 0);
   REQUIRE(found, "the plugin was not given the calibration");
-  CHECK(found->flags == (ODO_CALIBRATION_EXTRINSICS | ODO_CALIBRATION_LINE_TIME), "its flags are 0x%x", found->flags);
+  EQUAL(found->flags, (ODO_CALIBRATION_EXTRINSICS | ODO_CALIBRATION_LINE_TIME));
 }
 
-static void offset_of_each_camera(int unused) {
+CASE("each camera has a time offset of its own", "samples.h", "IMU time = camera time + time_offset_ns.") {
   app* self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
   const odo_header* found;
   size_t i;
@@ -120,10 +128,10 @@ static void offset_of_each_camera(int unused) {
     CHECK(found->t_ns - T0 == shifts[found->source], "a frame of camera %u is shifted by %lld ns", found->source,
           (long long)(found->t_ns - T0));
   }
-  CHECK(i == 3, "the fixer was given %u frames; expected 3", (unsigned)i);
+  EQUAL(i, 3);
 }
 
-static void offset_survives_a_reset(int unused) {
+CASE("a camera's time offset outlives a clock that is set back", "samples.h", SHIFTS) {
   app* self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
   push_calibration(self, 0, 30 * MS);
   push_rest_between(self, T0, T0 + SECOND);
@@ -138,23 +146,3 @@ static void offset_survives_a_reset(int unused) {
   found = given_message(ODO_TYPE_FRAME, FIXER, 0);
   CHECK(found && found->t_ns == T0 / 2 + 4 * SECOND + 30 * MS, "the frame was not given, or not shifted");
 }
-
-#define SAME_SOURCE "the same for frames and calibration of one camera"
-#define SHIFTS \
-  "The host applies it: plugins receive frames in IMU time and calibrations without ODO_CALIBRATION_TIME_OFFSET"
-const conformance_case cases_cameras[] = {
-    {"frames of two cameras may have the same time", "base.h", SAME_SOURCE, same_time_is_no_duplicate, 0},
-    {"a front-end is given the first camera that has a frame", "vo_frontend.h",
-     "Frames and calibrations are those of the main camera", one_camera_for_a_frontend, 0},
-    {"a front-end is given one of two calibrated cameras", "vo_frontend.h",
-     "Frames and calibrations are those of the main camera", one_camera_for_a_frontend, 1},
-    {"a front-end is given the first camera that has a calibration", "vo_frontend.h",
-     "Frames and calibrations are those of the main camera", first_calibration_decides, 0},
-    {"a front-end for several cameras is given all", "plugin.h",
-     "the front-end receives frames of all cameras, not only of the main one", several_where_declared, 0},
-    {"a camera's time offset is applied once, by the host", "samples.h", SHIFTS, offset_is_applied_once, 0},
-    {"a calibration loses its time offset and nothing else", "samples.h", SHIFTS, offset_keeps_other_bits, 0},
-    {"each camera has a time offset of its own", "samples.h", "IMU time = camera time + time_offset_ns.",
-     offset_of_each_camera, 0},
-    {"a camera's time offset outlives a clock that is set back", "samples.h", SHIFTS, offset_survives_a_reset, 0},
-    {NULL, NULL, NULL, NULL, 0}};

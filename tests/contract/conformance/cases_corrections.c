@@ -3,9 +3,6 @@
  * What a correction of the track moves: stored poses and anchors, but no smooth pose. */
 #include "app.h"
 
-#include <math.h>
-#include <string.h>
-
 #define MOMENTS 4 /* times at which poses are compared */
 static const int64_t moments[MOMENTS] = {T0 + 1040 * MS, T0 + 2000 * MS, T0 + 2830 * MS, T0 + 2990 * MS};
 
@@ -47,13 +44,7 @@ static double apart(const double* a, const double* b) {
 static odo_correction corrected_walk(view* before, view* after) {
   odo_barometer trigger;
   uint64_t anchor = 0;
-  NEED(session_get_pose_of);
-  NEED(anchor_create);
-  NEED(anchor_get);
-  hooks.on_message = walk_message;
-  app* self = app_open(CAMERA_WALK, ODO_RUN_REPLAY);
-  for (int second = 0; second < 3; ++second) walk_second(self, second);
-  app_flush(self);
+  app* self = app_walk(3);
   odo_anchor_place place = {.struct_size = sizeof place};
   place.kind = ODO_ANCHOR_VIEW;
   place.t_ns = moments[1];
@@ -72,7 +63,8 @@ static odo_correction corrected_walk(view* before, view* after) {
   return *(const odo_correction*)app_event(self, ODO_TYPE_CORRECTION, 0);
 }
 
-static void stored_poses_move(int unused) {
+CASE("a correction moves the stored poses", "odograph.h",
+     "in today's n: with each correction (odo_correction) the stored poses move.") {
   view before[MOMENTS], after[MOMENTS];
   const odo_correction correction = corrected_walk(before, after);
   for (int i = 0; i < MOMENTS; ++i) {
@@ -86,7 +78,7 @@ static void stored_poses_move(int unused) {
   }
 }
 
-static void smooth_poses_stay(int unused) {
+CASE("a correction moves no smooth pose of the past", "odograph.h", "content never jumps relative to the image") {
   view before[MOMENTS], after[MOMENTS];
   corrected_walk(before, after);
   for (int i = 0; i < MOMENTS; ++i)
@@ -94,7 +86,8 @@ static void smooth_poses_stay(int unused) {
           apart(before[i].smooth.p_n, after[i].smooth.p_n));
 }
 
-static void anchors_move_too(int unused) {
+CASE("after a correction an anchor is in the same place in the views of the past", "anchor.h",
+     "Phone and anchor are consistent even if another thread corrects the track") {
   view before[MOMENTS], after[MOMENTS];
   corrected_walk(before, after);
   for (int i = 0; i < MOMENTS; ++i) {
@@ -111,7 +104,6 @@ static void anchors_move_too(int unused) {
 
 /* `what`: 0: no extrinsics, 1: another world. */
 static void pose_is_refused(int what) {
-  NEED(session_get_pose_of);
   hooks.on_message = walk_message;
   app* self = app_open(CONFIG WITH_ATTITUDE WITH_STEPS, ODO_RUN_REPLAY);
   push_rest_between(self, T0, T0 + SECOND);
@@ -124,15 +116,6 @@ static void pose_is_refused(int what) {
   else
     EXPECT(odo.session_get_pose_of(self->session, ODO_OF_BODY, 2, ODO_TIME_LATEST, &pose), ODO_E_ARGUMENT);
 }
-
-const conformance_case cases_corrections[] = {
-    {"a correction moves the stored poses", "odograph.h",
-     "in today's n: with each correction (odo_correction) the stored poses move.", stored_poses_move, 0},
-    {"a correction moves no smooth pose of the past", "odograph.h", "content never jumps relative to the image",
-     smooth_poses_stay, 0},
-    {"after a correction an anchor is in the same place in the views of the past", "anchor.h",
-     "Phone and anchor are consistent even if another thread corrects the track", anchors_move_too, 0},
-    {"without extrinsics the body's pose is not converted to the camera's", "odograph.h",
-     "ODO_NOT_READY if it is needed and they are unknown.", pose_is_refused, 0},
-    {"there are two worlds", "odograph.h", "ODO_E_ARGUMENT for any other `of` or world.", pose_is_refused, 1},
-    {NULL, NULL, NULL, NULL, 0}};
+CASE_OF(pose_is_refused, 0, "without extrinsics the body's pose is not converted to the camera's", "odograph.h",
+        "ODO_NOT_READY if it is needed and they are unknown.");
+CASE_OF(pose_is_refused, 1, "there are two worlds", "odograph.h", "ODO_E_ARGUMENT for any other `of` or world.");

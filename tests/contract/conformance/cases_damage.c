@@ -3,10 +3,6 @@
  * Truncated and damaged recordings, and files that are not recordings. */
 #include "app.h"
 
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
 /* Ten barometer samples, numbered by their pressure; closed or not. */
 static odo_recorder* write_ten(const char* path, bool closed) {
   const odo_string name = string_of(path);
@@ -64,7 +60,8 @@ static int read_all(const char* path, int32_t* loss) {
   return count;
 }
 
-static void cut_off(int unused) {
+CASE("a recording that was cut off has a loss, and its whole records are read", "recording.h",
+     "After a crash of the process, everything up to the last complete message can be read.") {
   const char* path = case_file("cut.odo");
   file whole;
   int32_t loss;
@@ -82,10 +79,11 @@ static void cut_off(int unused) {
           before);
     if (count > before) before = count;
   }
-  CHECK(before == 10, "of 10 whole records and no end mark %d could be read", before);
+  EQUAL(before, 10);
 }
 
-static void changed_bytes(int unused) {
+CASE("a changed byte costs one message at most and is reported", "recording.h",
+     "indexes its messages, without damaged ones (odo_recording_loss)") {
   const char* path = case_file("changed.odo");
   file whole;
   int32_t loss;
@@ -103,18 +101,20 @@ static void changed_bytes(int unused) {
   }
 }
 
-static void never_closed(int unused) {
+CASE("a recording that was never closed can be read and has a loss", "recording.h",
+     "Closes the recording and marks it as complete.") {
   const char* path = case_file("open.odo");
   int32_t loss;
   write_ten(path, false); /* there was no file of the name: it is written in place */
   int count = read_all(path, &loss);
   CHECK(count == 10 || count == -1 || loss == ODO_E_DATA,
         "of a recording that is being written %d messages could be read", count);
-  CHECK(loss == ODO_E_DATA, "the loss of a recording that was never closed is %s", status_name(loss));
-  CHECK(count == 10, "%d of 10 messages could be read before it was closed", count);
+  EXPECT(loss, ODO_E_DATA);
+  EQUAL(count, 10);
 }
 
-static void old_one_stays(int unused) {
+CASE("a recording of the same name stays until the new one is closed", "recording.h",
+     "If a file of that name exists, the recording is written to NAME.part and replaces it when closed") {
   const char *path = case_file("kept.odo"), *part = case_file("kept.odo.part");
   FILE* beside;
   int32_t loss;
@@ -131,7 +131,8 @@ static void old_one_stays(int unused) {
 }
 
 /* What the operating system refuses: a folder in place of a file, a folder that is not there, a full disk. */
-static void refused_by_the_system(int unused) {
+CASE("what the system refuses to create, read or write is an error of input and output", "base.h",
+     "a file could not be created, read or written") {
   odo_error error = {sizeof error, 0, ""};
   odo_recording* recording = NULL;
   odo_recorder* recorder = NULL;
@@ -158,7 +159,9 @@ static void refused_by_the_system(int unused) {
   EXPECT(odo.recorder_close(recorder), ODO_E_IO);
 }
 
-static void no_recordings(int unused) {
+CASE("files that are no recordings are refused with a reason", "recording.h",
+     "On failure *recording is null and `error`, which may be null, has the reason: ODO_E_NOT_FOUND, ODO_E_IO, "
+     "ODO_E_DATA, ODO_E_VERSION.") {
   static const char* const texts[] = {"", "hello", "ODOREC1\n", "PK\3\4 and so on and so on"};
   odo_string nowhere, no_folder;
   odo_error error = {sizeof error, 0, ""};
@@ -182,29 +185,10 @@ static void no_recordings(int unused) {
         "a recording in a folder that is not there was created");
 }
 
-static void null_is_allowed(int unused) {
+CASE("closing null does nothing", "recording.h", "Null is allowed.") {
   need_recordings();
   odo.recording_close(NULL);
   EXPECT(odo.recorder_close(NULL), ODO_OK);
   EXPECT(odo.recording_open(NULL, NULL, NULL), ODO_E_ARGUMENT);
   EXPECT(odo.recorder_create(NULL, NULL, NULL), ODO_E_ARGUMENT);
 }
-
-const conformance_case cases_damage[] = {
-    {"a recording that was cut off has a loss, and its whole records are read", "recording.h",
-     "After a crash of the process, everything up to the last complete message can be read.", cut_off, 0},
-    {"a changed byte costs one message at most and is reported", "recording.h",
-     "indexes its messages, without damaged ones (odo_recording_loss)", changed_bytes, 0},
-    {"a recording that was never closed can be read and has a loss", "recording.h",
-     "Closes the recording and marks it as complete.", never_closed, 0},
-    {"a recording of the same name stays until the new one is closed", "recording.h",
-     "If a file of that name exists, the recording is written to NAME.part and replaces it when closed", old_one_stays,
-     0},
-    {"files that are no recordings are refused with a reason", "recording.h",
-     "On failure *recording is null and `error`, which may be null, has the reason: ODO_E_NOT_FOUND, ODO_E_IO, "
-     "ODO_E_DATA, ODO_E_VERSION.",
-     no_recordings, 0},
-    {"what the system refuses to create, read or write is an error of input and output", "base.h",
-     "a file could not be created, read or written", refused_by_the_system, 0},
-    {"closing null does nothing", "recording.h", "Null is allowed.", null_is_allowed, 0},
-    {NULL, NULL, NULL, NULL, 0}};

@@ -3,8 +3,6 @@
  * Events: from which calls a plugin may emit, which ones, and how many. */
 #include "app.h"
 
-#include <string.h>
-
 typedef struct vendor_event {
   odo_header header;
   uint32_t words[8];
@@ -40,8 +38,6 @@ static int64_t emit_within(probe_call* call) {
 static void emit_outside_process(int what) {
   char blob[4096];
   int64_t size;
-  NEED(session_save);
-  NEED(session_load);
   plan.within = (uint32_t)what;
   hooks.on_call = emit_within;
   app* self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
@@ -63,9 +59,19 @@ static void emit_outside_process(int what) {
     app_flush(self);
   }
   CHECK(plan.calls > 0, "the call was not made; the calls were: %s", journal_words(FIXER));
-  CHECK(plan.status == ODO_E_STATE, "emit = %s; expected ODO_E_STATE", status_name(plan.status));
+  EXPECT(plan.status, ODO_E_STATE);
   CHECK(app_events(self, PROBE_EVENT) == 0, "the event was published");
 }
+CASE_OF(emit_outside_process, PROBE_ACTIVATE, "emit from activate is refused", "plugin.h",
+        "ODO_E_STATE outside process of this instance and on other threads");
+CASE_OF(emit_outside_process, PROBE_RESET, "emit from reset is refused", "plugin.h",
+        "ODO_E_STATE outside process of this instance and on other threads");
+CASE_OF(emit_outside_process, PROBE_SAVE, "emit from save is refused", "plugin.h",
+        "ODO_E_STATE outside process of this instance and on other threads");
+CASE_OF(emit_outside_process, PROBE_LOAD, "emit from load is refused", "plugin.h",
+        "ODO_E_STATE outside process of this instance and on other threads");
+CASE_OF(emit_outside_process, PROBE_DESTROY, "emit from destroy is refused", "plugin.h",
+        "ODO_E_STATE outside process of this instance and on other threads");
 
 /* ---- another instance's sink, another thread ---- */
 static odo_instance* instances[2];
@@ -82,13 +88,14 @@ static int32_t emit_by_other(odo_instance* instance, const odo_header* message) 
   return ODO_OK;
 }
 
-static void emit_of_another_instance(int unused) {
+CASE("emit of another instance within process is refused", "plugin.h",
+     "ODO_E_STATE outside process of this instance and on other threads") {
   hooks.on_message = emit_by_other;
   app* self = app_open(FIXER_ALONE "  - plugin: conformance/probe\n", ODO_RUN_REPLAY);
   EXPECT(push_barometer(self, T0), ODO_OK);
   app_flush(self);
   CHECK(plan.calls == 1, "the two instances were not both called");
-  CHECK(plan.status == ODO_E_STATE, "emit = %s; expected ODO_E_STATE", status_name(plan.status));
+  EXPECT(plan.status, ODO_E_STATE);
   CHECK(app_events(self, PROBE_EVENT) == 0, "the event was published");
 }
 
@@ -105,12 +112,13 @@ static int32_t emit_by_thread(odo_instance* instance, const odo_header* message)
   return ODO_OK;
 }
 
-static void emit_of_another_thread(int unused) {
+CASE("emit on another thread is refused", "plugin.h",
+     "ODO_E_STATE outside process of this instance and on other threads") {
   hooks.on_message = emit_by_thread;
   app* self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
   EXPECT(push_barometer(self, T0), ODO_OK);
   app_flush(self);
-  CHECK(plan.status == ODO_E_STATE, "emit = %s; expected ODO_E_STATE", status_name(plan.status));
+  EXPECT(plan.status, ODO_E_STATE);
   CHECK(app_events(self, PROBE_EVENT) == 0, "the event was published");
 }
 
@@ -139,7 +147,8 @@ static app* open_and_push(int samples) {
   return self;
 }
 
-static void many_events(int unused) {
+CASE("256 events of one call are taken, no more, and each is copied", "plugin.h",
+     "ODO_E_EXHAUSTED for more than 256 events for each message of the batch") {
   plan.count = 300;
   hooks.on_message = emit_many;
   app* self = open_and_push(2);
@@ -182,14 +191,23 @@ static void undeclared_type(int type) {
   app* self = offer(ODO_E_ARGUMENT);
   CHECK(app_statistics(self).plugin_faults >= 1, "it is not counted as a fault");
 }
+CASE_OF(undeclared_type, ODO_TYPE_STEP, "an event that neither the kind emits nor the table declares is refused",
+        "plugin.h", "ODO_E_ARGUMENT for a type that neither the kind emits nor the table declares");
+CASE_OF(undeclared_type, ODO_TYPE_POSE, "a pose is not a plugin's to emit undeclared", "plugin.h",
+        "ODO_E_ARGUMENT for a type that neither the kind emits nor the table declares");
+CASE_OF(undeclared_type, ODO_TYPE_BAROMETER, "an input is not emitted", "plugin.h",
+        "ODO_E_ARGUMENT for a type that neither the kind emits nor the table declares");
+CASE_OF(undeclared_type, (int)PROBE_UNDECLARED, "a vendor's event that is not declared is refused", "plugin.h",
+        "ODO_E_ARGUMENT for a type that neither the kind emits nor the table declares");
 
-static void later_event(int unused) {
+CASE("an event that the host is too old for is not supported and no fault", "plugin.h",
+     "for an event that is newer than the host") {
   put_header(&offered, 64, PROBE_NEWER_EVENT, T0);
   app* self = offer(ODO_E_UNSUPPORTED);
   EQUAL(app_statistics(self).plugin_faults, 0);
 }
 
-static void null_event(int unused) {
+CASE("emit of null is refused", "base.h", "the call violates the contract") {
   offered.header.struct_size = 1;
   offer(ODO_E_ARGUMENT);
 }
@@ -199,8 +217,12 @@ static void too_small_event(int size) {
   offered.header.struct_size = (uint32_t)size;
   offer(ODO_E_STRUCT_SIZE);
 }
+CASE_OF(too_small_event, ODO_FIX_SIZE_MIN - 1, "an event one byte too small is refused", "plugin.h",
+        "ODO_E_STRUCT_SIZE");
+CASE_OF(too_small_event, 16, "an event smaller than a head is refused", "plugin.h", "ODO_E_STRUCT_SIZE");
 
-static void vendor_event_is_published(int unused) {
+CASE("a vendor's event is published with its bytes, its source and without the host's bits", "plugin.h",
+     "Copies an event to the host and clears the bits of ODO_FLAG_HOST_MASK.") {
   put_header(&offered, 200, PROBE_EVENT, T0);
   offered.header.flags = ODO_FLAG_HOST_MASK | 5;
   offered.header.source = 99;
@@ -211,42 +233,6 @@ static void vendor_event_is_published(int unused) {
   CHECK(found->struct_size == 200 &&
             memcmp((const unsigned char*)found + sizeof *found, offered.rest, 200 - sizeof *found) == 0,
         "its bytes are others");
-  CHECK(found->flags == 5, "its flags are 0x%x; expected 0x5", found->flags);
+  EQUAL(found->flags, 5);
   EQUAL(found->source, journal_find(PROBE_CREATE, FIXER, 0)->number);
 }
-
-const conformance_case cases_emit[] = {
-    {"emit from activate is refused", "plugin.h", "ODO_E_STATE outside process of this instance and on other threads",
-     emit_outside_process, PROBE_ACTIVATE},
-    {"emit from reset is refused", "plugin.h", "ODO_E_STATE outside process of this instance and on other threads",
-     emit_outside_process, PROBE_RESET},
-    {"emit from save is refused", "plugin.h", "ODO_E_STATE outside process of this instance and on other threads",
-     emit_outside_process, PROBE_SAVE},
-    {"emit from load is refused", "plugin.h", "ODO_E_STATE outside process of this instance and on other threads",
-     emit_outside_process, PROBE_LOAD},
-    {"emit from destroy is refused", "plugin.h", "ODO_E_STATE outside process of this instance and on other threads",
-     emit_outside_process, PROBE_DESTROY},
-    {"emit of another instance within process is refused", "plugin.h",
-     "ODO_E_STATE outside process of this instance and on other threads", emit_of_another_instance, 0},
-    {"emit on another thread is refused", "plugin.h",
-     "ODO_E_STATE outside process of this instance and on other threads", emit_of_another_thread, 0},
-    {"256 events of one call are taken, no more, and each is copied", "plugin.h",
-     "ODO_E_EXHAUSTED for more than 256 events for each message of the batch", many_events, 0},
-    {"an event that neither the kind emits nor the table declares is refused", "plugin.h",
-     "ODO_E_ARGUMENT for a type that neither the kind emits nor the table declares", undeclared_type, ODO_TYPE_STEP},
-    {"a pose is not a plugin's to emit undeclared", "plugin.h",
-     "ODO_E_ARGUMENT for a type that neither the kind emits nor the table declares", undeclared_type, ODO_TYPE_POSE},
-    {"an input is not emitted", "plugin.h",
-     "ODO_E_ARGUMENT for a type that neither the kind emits nor the table declares", undeclared_type,
-     ODO_TYPE_BAROMETER},
-    {"a vendor's event that is not declared is refused", "plugin.h",
-     "ODO_E_ARGUMENT for a type that neither the kind emits nor the table declares", undeclared_type,
-     (int)PROBE_UNDECLARED},
-    {"an event that the host is too old for is not supported and no fault", "plugin.h",
-     "for an event that is newer than the host", later_event, 0},
-    {"emit of null is refused", "base.h", "the call violates the contract", null_event, 0},
-    {"an event one byte too small is refused", "plugin.h", "ODO_E_STRUCT_SIZE", too_small_event, ODO_FIX_SIZE_MIN - 1},
-    {"an event smaller than a head is refused", "plugin.h", "ODO_E_STRUCT_SIZE", too_small_event, 16},
-    {"a vendor's event is published with its bytes, its source and without the host's bits", "plugin.h",
-     "Copies an event to the host and clears the bits of ODO_FLAG_HOST_MASK.", vendor_event_is_published, 0},
-    {NULL, NULL, NULL, NULL, 0}};

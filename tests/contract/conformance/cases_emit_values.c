@@ -3,8 +3,10 @@
  * Fields of events, and the effect of accepted events. */
 #include "app.h"
 
-#include <math.h>
-#include <string.h>
+#define NEEDS                                                                                                     \
+  "A position requires ODO_FIX_COVARIANCE and an orientation ODO_FIX_ORIENTATION_COVARIANCE; otherwise the host " \
+  "rejects it (ODO_E_ARGUMENT)."
+#define FIELDS "for a field that is out of range (a report names it)"
 
 static struct {
   odo_header header;
@@ -39,7 +41,7 @@ static app* offer(void) {
 
 static void refuse(const char* field) {
   app* self = offer();
-  CHECK(status_of_offer == ODO_E_ARGUMENT, "emit = %s; expected ODO_E_ARGUMENT", status_name(status_of_offer));
+  EXPECT(status_of_offer, ODO_E_ARGUMENT);
   CHECK(app_events(self, ODO_TYPE_FIX) == 0, "the fix was published");
   CHECK(app_statistics(self).plugin_faults >= 1, "it is not counted as a fault");
   if (field) CHECK(app_reported(self, field), "no report names %s", field);
@@ -51,8 +53,14 @@ static void position_without_covariance(int bits) {
   fix()->latitude_rad = 0.8;
   refuse(NULL);
 }
+CASE_OF(position_without_covariance, ODO_FIX_NORTH | ODO_FIX_EAST | ODO_FIX_DOWN,
+        "a position fix without covariance is refused", "events.h", NEEDS);
+CASE_OF(position_without_covariance, ODO_FIX_DOWN, "a fix of one component without covariance is refused", "events.h",
+        NEEDS);
+CASE_OF(position_without_covariance, ODO_FIX_GEODETIC, "a geodetic fix without covariance is refused", "events.h",
+        NEEDS);
 
-static void orientation_without_covariance(int unused) {
+CASE("an orientation fix without its covariance is refused", "events.h", NEEDS) {
   put_fix(fix(), T0, 1);
   offered.header.flags = ODO_FIX_ORIENTATION;
   fix()->q_n_b[0] = 1;
@@ -66,8 +74,11 @@ static void not_finite(int which) {
   if (which == 2) fix()->covariance_n[0] = -1;
   refuse(which == 0 ? "p_n" : "covariance_n");
 }
+CASE_OF(not_finite, 0, "a fix that is not finite is refused and its field reported", "plugin.h", FIELDS);
+CASE_OF(not_finite, 1, "a fix whose covariance is not finite is refused and its field reported", "plugin.h", FIELDS);
+CASE_OF(not_finite, 2, "a fix whose variance is negative is refused and its field reported", "plugin.h", FIELDS);
 
-static void no_unit_quaternion(int unused) {
+CASE("a fix without a unit quaternion is refused and its field reported", "plugin.h", FIELDS) {
   put_fix(fix(), T0, 1);
   offered.header.flags = ODO_FIX_ORIENTATION | ODO_FIX_ORIENTATION_COVARIANCE;
   fix()->q_n_b[0] = 3;
@@ -76,12 +87,12 @@ static void no_unit_quaternion(int unused) {
 }
 
 /* Fields without their flag have no meaning, whatever they contain. */
-static void invalid_fields_are_not_read(int unused) {
+CASE("fields whose bit is not set are not read", "base.h", "A value is valid if its bit in `header.flags` is set.") {
   put_fix(fix(), T0, 2);
   fix()->q_n_b[0] = fix()->yaw_rad = fix()->latitude_rad = fix()->slant_distance_m = (double)NAN;
   fix()->integrity = fix()->lever_b[0] = fix()->yaw_axis_b[2] = fix()->cross_covariance_n[3] = (double)NAN;
   app* self = offer();
-  CHECK(status_of_offer == ODO_OK, "emit = %s; expected ODO_OK", status_name(status_of_offer));
+  EXPECT(status_of_offer, ODO_OK);
   CHECK(app_events(self, ODO_TYPE_FIX) == 1, "the fix was not published");
 }
 
@@ -91,7 +102,7 @@ static void accepted_is_the_hosts(int far) {
   offered.header.flags |= ODO_FLAG_HOST_MASK;
   if (!far) offered.header.flags &= ~ODO_FLAG_HOST_MASK;
   app* self = offer();
-  CHECK(status_of_offer == ODO_OK, "emit = %s; expected ODO_OK", status_name(status_of_offer));
+  EXPECT(status_of_offer, ODO_OK);
   const odo_header* found = app_event(self, ODO_TYPE_FIX, 0);
   REQUIRE(found, "the fix was not published");
   CHECK(((found->flags & ODO_FLAG_ACCEPTED) != 0) == expected, "the published fix has flags 0x%x", found->flags);
@@ -102,13 +113,18 @@ static void accepted_is_the_hosts(int far) {
         "fixes_accepted is %llu, fixes_rejected %llu", (unsigned long long)app_statistics(self).fixes_accepted,
         (unsigned long long)app_statistics(self).fixes_rejected);
 }
+CASE_OF(accepted_is_the_hosts, 0, "a fix that was used is published as accepted", "events.h",
+        "On published fixes, ODO_FLAG_ACCEPTED means that the host used the fix.");
+CASE_OF(accepted_is_the_hosts, 1, "a fix that was rejected is published without the bit, whatever its plugin set",
+        "base.h", "Only the host sets 24 to 27");
 
-static void end_is_published(int unused) {
+CASE("the end of a later event is published", "base.h",
+     "Of a larger one, the part beyond the known fields is forwarded unread.") {
   put_fix(fix(), T0, 1.5);
   memset(offered.rest + sizeof(odo_fix) - sizeof(odo_header), 0x3C, 40);
   offered.header.struct_size = sizeof(odo_fix) + 40;
   app* self = offer();
-  CHECK(status_of_offer == ODO_OK, "emit = %s; expected ODO_OK", status_name(status_of_offer));
+  EXPECT(status_of_offer, ODO_OK);
   const odo_header* found = app_event(self, ODO_TYPE_FIX, 0);
   REQUIRE(found, "the fix was not published");
   REQUIRE(found->struct_size == sizeof(odo_fix) + 40, "it was published with %u bytes; expected %u", found->struct_size,
@@ -119,7 +135,8 @@ static void end_is_published(int unused) {
 }
 
 /* A correction comes before the corrected pose: after it every pose is near the new track. */
-static void correction_comes_first(int unused) {
+CASE("a correction comes before the pose that it corrected", "events.h",
+     "It is published before the first corrected pose") {
   bool corrected = false, checked = false;
   put_fix(fix(), T0, 1.5 + 3);
   fix()->covariance_n[0] = fix()->covariance_n[4] = fix()->covariance_n[8] = 1e-4;
@@ -146,12 +163,9 @@ static void correction_comes_first(int unused) {
   EQUAL(given_count(ODO_TYPE_CORRECTION, FIXER), app_events(self, ODO_TYPE_CORRECTION));
 }
 
-static void motions_carry_the_orientation(int unused) {
-  hooks.on_message = walk_message;
-  app* self = app_open(CAMERA_WALK, ODO_RUN_REPLAY);
-  walk_second(self, 0);
-  walk_second(self, 1);
-  app_flush(self);
+CASE("a published motion has the orientation as the host estimates it", "events.h",
+     "orientation of c0, estimated by the host; valid with ODO_FLAG_NAVIGATION") {
+  app* self = app_walk(2);
   const odo_header* found = app_event(self, ODO_TYPE_VO_MOTION, 10);
   REQUIRE(found, "%u motions were published; expected more than 10", (unsigned)app_events(self, ODO_TYPE_VO_MOTION));
   CHECK(found->flags & ODO_FLAG_NAVIGATION, "a motion was published with flags 0x%x", found->flags);
@@ -159,32 +173,3 @@ static void motions_carry_the_orientation(int unused) {
     CHECK(self->events[i]->struct_size >= sizeof(odo_header), "event %u has %u bytes", (unsigned)i,
           self->events[i]->struct_size);
 }
-
-#define NEEDS                                                                                                     \
-  "A position requires ODO_FIX_COVARIANCE and an orientation ODO_FIX_ORIENTATION_COVARIANCE; otherwise the host " \
-  "rejects it (ODO_E_ARGUMENT)."
-#define FIELDS "for a field that is out of range (a report names it)"
-const conformance_case cases_emit_values[] = {
-    {"a position fix without covariance is refused", "events.h", NEEDS, position_without_covariance,
-     ODO_FIX_NORTH | ODO_FIX_EAST | ODO_FIX_DOWN},
-    {"a fix of one component without covariance is refused", "events.h", NEEDS, position_without_covariance,
-     ODO_FIX_DOWN},
-    {"a geodetic fix without covariance is refused", "events.h", NEEDS, position_without_covariance, ODO_FIX_GEODETIC},
-    {"an orientation fix without its covariance is refused", "events.h", NEEDS, orientation_without_covariance, 0},
-    {"a fix that is not finite is refused and its field reported", "plugin.h", FIELDS, not_finite, 0},
-    {"a fix whose covariance is not finite is refused and its field reported", "plugin.h", FIELDS, not_finite, 1},
-    {"a fix whose variance is negative is refused and its field reported", "plugin.h", FIELDS, not_finite, 2},
-    {"a fix without a unit quaternion is refused and its field reported", "plugin.h", FIELDS, no_unit_quaternion, 0},
-    {"fields whose bit is not set are not read", "base.h", "A value is valid if its bit in `header.flags` is set.",
-     invalid_fields_are_not_read, 0},
-    {"a fix that was used is published as accepted", "events.h",
-     "On published fixes, ODO_FLAG_ACCEPTED means that the host used the fix.", accepted_is_the_hosts, 0},
-    {"a fix that was rejected is published without the bit, whatever its plugin set", "base.h",
-     "Only the host sets 24 to 27", accepted_is_the_hosts, 1},
-    {"the end of a later event is published", "base.h",
-     "Of a larger one, the part beyond the known fields is forwarded unread.", end_is_published, 0},
-    {"a correction comes before the pose that it corrected", "events.h",
-     "It is published before the first corrected pose", correction_comes_first, 0},
-    {"a published motion has the orientation as the host estimates it", "events.h",
-     "orientation of c0, estimated by the host; valid with ODO_FLAG_NAVIGATION", motions_carry_the_orientation, 0},
-    {NULL, NULL, NULL, NULL, 0}};

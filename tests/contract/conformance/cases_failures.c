@@ -3,8 +3,6 @@
  * Effect of a plugin's status on its instance. */
 #include "app.h"
 
-#include <string.h>
-
 static struct {
   uint32_t within; /* the call that fails */
   int32_t status;
@@ -20,12 +18,12 @@ static int64_t fail_call(probe_call* call) {
   return plan.status;
 }
 
+/* `expected`: 0: any error. */
 static void cannot_be_made(uint32_t within, int32_t status, int32_t expected) {
   const odo_session_options chosen = app_options(CONFIG WITH_ATTITUDE WITH_FIXER, ODO_RUN_REPLAY);
   odo_session* session = NULL;
   odo_error error = {sizeof error, 0, ""};
   size_t made, ended;
-  NEED(session_create);
   need_plugins();
   plan.within = within, plan.status = status, plan.after = 1; /* the second instance fails */
   hooks.on_call = fail_call;
@@ -39,9 +37,18 @@ static void cannot_be_made(uint32_t within, int32_t status, int32_t expected) {
   CHECK(journal_count(PROBE_PROCESS, ANY_KIND) == 0, "an instance was used");
 }
 
-static void create_fails(int unused) { cannot_be_made(PROBE_CREATE, ODO_E_MEMORY, 0); }
-static void configure_fails(int unused) { cannot_be_made(PROBE_CONFIGURE, ODO_E_CONFIG, ODO_E_CONFIG); }
-static void activate_fails(int unused) { cannot_be_made(PROBE_ACTIVATE, ODO_E_ERROR, 0); }
+CASE("a session whose plugin cannot be created is not made, and nothing is left", "odograph.h",
+     "On failure *session is null") {
+  cannot_be_made(PROBE_CREATE, ODO_E_MEMORY, 0);
+}
+CASE("a session whose plugin refuses its configuration is not made, and nothing is left", "base.h",
+     "invalid configuration; the instance stays unconfigured") {
+  cannot_be_made(PROBE_CONFIGURE, ODO_E_CONFIG, ODO_E_CONFIG);
+}
+CASE("a session whose plugin cannot be activated is not made, and nothing is left", "odograph.h",
+     "On failure *session is null") {
+  cannot_be_made(PROBE_ACTIVATE, ODO_E_ERROR, 0);
+}
 
 /* `count` barometer samples, one per second; process returns `status`, once or always, from the third one on. */
 static app* run_failing(int32_t status, int times, int count) {
@@ -63,6 +70,12 @@ static void unchanged_after(int status) {
   CHECK(app_statistics(self).plugin_faults == 0 || status != ODO_NOT_READY, "plugin_faults is %llu",
         (unsigned long long)app_statistics(self).plugin_faults);
 }
+CASE_OF(unchanged_after, ODO_NOT_READY, "a plugin that is not ready goes on", "base.h",
+        "no output yet, no error; state unchanged");
+CASE_OF(unchanged_after, ODO_E_DISCARD, "a plugin that discards its input goes on", "base.h",
+        "-1 to -999: the input is discarded, the state unchanged");
+CASE_OF(unchanged_after, -999, "an unknown status above -1000 discards", "base.h",
+        "-1 to -999: the input is discarded, the state unchanged");
 
 static void reset_after(int status) {
   app* self = run_failing(status, 1, 10);
@@ -74,15 +87,22 @@ static void reset_after(int status) {
   CHECK(app_statistics(self).plugin_faults >= 1, "it is not counted as a fault");
   CHECK(app_events(self, ODO_TYPE_REPORT) >= 1, "it is not reported");
 }
+CASE_OF(reset_after, ODO_E_ERROR, "a plugin that failed is reset before it is called again", "base.h",
+        "-1000 to -1999: a plugin instance needs reset or load");
+CASE_OF(reset_after, ODO_E_MEMORY, "a plugin that was out of memory is reset before it is called again", "base.h",
+        "-1000 to -1999: a plugin instance needs reset or load");
+CASE_OF(reset_after, -1999, "an unknown status below -1000 needs a reset", "base.h",
+        "-1000 to -1999: a plugin instance needs reset or load");
 
-static void quarantined(int unused) {
+CASE("a plugin that failed fatally is not called again", "base.h", "the whole plugin library is quarantined") {
   app* self = run_failing(ODO_E_FATAL, 0, 10);
   CHECK(plan.failed == 1 && given_count(ODO_TYPE_BAROMETER, FIXER) == 3, "it was called again: %s",
         journal_words(FIXER));
   app_close(self);
 }
 
-static void always_failing(int unused) {
+CASE("a plugin that always fails ends without harm", "plugin.h",
+     "Order of calls to an instance: create, configure, activate, process") {
   app* self = run_failing(ODO_E_ERROR, 0, 60);
   app_close(self);
   EQUAL(journal_count(PROBE_CREATE, FIXER), journal_count(PROBE_DESTROY, FIXER));
@@ -93,30 +113,5 @@ static void unknown_status(int status) {
   CHECK(given_count(ODO_TYPE_BAROMETER, FIXER) >= 4, "it was given nothing after an unknown status");
   app_close(self);
 }
-
-const conformance_case cases_failures[] = {
-    {"a session whose plugin cannot be created is not made, and nothing is left", "odograph.h",
-     "On failure *session is null", create_fails, 0},
-    {"a session whose plugin refuses its configuration is not made, and nothing is left", "base.h",
-     "invalid configuration; the instance stays unconfigured", configure_fails, 0},
-    {"a session whose plugin cannot be activated is not made, and nothing is left", "odograph.h",
-     "On failure *session is null", activate_fails, 0},
-    {"a plugin that is not ready goes on", "base.h", "no output yet, no error; state unchanged", unchanged_after,
-     ODO_NOT_READY},
-    {"a plugin that discards its input goes on", "base.h", "-1 to -999: the input is discarded, the state unchanged",
-     unchanged_after, ODO_E_DISCARD},
-    {"a plugin that failed is reset before it is called again", "base.h",
-     "-1000 to -1999: a plugin instance needs reset or load", reset_after, ODO_E_ERROR},
-    {"a plugin that was out of memory is reset before it is called again", "base.h",
-     "-1000 to -1999: a plugin instance needs reset or load", reset_after, ODO_E_MEMORY},
-    {"a plugin that failed fatally is not called again", "base.h", "the whole plugin library is quarantined",
-     quarantined, 0},
-    {"a plugin that always fails ends without harm", "plugin.h",
-     "Order of calls to an instance: create, configure, activate, process", always_failing, 0},
-    {"an unknown status above -1000 discards", "base.h", "-1 to -999: the input is discarded, the state unchanged",
-     unchanged_after, -999},
-    {"an unknown status below -1000 needs a reset", "base.h", "-1000 to -1999: a plugin instance needs reset or load",
-     reset_after, -1999},
-    {"an unknown positive status is no error", "base.h", "Zero is success, negative values are errors.", unknown_status,
-     99},
-    {NULL, NULL, NULL, NULL, 0}};
+CASE_OF(unknown_status, 99, "an unknown positive status is no error", "base.h",
+        "Zero is success, negative values are errors.");

@@ -3,8 +3,7 @@
  * Life cycle of an instance: its calls, their order, never concurrent. */
 #include "app.h"
 
-#include <stdio.h>
-#include <string.h>
+#define ORDER "Order of calls to an instance: create, configure, activate, process ... [reset | save | load], destroy."
 
 static bool begins_with(const char* words, const char* start) { return strncmp(words, start, strlen(start)) == 0; }
 
@@ -23,6 +22,8 @@ static void order_of_calls(int run) {
             journal_count(PROBE_ACTIVATE, FIXER) == 1 && journal_count(PROBE_DESTROY, FIXER) == 1,
         "a call was made more than once: %s", words);
 }
+IN_BOTH_RUNS(order_of_calls, "an instance of ", " is created, configured, activated, used and destroyed in order",
+             "plugin.h", ORDER);
 
 static void unused_session(int run) {
   app* self = app_open(FIXER_ALONE, (uint32_t)run);
@@ -30,6 +31,7 @@ static void unused_session(int run) {
   CHECK(strcmp(journal_words(FIXER), "create configure activate destroy") == 0, "the calls were: %s",
         journal_words(FIXER));
 }
+IN_BOTH_RUNS(unused_session, "an instance of ", " without samples is destroyed", "plugin.h", ORDER);
 
 /* ---- parameters ---- */
 static struct {
@@ -51,7 +53,8 @@ static int64_t note_values(probe_call* call) {
   return ODO_OK;
 }
 
-static void parameters_by_default(int unused) {
+CASE("configure is given every parameter, by default as the table has it", "plugin.h",
+     "called once, before activate.") {
   hooks.on_call = note_values;
   app_open(FIXER_ALONE, ODO_RUN_REPLAY);
   CHECK(configured.count == 2 && configured.answer == 42 && strcmp(configured.word, "none") == 0,
@@ -59,18 +62,19 @@ static void parameters_by_default(int unused) {
         (long long)configured.answer, configured.word);
 }
 
-static void parameters_of_the_config(int unused) {
+CASE("configure is given what the config has", "plugin.h",
+     "A parameter value from the config, validated against the table.") {
   hooks.on_call = note_values;
   app_open(FIXER_ALONE "    parameters:\n      answer: 17\n      word: hello\n", ODO_RUN_REPLAY);
   CHECK(configured.answer == 17 && strcmp(configured.word, "hello") == 0, "it was given answer %lld and word \"%s\"",
         (long long)configured.answer, configured.word);
 }
 
-static void parameter_out_of_range(int unused) {
+CASE("a parameter out of its range is refused before the plugin is given it", "odograph.h",
+     "file:line:column of an error in the config") {
   const odo_session_options chosen = app_options(FIXER_ALONE "    parameters:\n      answer: 101\n", ODO_RUN_REPLAY);
   odo_session* session;
   odo_error error = {sizeof error, 0, ""};
-  NEED(session_create);
   need_plugins();
   EXPECT(odo.session_create(&chosen, &session, &error), ODO_E_CONFIG);
   CHECK(session == NULL, "*session is not null after a failure");
@@ -94,8 +98,6 @@ static void* push_steadily(void* user) {
 static void never_at_once(int run) {
   char blob[4096];
   pthread_t thread;
-  NEED(session_save);
-  NEED(session_load);
   hooks.on_message = take_a_while;
   app* self = app_open(FIXER_ALONE, (uint32_t)run);
   REQUIRE(pthread_create(&thread, NULL, push_steadily, self) == 0, "no thread could be started");
@@ -109,10 +111,12 @@ static void never_at_once(int run) {
   app_flush(self);
   CHECK(journal_count(PROBE_SAVE, FIXER) > 0, "save was never called");
   app_close(self);
-  CHECK(journal_overlaps() == 0, "%u calls of one instance overlapped", journal_overlaps());
+  EQUAL(journal_overlaps(), 0);
 }
+IN_BOTH_RUNS(never_at_once, "calls to an instance of ", " never overlap", "plugin.h",
+             "[control] and [process] calls to one instance are ordered and never overlap");
 
-static void instances_are_numbered(int unused) {
+CASE("instances are numbered in the order of their kinds", "plugin.h", "`number` identifies it in reports.") {
   const journal_entry *first, *second;
   app_open(CONFIG WITH_ATTITUDE WITH_FRONTEND WITH_FIXER, ODO_RUN_REPLAY);
   first = journal_find(PROBE_CREATE, ATTITUDE, 0), second = journal_find(PROBE_CREATE, FIXER, 0);
@@ -123,12 +127,11 @@ static void instances_are_numbered(int unused) {
         journal_find(PROBE_CREATE, FRONTEND, 0)->number, second->number);
 }
 
-static void bare_table(int unused) {
+CASE("a table without optional functions is used", "plugin.h", "The remaining members are optional and may be null.") {
   app* self = app_open(CONFIG WITH_ATTITUDE "vo_frontend:\n  plugin: conformance/bare\n", ODO_RUN_REPLAY);
   odo_calibration calibration;
   odo_frame frame;
   char blob[4096];
-  NEED(session_save);
   put_calibration(&calibration, 0, T0);
   EXPECT(push(self, &calibration), ODO_OK);
   put_frame(&frame, 0, T0 + MS);
@@ -138,27 +141,3 @@ static void bare_table(int unused) {
   CHECK(odo.session_save(self->session, blob, sizeof blob) >= 0, "odo_session_save failed");
   app_close(self);
 }
-
-#define ORDER "Order of calls to an instance: create, configure, activate, process ... [reset | save | load], destroy."
-const conformance_case cases_life[] = {
-    {"an instance of a replay is created, configured, activated, used and destroyed in order", "plugin.h", ORDER,
-     order_of_calls, ODO_RUN_REPLAY},
-    {"an instance of a live session is created, configured, activated, used and destroyed in order", "plugin.h", ORDER,
-     order_of_calls, ODO_RUN_LIVE},
-    {"an instance of a replay without samples is destroyed", "plugin.h", ORDER, unused_session, ODO_RUN_REPLAY},
-    {"an instance of a live session without samples is destroyed", "plugin.h", ORDER, unused_session, ODO_RUN_LIVE},
-    {"configure is given every parameter, by default as the table has it", "plugin.h", "called once, before activate.",
-     parameters_by_default, 0},
-    {"configure is given what the config has", "plugin.h",
-     "A parameter value from the config, validated against the table.", parameters_of_the_config, 0},
-    {"a parameter out of its range is refused before the plugin is given it", "odograph.h",
-     "file:line:column of an error in the config", parameter_out_of_range, 0},
-    {"calls to an instance of a replay never overlap", "plugin.h",
-     "[control] and [process] calls to one instance are ordered and never overlap", never_at_once, ODO_RUN_REPLAY},
-    {"calls to an instance of a live session never overlap", "plugin.h",
-     "[control] and [process] calls to one instance are ordered and never overlap", never_at_once, ODO_RUN_LIVE},
-    {"instances are numbered in the order of their kinds", "plugin.h", "`number` identifies it in reports.",
-     instances_are_numbered, 0},
-    {"a table without optional functions is used", "plugin.h", "The remaining members are optional and may be null.",
-     bare_table, 0},
-    {NULL, NULL, NULL, NULL, 0}};

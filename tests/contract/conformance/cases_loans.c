@@ -3,23 +3,8 @@
  * Borrowed messages: retain and release on every path of a message. */
 #include "app.h"
 
-#include <string.h>
-
-static uint8_t pixels[64 * 48];
-
-static void put_lent_frame(odo_frame* frame, lent* of, uint32_t camera, int64_t t_ns) {
-  put_frame(frame, camera, t_ns);
-  frame->planes[0].data = pixels;
-  lend(&frame->loan, of);
-}
-
-static int32_t push_lent(app* self, lent* of, int64_t t_ns) {
-  odo_frame frame;
-  put_lent_frame(&frame, of, 0, t_ns);
-  int32_t status = push(self, &frame);
-  memset(&frame, 0xFF, sizeof frame); /* `owner` alone remains */
-  return status;
-}
+#define BALANCE \
+  "To use it longer, call retain (ODO_E_EXHAUSTED if too many are retained) and later release, once for each retain"
 
 static void processed(int run) {
   app* self = app_open(FIXER_ALONE, (uint32_t)run);
@@ -29,6 +14,7 @@ static void processed(int run) {
   EQUAL(given_count(ODO_TYPE_FRAME, FIXER), 5);
   CHECK_BALANCED(&memory, 5);
 }
+IN_BOTH_RUNS(processed, "frames that ", " processed are released once", "base.h", BALANCE);
 
 static void late(int unused) {
   app* self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
@@ -36,9 +22,10 @@ static void late(int unused) {
   push_rest_between(self, T0, T0 + 2 * SECOND);
   app_flush(self);
   EXPECT(push_lent(self, &memory, T0), ODO_E_DISCARD);
-  CHECK(app_statistics(self).late == 1, "late is %llu; expected 1", (unsigned long long)app_statistics(self).late);
+  EQUAL(app_statistics(self).late, 1);
   CHECK_BALANCED(&memory, 0);
 }
+CASE_OF(late, 0, "a late frame is released once", "base.h", BALANCE);
 
 static void duplicate(int unused) {
   app* self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
@@ -50,8 +37,9 @@ static void duplicate(int unused) {
   app_flush(self);
   CHECK_BALANCED(&first, 1);
 }
+CASE_OF(duplicate, 0, "a frame that comes twice is released once", "base.h", BALANCE);
 
-static void queue_full(int unused) {
+CASE("frames that find the queue full are released once", "base.h", BALANCE) {
   app* self = app_open(FIXER_ALONE "time_ordering:\n  queue: 64\n  frames: 64\n  max_wait: 5 s\n", ODO_RUN_REPLAY);
   lent memory = NOT_LENT;
   int refused = 0;
@@ -70,13 +58,14 @@ static void queue_full(int unused) {
   CHECK_BALANCED(&memory, 1);
 }
 
-static void too_many_frames(int unused) {
+CASE("more frames than may be retained are refused", "odograph.h",
+     "ODO_E_EXHAUSTED (queue full, too many frames retained)") {
   app* self = app_open(FIXER_ALONE "time_ordering:\n  frames: 3\n  max_wait: 5 s\n", ODO_RUN_REPLAY);
   lent memory = NOT_LENT;
   int refused = 0;
   push_rest_between(self, T0, T0 + 10 * MS);
   for (int i = 1; i <= 10; ++i) refused += push_lent(self, &memory, T0 + i * 50 * MS) == ODO_E_EXHAUSTED;
-  CHECK(refused == 7, "%d of 10 frames were refused; expected 7", refused);
+  EQUAL(refused, 7);
   CHECK(memory.retains - memory.releases <= 3, "%d frames are retained; expected 3 at most",
         memory.retains - memory.releases);
   app_flush(self);
@@ -91,8 +80,9 @@ static void destroyed(int run) {
   app_close(self);
   CHECK_BALANCED(&memory, 1);
 }
+IN_BOTH_RUNS(destroyed, "frames that wait in ", " when it is destroyed are released once", "base.h", BALANCE);
 
-static void clock_set_back(int unused) {
+CASE("frames that wait when the clock is set back are released once", "base.h", BALANCE) {
   app* self = app_open(FIXER_ALONE "time_ordering:\n  max_wait: 5 s\n", ODO_RUN_REPLAY);
   lent memory = NOT_LENT;
   push_rest_between(self, T0, T0 + 10 * MS);
@@ -101,14 +91,14 @@ static void clock_set_back(int unused) {
   CHECK_BALANCED(&memory, 1);
 }
 
-static void retain_refuses(int unused) {
+CASE("a frame whose retain refuses is refused and never released", "base.h", BALANCE) {
   app* self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
   lent memory = NOT_LENT;
   memory.refuse = 1;
   EXPECT(push_lent(self, &memory, T0), ODO_E_EXHAUSTED);
   app_flush(self);
   CHECK(given_count(ODO_TYPE_FRAME, ANY_KIND) == 0, "the plugin was given it");
-  CHECK(memory.releases == 0, "release was called %d times for what was never retained", memory.releases);
+  EQUAL(memory.releases, 0);
 }
 
 static void bad_frame(int which) {
@@ -118,7 +108,7 @@ static void bad_frame(int which) {
   lent memory = NOT_LENT;
   put_calibration(&calibration, 0, T0);
   EXPECT(push(self, &calibration), ODO_OK);
-  put_lent_frame(&frame, &memory, 0, T0);
+  put_lent_frame(&frame, &memory, T0);
   if (which == 0) frame.width = 32, frame.height = 24; /* differs from the calibration's size */
   if (which == 1) frame.width = 0;
   if (which == 2) frame.planes[0].data = NULL; /* and no native memory */
@@ -127,12 +117,16 @@ static void bad_frame(int which) {
   CHECK(given_count(ODO_TYPE_FRAME, ANY_KIND) == 0, "the plugin was given it");
   CHECK_BALANCED(&memory, 0);
 }
+CASE_OF(bad_frame, 0, "a frame of another size than its calibration is refused and released", "base.h", BALANCE);
+CASE_OF(bad_frame, 1, "a frame without width is refused and released", "base.h", BALANCE);
+CASE_OF(bad_frame, 2, "a frame with neither pixels nor native memory is refused", "samples.h",
+        "first pixel of the first row; null if only loan.native has the pixels");
 
 static int32_t fail_on_frame(odo_instance* instance, const odo_header* message) {
   return message->type == ODO_TYPE_FRAME ? ODO_E_ERROR : ODO_OK;
 }
 
-static void plugin_fails(int unused) {
+CASE("frames that a plugin fails on are released once", "base.h", BALANCE) {
   lent memory = NOT_LENT;
   hooks.on_message = fail_on_frame;
   app* self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
@@ -166,6 +160,8 @@ static void they_may_push(int run) {
   CHECK(nested >= 6, "retain and release were called %d times; expected 6", nested);
   app_close(nested_app);
 }
+IN_BOTH_RUNS(they_may_push, "retain and release of ", " may push", "odograph.h",
+             "No lock is held while retain or release is called: they may push.");
 
 /* ---- other borrowed messages ---- */
 static void put_borrowed(odo_borrowed* message, lent* of, uint32_t type) {
@@ -198,6 +194,12 @@ static void unknown_borrowed(int type) {
   CHECK(native_seen == &memory, "its memory was not given on");
   CHECK_BALANCED(&memory, 1);
 }
+CASE_OF(unknown_borrowed, PROBE_NEWER_BORROWED,
+        "a later borrowed input is retained and reaches the plugin that declares it", "base.h",
+        "so that a host can retain messages of unknown type");
+CASE_OF(unknown_borrowed, (int)PROBE_BORROWED,
+        "a vendor's borrowed message is retained and reaches the plugin that declares it", "base.h",
+        "With number & ODO_BORROWED it starts with an odo_borrowed");
 
 static void unknown_borrowed_without_retain(int type) {
   app* self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
@@ -211,8 +213,14 @@ static void unknown_borrowed_without_retain(int type) {
   app_flush(self);
   CHECK(given_count((uint32_t)type, ANY_KIND) == 0, "the plugin was given it");
 }
+CASE_OF(unknown_borrowed_without_retain, PROBE_NEWER_BORROWED,
+        "a later borrowed input without retain or release is not supported", "odograph.h",
+        "Any other borrowed message must have retain and release (ODO_E_UNSUPPORTED)");
+CASE_OF(unknown_borrowed_without_retain, (int)PROBE_BORROWED,
+        "a vendor's borrowed message without retain or release is not supported", "odograph.h",
+        "Any other borrowed message must have retain and release (ODO_E_UNSUPPORTED)");
 
-static void undeclared_borrowed(int unused) {
+CASE("a borrowed message that no plugin declares is released", "base.h", BALANCE) {
   app* self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
   odo_borrowed message;
   lent memory = NOT_LENT;
@@ -223,7 +231,8 @@ static void undeclared_borrowed(int unused) {
   CHECK_BALANCED(&memory, 0);
 }
 
-static void short_borrowed(int unused) {
+CASE("a borrowed message that ends before its loan is refused", "base.h",
+     "First members of every message whose type has the bit ODO_BORROWED.") {
   app* self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
   odo_borrowed message;
   lent memory = NOT_LENT;
@@ -234,43 +243,3 @@ static void short_borrowed(int unused) {
   EXPECT(push(self, &message), ODO_E_STRUCT_SIZE);
   CHECK(memory.retains == 0, "retain was called out of a struct that does not hold it");
 }
-
-#define BALANCE \
-  "To use it longer, call retain (ODO_E_EXHAUSTED if too many are retained) and later release, once for each retain"
-#define DRAW(text, run, argument) \
-  { text, "base.h", BALANCE, run, argument }
-const conformance_case cases_loans[] = {
-    DRAW("frames that were processed are released once", processed, ODO_RUN_REPLAY),
-    DRAW("frames that a live session processed are released once", processed, ODO_RUN_LIVE),
-    DRAW("a late frame is released once", late, 0),
-    DRAW("a frame that comes twice is released once", duplicate, 0),
-    DRAW("frames that find the queue full are released once", queue_full, 0),
-    {"more frames than may be retained are refused", "odograph.h",
-     "ODO_E_EXHAUSTED (queue full, too many frames retained)", too_many_frames, 0},
-    DRAW("frames that wait in a replay when it is destroyed are released once", destroyed, ODO_RUN_REPLAY),
-    DRAW("frames that wait in a live session when it is destroyed are released once", destroyed, ODO_RUN_LIVE),
-    DRAW("frames that wait when the clock is set back are released once", clock_set_back, 0),
-    DRAW("frames that a plugin fails on are released once", plugin_fails, 0),
-    DRAW("a frame of another size than its calibration is refused and released", bad_frame, 0),
-    DRAW("a frame without width is refused and released", bad_frame, 1),
-    {"a frame with neither pixels nor native memory is refused", "samples.h",
-     "first pixel of the first row; null if only loan.native has the pixels", bad_frame, 2},
-    {"a frame whose retain refuses is refused and never released", "base.h", BALANCE, retain_refuses, 0},
-    {"retain and release of a replay may push", "odograph.h",
-     "No lock is held while retain or release is called: they may push.", they_may_push, ODO_RUN_REPLAY},
-    {"retain and release of a live session may push", "odograph.h",
-     "No lock is held while retain or release is called: they may push.", they_may_push, ODO_RUN_LIVE},
-    {"a later borrowed input is retained and reaches the plugin that declares it", "base.h",
-     "so that a host can retain messages of unknown type", unknown_borrowed, PROBE_NEWER_BORROWED},
-    {"a vendor's borrowed message is retained and reaches the plugin that declares it", "base.h",
-     "With number & ODO_BORROWED it starts with an odo_borrowed", unknown_borrowed, (int)PROBE_BORROWED},
-    {"a later borrowed input without retain or release is not supported", "odograph.h",
-     "Any other borrowed message must have retain and release (ODO_E_UNSUPPORTED)", unknown_borrowed_without_retain,
-     PROBE_NEWER_BORROWED},
-    {"a vendor's borrowed message without retain or release is not supported", "odograph.h",
-     "Any other borrowed message must have retain and release (ODO_E_UNSUPPORTED)", unknown_borrowed_without_retain,
-     (int)PROBE_BORROWED},
-    DRAW("a borrowed message that no plugin declares is released", undeclared_borrowed, 0),
-    {"a borrowed message that ends before its loan is refused", "base.h",
-     "First members of every message whose type has the bit ODO_BORROWED.", short_borrowed, 0},
-    {NULL, NULL, NULL, NULL, 0}};

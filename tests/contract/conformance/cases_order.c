@@ -3,7 +3,8 @@
  * Time order: between sensors, late and repeated samples, clocks set back. */
 #include "app.h"
 
-#include <string.h>
+#define ANY_ORDER \
+  "Samples of different sensors may arrive in any order within the configured wait (time_ordering.max_wait)."
 
 static int32_t push_magnetometer(app* self, int64_t t_ns) {
   odo_magnetometer sample;
@@ -22,10 +23,7 @@ static void check_times_rise(void) {
 
 /* For each inertial sample one of the kind arrives 100 ms later; the session waits 200 ms. */
 static void lagging_is_taken(app* self, const sample_kind* kind) {
-  union {
-    odo_header header;
-    unsigned char bytes[LARGEST_SAMPLE];
-  } sample;
+  any_sample sample;
   unsigned dropped = 0;
   for (int i = 0; i < 200; ++i) {
     EXPECT(push_rest(self, T0 + i * 10 * MS), ODO_OK);
@@ -43,8 +41,17 @@ static void sensor_may_lag(int index) {
   app* self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
   lagging_is_taken(self, &sample_kinds[index]);
 }
+CASE_OF(sensor_may_lag, 1, "a magnetometer may lag behind the others by less than the wait", "odograph.h", ANY_ORDER);
+CASE_OF(sensor_may_lag, 2, "a barometer may lag behind the others by less than the wait", "odograph.h", ANY_ORDER);
+CASE_OF(sensor_may_lag, 3, "a satellite receiver may lag behind the others by less than the wait", "odograph.h",
+        ANY_ORDER);
+CASE_OF(sensor_may_lag, 8, "a platform's poses may lag behind the others by less than the wait", "odograph.h",
+        ANY_ORDER);
+CASE_OF(sensor_may_lag, 9, "ranges may lag behind the others by less than the wait", "odograph.h", ANY_ORDER);
+CASE_OF(sensor_may_lag, 10, "a platform's steps may lag behind the others by less than the wait", "odograph.h",
+        ANY_ORDER);
 
-static void camera_may_lag(int unused) {
+CASE("a camera may lag behind the others by less than the wait", "odograph.h", ANY_ORDER) {
   app* self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
   unsigned dropped = 0;
   odo_frame frame;
@@ -71,19 +78,22 @@ static void pairs_are_ordered(int run) {
         (unsigned)given_count(ODO_TYPE_MAGNETOMETER, FIXER));
   check_times_rise();
 }
+IN_BOTH_RUNS(pairs_are_ordered, "two sensors are put in order in ", "", "plugin.h", "Messages in time order;");
 
-static void late_is_discarded(int unused) {
+CASE("a sample of a time that was processed is discarded as late", "odograph.h",
+     "dropped: arrived after its time had been processed") {
   app* self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
   push_rest_between(self, T0, T0 + SECOND);
   app_flush(self);
   EXPECT(push_barometer(self, T0 + 500 * MS), ODO_E_DISCARD);
-  CHECK(app_statistics(self).late == 1, "late is %llu; expected 1", (unsigned long long)app_statistics(self).late);
+  EQUAL(app_statistics(self).late, 1);
   app_flush(self);
   CHECK(given_count(ODO_TYPE_BAROMETER, ANY_KIND) == 0, "the plugin was given it");
   EXPECT(push_barometer(self, T0 + 1100 * MS), ODO_OK);
 }
 
-static void twice_is_dropped(int unused) {
+CASE("a sample of the same sensor and time is dropped", "odograph.h",
+     "dropped: same sensor and time as an earlier one") {
   app* self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
   EXPECT(push_barometer(self, T0), ODO_OK);
   EXPECT(push_barometer(self, T0), ODO_E_DISCARD);
@@ -95,7 +105,7 @@ static void twice_is_dropped(int unused) {
         (unsigned)given_count(ODO_TYPE_BAROMETER, FIXER), (unsigned)given_count(ODO_TYPE_MAGNETOMETER, FIXER));
 }
 
-static void two_sources_are_two_sensors(int unused) {
+CASE("messages of two sources are of two sensors", "base.h", "input: number of the sensor") {
   app* self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
   odo_header message;
   for (uint32_t source = 0; source < 2; ++source) {
@@ -128,6 +138,10 @@ static void second_sensor(int type) {
     EXPECT(push(self, &pressure), ODO_E_UNSUPPORTED);
   }
 }
+CASE_OF(second_sensor, ODO_TYPE_IMU, "a second gyroscope is refused", "samples.h",
+        "the host takes the first that delivers, and refuses the others");
+CASE_OF(second_sensor, ODO_TYPE_BAROMETER, "a second barometer is refused", "samples.h",
+        "the host takes the first that delivers, and refuses the others");
 
 static void flush_processes_all(int run) {
   app* self = app_open(FIXER_ALONE "time_ordering:\n  max_wait: 5 s\n", (uint32_t)run);
@@ -137,6 +151,8 @@ static void flush_processes_all(int run) {
   CHECK(given_count(ODO_TYPE_BAROMETER, FIXER) == 1, "after odo_session_flush the newest sample was not given");
   EQUAL(app_statistics(self).processed, 3);
 }
+IN_BOTH_RUNS(flush_processes_all, "a flush of ", " processes all", "odograph.h",
+             "Processes all pushed samples without waiting for slower sensors");
 
 static void set_back(app* self) {
   odo_calibration calibration;
@@ -154,7 +170,8 @@ static void set_back(app* self) {
   push_set_back(self, T0 / 2 + 5 * SECOND, T0 / 2 + 8 * SECOND);
 }
 
-static void clock_set_back(int unused) {
+CASE("plugins are reset when the clock is set back, and calibrations come again", "plugin.h",
+     "the host sends descriptions again (ODO_FLAG_DESCRIPTION).") {
   app* self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
   set_back(self);
   const journal_entry* first = journal_find(PROBE_RESET, FIXER, 0);
@@ -166,7 +183,8 @@ static void clock_set_back(int unused) {
   CHECK(newest && newest->t_ns > T0 / 2 && newest->t_ns < T0, "samples of the new clock were not given");
 }
 
-static void set_back_without_reset(int unused) {
+CASE("a plugin without reset is made anew when the clock is set back", "plugin.h",
+     "If it is null, the host creates a new instance.") {
   app* self = app_open(CONFIG WITH_ATTITUDE "vo_frontend:\n  plugin: conformance/bare\n", ODO_RUN_REPLAY);
   set_back(self);
   CHECK(journal_count(PROBE_CREATE, FRONTEND) == 1 && journal_count(PROBE_CONFIGURE, FRONTEND) == 1 &&
@@ -175,7 +193,7 @@ static void set_back_without_reset(int unused) {
   EQUAL(given_count(ODO_TYPE_CALIBRATION, FRONTEND), 1);
 }
 
-static void batches_are_whole(int unused) {
+CASE("each sample is in one batch", "plugin.h", "Messages in time order;") {
   app* self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
   const journal_entry* entry;
   size_t given = 0;
@@ -185,7 +203,7 @@ static void batches_are_whole(int unused) {
     CHECK(entry->size > 0, "a batch is empty although nothing asked to be called");
     given += entry->size;
   }
-  CHECK(given == 50, "batches had %u messages; expected 50", (unsigned)given);
+  EQUAL(given, 50);
 }
 
 static const void* batch_fault;
@@ -204,48 +222,10 @@ static int64_t look_at_batch(probe_call* call) {
   return ODO_OK;
 }
 
-static void structs_have_their_sizes(int unused) {
+CASE("what a plugin is given has at least the sizes of 1.0", "base.h", "It starts with `uint32_t struct_size`.") {
   hooks.on_call = look_at_batch;
   app* self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
   push_rest_between(self, T0, T0 + 100 * MS);
   app_flush(self);
   CHECK(!batch_fault, "a plugin's struct is wrong: %s", (const char*)batch_fault);
 }
-
-#define ANY_ORDER \
-  "Samples of different sensors may arrive in any order within the configured wait (time_ordering.max_wait)."
-const conformance_case cases_order[] = {
-    {"two sensors are put in order in a replay", "plugin.h", "Messages in time order;", pairs_are_ordered,
-     ODO_RUN_REPLAY},
-    {"two sensors are put in order in a live session", "plugin.h", "Messages in time order;", pairs_are_ordered,
-     ODO_RUN_LIVE},
-    {"a camera may lag behind the others by less than the wait", "odograph.h", ANY_ORDER, camera_may_lag, 0},
-    {"a magnetometer may lag behind the others by less than the wait", "odograph.h", ANY_ORDER, sensor_may_lag, 1},
-    {"a barometer may lag behind the others by less than the wait", "odograph.h", ANY_ORDER, sensor_may_lag, 2},
-    {"a satellite receiver may lag behind the others by less than the wait", "odograph.h", ANY_ORDER, sensor_may_lag,
-     3},
-    {"a platform's poses may lag behind the others by less than the wait", "odograph.h", ANY_ORDER, sensor_may_lag, 8},
-    {"ranges may lag behind the others by less than the wait", "odograph.h", ANY_ORDER, sensor_may_lag, 9},
-    {"a platform's steps may lag behind the others by less than the wait", "odograph.h", ANY_ORDER, sensor_may_lag, 10},
-    {"a sample of a time that was processed is discarded as late", "odograph.h",
-     "dropped: arrived after its time had been processed", late_is_discarded, 0},
-    {"a sample of the same sensor and time is dropped", "odograph.h", "dropped: same sensor and time as an earlier one",
-     twice_is_dropped, 0},
-    {"messages of two sources are of two sensors", "base.h", "input: number of the sensor", two_sources_are_two_sensors,
-     0},
-    {"a flush of a replay processes all", "odograph.h",
-     "Processes all pushed samples without waiting for slower sensors", flush_processes_all, ODO_RUN_REPLAY},
-    {"a flush of a live session processes all", "odograph.h",
-     "Processes all pushed samples without waiting for slower sensors", flush_processes_all, ODO_RUN_LIVE},
-    {"plugins are reset when the clock is set back, and calibrations come again", "plugin.h",
-     "the host sends descriptions again (ODO_FLAG_DESCRIPTION).", clock_set_back, 0},
-    {"a plugin without reset is made anew when the clock is set back", "plugin.h",
-     "If it is null, the host creates a new instance.", set_back_without_reset, 0},
-    {"a second gyroscope is refused", "samples.h", "the host takes the first that delivers, and refuses the others",
-     second_sensor, ODO_TYPE_IMU},
-    {"a second barometer is refused", "samples.h", "the host takes the first that delivers, and refuses the others",
-     second_sensor, ODO_TYPE_BAROMETER},
-    {"each sample is in one batch", "plugin.h", "Messages in time order;", batches_are_whole, 0},
-    {"what a plugin is given has at least the sizes of 1.0", "base.h", "It starts with `uint32_t struct_size`.",
-     structs_have_their_sizes, 0},
-    {NULL, NULL, NULL, NULL, 0}};

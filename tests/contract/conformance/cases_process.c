@@ -7,8 +7,6 @@
 #include <fenv.h>
 #include <fcntl.h>
 #include <signal.h>
-#include <stdio.h>
-#include <string.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -36,7 +34,8 @@ static void run_session(uint32_t flags) {
   app_close(self);
 }
 
-static void no_handlers(int unused) {
+CASE("no signal handler is set without being asked for", "odograph.h",
+     "Without the flag, no signal handler is installed.") {
   set_default();
   run_session(0);
   for (size_t i = 0; i < COUNT_OF(fatal); ++i) CHECK(is_default(fatal[i]), "there is a handler of signal %d", fatal[i]);
@@ -46,7 +45,8 @@ static void no_handlers(int unused) {
 
 static void apps_handler(int number) { (void)number; }
 
-static void handlers_on_request(int unused) {
+CASE("crash notes set handlers where there are none", "odograph.h",
+     "and SIGABRT, unless a handler is already installed.") {
   struct sigaction action;
   set_default();
   signal(SIGFPE, apps_handler);
@@ -74,7 +74,8 @@ static int signal_of(pid_t child) {
 /* SIGSEGV with the library's handler: it writes the note and raises the signal again with its previous action, which
  * ends
  * the process. A grandchild does so. */
-static void crash_is_noted(int unused) {
+CASE("a crash within a plugin is noted, and has its former effect", "odograph.h",
+     "they write the plugin and the call to standard error; then the signal takes its previous effect.") {
   char note[512];
   int note_pipe[2], ended_by;
   size_t used = 0;
@@ -100,11 +101,12 @@ static void crash_is_noted(int unused) {
     used += (size_t)size;
   CHECK(strstr(note, "conformance/probe") && strstr(note, "process"), "the note is \"%s\"", note);
   ended_by = signal_of(child);
-  CHECK(ended_by == SIGSEGV, "the process ended by signal %d; expected SIGSEGV", ended_by);
+  EQUAL(ended_by, SIGSEGV);
 }
 
 /* ---- the rest of the process ---- */
-static void floating_point_stays(int unused) {
+CASE("the rounding mode of the app's thread stays", "plugin.h",
+     "Each call must restore the floating-point environment of the host (rounding mode, traps) before it returns.") {
   fesetround(FE_UPWARD);
   run_session(0);
   CHECK(fegetround() == FE_UPWARD, "the rounding mode changed");
@@ -117,7 +119,7 @@ static int open_descriptors(void) {
   return count;
 }
 
-static void nothing_is_left_open(int unused) {
+CASE("sessions leave no file open", "odograph.h", "Stops the thread of the session, destroys the plugin instances") {
   run_session(0);
   walk_reset();
   int before = open_descriptors();
@@ -125,7 +127,8 @@ static void nothing_is_left_open(int unused) {
   CHECK(open_descriptors() == before, "5 sessions left %d files open", open_descriptors() - before);
 }
 
-static void no_output(int unused) {
+CASE("a session writes neither to standard output nor to standard error", "odograph.h",
+     "they write the plugin and the call to standard error") {
   const char* path = case_file("output.txt");
   const int file = open(path, O_CREAT | O_RDWR, 0600), out = dup(STDOUT_FILENO), err = dup(STDERR_FILENO);
   REQUIRE(file >= 0, "no file could be created");
@@ -136,20 +139,3 @@ static void no_output(int unused) {
   dup2(out, STDOUT_FILENO), dup2(err, STDERR_FILENO);
   CHECK(lseek(file, 0, SEEK_END) == 0, "a session wrote to standard output or standard error");
 }
-
-const conformance_case cases_process[] = {
-    {"no signal handler is set without being asked for", "odograph.h",
-     "Without the flag, no signal handler is installed.", no_handlers, 0},
-    {"crash notes set handlers where there are none", "odograph.h",
-     "and SIGABRT, unless a handler is already installed.", handlers_on_request, 0},
-    {"a crash within a plugin is noted, and has its former effect", "odograph.h",
-     "they write the plugin and the call to standard error; then the signal takes its previous effect.", crash_is_noted,
-     0},
-    {"the rounding mode of the app's thread stays", "plugin.h",
-     "Each call must restore the floating-point environment of the host (rounding mode, traps) before it returns.",
-     floating_point_stays, 0},
-    {"sessions leave no file open", "odograph.h", "Stops the thread of the session, destroys the plugin instances",
-     nothing_is_left_open, 0},
-    {"a session writes neither to standard output nor to standard error", "odograph.h",
-     "they write the plugin and the call to standard error", no_output, 0},
-    {NULL, NULL, NULL, NULL, 0}};

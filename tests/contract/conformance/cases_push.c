@@ -3,8 +3,10 @@
  * Type numbers of messages, unknown and vendors' ones, and inertial samples. */
 #include "app.h"
 
-#include <stdlib.h>
-#include <string.h>
+#define NUMBERS "0 is none, 0x1 to 0xFFF are inputs, 0x1000 to 0x1FFF events, 0x2000 to 0x7FFFFFFF reserved"
+#define UNKNOWN                                                                                                      \
+  "A host orders inputs and vendor messages of unknown type by time, records them and delivers them to the plugins " \
+  "that declare them."
 
 static void refuse(app* self, uint32_t type) {
   odo_pose message; /* as large as any size tried */
@@ -14,7 +16,7 @@ static void refuse(app* self, uint32_t type) {
             status_name(push(self, &message)));
 }
 
-static void reserved_is_refused(int unused) {
+CASE("a reserved type is refused", "odograph.h", "ODO_E_ARGUMENT (type of an event or reserved type)") {
   const uint32_t types[] = {0, 0x2000, 0x10000, 0x10001, 0x1FFFF, 0x20000, 0x01000000, 0x7FFFFFFF};
   app* self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
   for (size_t i = 0; i < COUNT_OF(types); ++i) refuse(self, types[i]);
@@ -22,7 +24,7 @@ static void reserved_is_refused(int unused) {
   CHECK(app_statistics(self).processed == 0, "one was processed");
 }
 
-static void events_are_refused(int unused) {
+CASE("an event's type is refused", "odograph.h", "ODO_E_ARGUMENT (type of an event or reserved type)") {
   app* self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
   for (uint32_t type = ODO_TYPE_ATTITUDE; type <= ODO_TYPE_RELATIVE_POSE; ++type) refuse(self, type);
   refuse(self, 0x1000);
@@ -55,9 +57,17 @@ static void check_given(app* self, uint32_t size, uint32_t type) {
 static void vendor_message_is_given(int size) {
   check_given(app_open(FIXER_ALONE, ODO_RUN_REPLAY), (uint32_t)size, PROBE_MESSAGE);
 }
+CASE_OF(vendor_message_is_given, 200, "a vendor's message reaches the plugin that declares it, byte by byte", "base.h",
+        UNKNOWN);
+CASE_OF(vendor_message_is_given, sizeof(odo_header), "a vendor's message may be a head alone", "base.h",
+        "The message starts with an odo_header, contains no pointer and has at most ODO_LARGEST_MESSAGE bytes");
+CASE_OF(vendor_message_is_given, ODO_LARGEST_MESSAGE, "a vendor's message may have the largest size", "base.h",
+        "The message starts with an odo_header, contains no pointer and has at most ODO_LARGEST_MESSAGE bytes");
 static void newer_input_is_given(int size) {
   check_given(app_open(FIXER_ALONE, ODO_RUN_REPLAY), (uint32_t)size, PROBE_NEWER_INPUT);
 }
+CASE_OF(newer_input_is_given, 200, "an input of a later version reaches the plugin that declares it, byte by byte",
+        "base.h", UNKNOWN);
 
 static void too_large_is_refused(int type) {
   app* self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
@@ -67,8 +77,13 @@ static void too_large_is_refused(int type) {
   app_flush(self);
   CHECK(app_statistics(self).processed == 0, "it was processed");
 }
+CASE_OF(too_large_is_refused, 0, "a vendor's message beyond the largest size is refused", "base.h",
+        "The message starts with an odo_header, contains no pointer and has at most ODO_LARGEST_MESSAGE bytes");
+CASE_OF(too_large_is_refused, ODO_TYPE_BAROMETER, "a barometer's sample beyond the largest size is refused", "base.h",
+        "ODO_LARGEST_MESSAGE");
 
-static void undeclared_is_counted(int unused) {
+CASE("a message that no plugin declares is counted as unknown", "odograph.h",
+     "samples of a type that neither the library nor any loaded plugin supports") {
   app* self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
   odo_header* vendors = pattern(48, PROBE_UNDECLARED, T0);
   odo_header* newer = pattern(48, 0x3F0, T0 + MS);
@@ -79,7 +94,7 @@ static void undeclared_is_counted(int unused) {
   EQUAL(app_statistics(self).unknown, 2);
 }
 
-static void unknown_is_ordered(int unused) {
+CASE("an unknown message is ordered by its time", "base.h", UNKNOWN) {
   app* self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
   odo_header* message = pattern(48, PROBE_MESSAGE, T0 + 10 * MS);
   const journal_entry *first, *second;
@@ -92,16 +107,15 @@ static void unknown_is_ordered(int unused) {
         "the later one came first");
 }
 
-static void push_imu_is_short(int unused) {
+CASE("odo_session_push_imu pushes both sensors", "odograph.h", "Pushes an odo_imu with both sensors") {
   app* self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
   const double gyro[3] = {0.1, 0.2, 0.3}, accel[3] = {0.5, 0.25, -9.75};
-  NEED(session_push_imu);
   EXPECT(odo.session_push_imu(self->session, T0, gyro, accel), ODO_OK);
   EXPECT(odo.session_push_imu(self->session, T0 + 10 * MS, gyro, accel), ODO_OK);
   app_flush(self);
   const odo_imu* found = (const odo_imu*)(const void*)given_message(ODO_TYPE_IMU, FIXER, 0);
   REQUIRE(found, "the plugin was not given the sample");
-  CHECK(found->header.flags == (ODO_IMU_GYRO | ODO_IMU_ACCEL), "its flags are 0x%x", found->header.flags);
+  EQUAL(found->header.flags, (ODO_IMU_GYRO | ODO_IMU_ACCEL));
   for (int i = 0; i < 3; ++i)
     CHECK(found->gyro_b[i] == gyro[i] && found->accel_b[i] == accel[i], "its values are others");
   EXPECT(odo.session_push_imu(self->session, T0 + 20 * MS, NULL, accel), ODO_E_ARGUMENT);
@@ -118,7 +132,8 @@ static void push_half(app* self, int64_t t_ns, uint32_t flags, double value) {
 }
 
 /* The accelerometer's samples are 4 ms after the gyroscope's; its values are -9 - time in s. */
-static void halves_are_joined(int unused) {
+CASE("gyroscope and accelerometer pushed apart are joined at the gyroscope's times", "samples.h",
+     "host interpolates the accelerometer at the times of the gyroscope.") {
   app* self = app_open(CONFIG WITH_ATTITUDE, ODO_RUN_REPLAY);
   const odo_header* found;
   size_t whole = 0;
@@ -138,14 +153,14 @@ static void halves_are_joined(int unused) {
       CHECK(off < 1e-9 && off > -1e-9, "the accelerometer is off by %g where it is interpolated", off);
     }
   }
-  CHECK(whole == 46, "%u samples between the ends; expected 46", (unsigned)whole);
+  EQUAL(whole, 46);
 }
 
-static void wild_value_is_refused(int unused) {
+CASE("a value outside of any sensor's range is refused", "odograph.h",
+     "ODO_E_DISCARD (not finite, outside the range of any sensor, late)") {
   app* self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
   const double zero[3] = {0, 0, 0}, wild[3] = {1e6, 0, 0};
   odo_barometer sample;
-  NEED(session_push_imu);
   EXPECT(odo.session_push_imu(self->session, T0, wild, zero), ODO_E_DISCARD);
   EXPECT(odo.session_push_imu(self->session, T0, zero, wild), ODO_E_DISCARD);
   put_barometer(&sample, T0);
@@ -155,30 +170,26 @@ static void wild_value_is_refused(int unused) {
   CHECK(app_statistics(self).processed == 0, "one was processed");
 }
 
-static void spike_is_dropped(int unused) {
+CASE("an inertial spike is dropped", "odograph.h", "is dropped if the next one does not confirm it") {
   app* self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
   const double spike[3] = {30, 0, 0}, accel[3] = {0, 0, -9.81};
   const odo_header* found;
-  NEED(session_push_imu);
   push_rest_between(self, T0, T0 + 100 * MS);
   EXPECT(odo.session_push_imu(self->session, T0 + 100 * MS, spike, accel), ODO_OK);
   push_rest_between(self, T0 + 110 * MS, T0 + 200 * MS);
   app_flush(self);
-  CHECK(app_statistics(self).wild == 1, "wild is %llu; expected 1", (unsigned long long)app_statistics(self).wild);
+  EQUAL(app_statistics(self).wild, 1);
   for (size_t i = 0; (found = given_message(ODO_TYPE_IMU, ANY_KIND, i)) != NULL; ++i)
     CHECK(((const odo_imu*)(const void*)found)->gyro_b[0] < 1, "the plugin was given the spike");
 }
 
-static void times_at_the_ends(int unused) {
+CASE("times at the ends of the clock harm nothing", "base.h", "Times are int64_t nanoseconds of the sensor clock") {
   const int64_t times[] = {INT64_MIN, INT64_MIN + 1, INT64_MAX, INT64_MAX - 1, 0, -1, T0};
   app* self = app_open(CAMERA_WALK, ODO_RUN_REPLAY);
   hooks.on_message = walk_message;
   for (size_t i = 0; i < COUNT_OF(times); ++i)
     for (size_t j = 0; j < sample_kind_count; ++j) {
-      union {
-        odo_header header;
-        unsigned char bytes[LARGEST_SAMPLE];
-      } sample;
+      any_sample sample;
       sample_kinds[j].put(&sample, times[i]);
       push(self, &sample);
     }
@@ -186,42 +197,3 @@ static void times_at_the_ends(int unused) {
   app_flush(self);
   app_close(self);
 }
-
-#define NUMBERS "0 is none, 0x1 to 0xFFF are inputs, 0x1000 to 0x1FFF events, 0x2000 to 0x7FFFFFFF reserved"
-#define UNKNOWN                                                                                                      \
-  "A host orders inputs and vendor messages of unknown type by time, records them and delivers them to the plugins " \
-  "that declare them."
-const conformance_case cases_push[] = {
-    {"a reserved type is refused", "odograph.h", "ODO_E_ARGUMENT (type of an event or reserved type)",
-     reserved_is_refused, 0},
-    {"an event's type is refused", "odograph.h", "ODO_E_ARGUMENT (type of an event or reserved type)",
-     events_are_refused, 0},
-    {"a vendor's message reaches the plugin that declares it, byte by byte", "base.h", UNKNOWN, vendor_message_is_given,
-     200},
-    {"a vendor's message may be a head alone", "base.h",
-     "The message starts with an odo_header, contains no pointer and has at most ODO_LARGEST_MESSAGE bytes",
-     vendor_message_is_given, sizeof(odo_header)},
-    {"a vendor's message may have the largest size", "base.h",
-     "The message starts with an odo_header, contains no pointer and has at most ODO_LARGEST_MESSAGE bytes",
-     vendor_message_is_given, ODO_LARGEST_MESSAGE},
-    {"an input of a later version reaches the plugin that declares it, byte by byte", "base.h", UNKNOWN,
-     newer_input_is_given, 200},
-    {"a vendor's message beyond the largest size is refused", "base.h",
-     "The message starts with an odo_header, contains no pointer and has at most ODO_LARGEST_MESSAGE bytes",
-     too_large_is_refused, 0},
-    {"a barometer's sample beyond the largest size is refused", "base.h", "ODO_LARGEST_MESSAGE", too_large_is_refused,
-     ODO_TYPE_BAROMETER},
-    {"a message that no plugin declares is counted as unknown", "odograph.h",
-     "samples of a type that neither the library nor any loaded plugin supports", undeclared_is_counted, 0},
-    {"an unknown message is ordered by its time", "base.h", UNKNOWN, unknown_is_ordered, 0},
-    {"odo_session_push_imu pushes both sensors", "odograph.h", "Pushes an odo_imu with both sensors", push_imu_is_short,
-     0},
-    {"gyroscope and accelerometer pushed apart are joined at the gyroscope's times", "samples.h",
-     "host interpolates the accelerometer at the times of the gyroscope.", halves_are_joined, 0},
-    {"a value outside of any sensor's range is refused", "odograph.h",
-     "ODO_E_DISCARD (not finite, outside the range of any sensor, late)", wild_value_is_refused, 0},
-    {"an inertial spike is dropped", "odograph.h", "is dropped if the next one does not confirm it", spike_is_dropped,
-     0},
-    {"times at the ends of the clock harm nothing", "base.h", "Times are int64_t nanoseconds of the sensor clock",
-     times_at_the_ends, 0},
-    {NULL, NULL, NULL, NULL, 0}};

@@ -3,9 +3,7 @@
  * Recordings: written and read back. */
 #include "app.h"
 
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
+#define APPENDS "A message is stored unchanged"
 
 typedef union message {
   odo_header header;
@@ -90,6 +88,10 @@ static void inputs(int more) {
   }
   round_trip(types, sizes, sample_kind_count);
 }
+CASE_OF(inputs, 0, "inputs of version 1.0 are recorded and read again", "recording.h", APPENDS);
+CASE_OF(inputs, 40, "later inputs are recorded and read with their ends", "recording.h",
+        "A recording contains messages in the version of their writer, which may be older or newer than this library, "
+        "including vendor messages.");
 
 static void events(int more) {
   /* clang-format off */
@@ -100,15 +102,21 @@ static void events(int more) {
   ODO_FOR_EACH_MESSAGE(EVENT)
   round_trip(types, sizes, count);
 }
+CASE_OF(events, 0, "events of version 1.0 are recorded and read again", "recording.h", APPENDS);
+CASE_OF(events, 40, "later events are recorded and read with their ends", "recording.h",
+        "A recording contains messages in the version of their writer, which may be older or newer than this library, "
+        "including vendor messages.");
 
-static void unknown_ones(int unused) {
+CASE("unknown inputs and vendors' messages are recorded and read again", "base.h",
+     "A host orders inputs and vendor messages of unknown type by time, records them") {
   const uint32_t types[] = {PROBE_NEWER_INPUT, 0x3F0, PROBE_MESSAGE, PROBE_UNDECLARED, ODO_TYPE_VENDOR(0x7FFFF, 0x7FF),
                             PROBE_MESSAGE};
   const uint32_t sizes[] = {200, 32, 2000, 48, 64, sizeof(odo_header)};
   round_trip(types, sizes, COUNT_OF(types));
 }
 
-static void reserved_ones(int unused) {
+CASE("a reserved type is not recorded, and nothing of the recording is lost", "recording.h",
+     "ODO_E_ARGUMENT (reserved type: ODO_IS_RESERVED;") {
   const uint32_t types[] = {0, 0x2000, 0x10000, 0x10001, 0x10003, 0x1FFFF, 0x01000000, 0x7FFFFFFF};
   const char* path = case_file("reserved.odo");
   odo_recorder* recorder = create(path);
@@ -138,8 +146,12 @@ static void borrowed_ones(int type) {
   EXPECT(odo.recorder_close(recorder), ODO_OK);
   CHECK_BALANCED(&memory, 0);
 }
+CASE_OF(borrowed_ones, (int)PROBE_BORROWED, "a vendor's borrowed message is not recorded", "recording.h",
+        "ODO_E_UNSUPPORTED (borrowed message other than a frame)");
+CASE_OF(borrowed_ones, PROBE_NEWER_BORROWED, "a later borrowed input is not recorded", "recording.h",
+        "ODO_E_UNSUPPORTED (borrowed message other than a frame)");
 
-static void too_small(int unused) {
+CASE("a message that is too small is not recorded", "base.h", "A struct smaller than in version 1.0 is rejected.") {
   odo_recorder* recorder = create(case_file("small.odo"));
   message one;
   for (size_t i = 0; i < sample_kind_count; ++i) {
@@ -184,9 +196,12 @@ static void pictures(int unused) {
   EXPECT(odo.recording_next(recording, &found, &picture, &size), ODO_OK);
   CHECK(found->type == ODO_TYPE_BAROMETER && !picture, "a barometer's sample has a picture");
 }
+CASE_OF(pictures, 0, "a frame is recorded with its encoded picture and without pointers", "recording.h",
+        "For a frame, the planes are null and *picture is the encoded picture; otherwise *picture is null.");
 
 /* Also sizes that a 32-bit number cannot hold: the memory behind them is never read. */
-static void largest_picture(int unused) {
+CASE("a picture above the largest is refused whatever its size", "recording.h",
+     "Appends a message of any type, and for a frame the encoded picture of at most ODO_LARGEST_PICTURE bytes") {
   const uint64_t largest = ODO_LARGEST_PICTURE;
   const uint64_t sizes[] = {largest + 1, 1ull << 32, (1ull << 32) + 4, UINT64_MAX};
   const char* path = case_file("largest.odo");
@@ -204,12 +219,13 @@ static void largest_picture(int unused) {
   odo_recording* recording = open_recording(path);
   check_no_loss(recording);
   EXPECT(odo.recording_next(recording, &found, NULL, &size), ODO_OK);
-  CHECK(size == largest, "the largest picture was read with %llu bytes", (unsigned long long)size);
+  EQUAL(size, largest);
   EXPECT(odo.recording_next(recording, &found, NULL, NULL), ODO_END);
   odo.recording_close(recording);
 }
 
-static void nothing_recorded(int unused) {
+CASE("a recording without messages is complete", "recording.h",
+     "the status ODO_OK and an empty message if the recording is complete") {
   const char* path = case_file("empty.odo");
   const odo_header* found = (const odo_header*)(const void*)path;
   EXPECT(odo.recorder_close(create(path)), ODO_OK);
@@ -221,7 +237,8 @@ static void nothing_recorded(int unused) {
 }
 
 /* A record that is damaged after the recording was opened. */
-static void unreadable_record(int unused) {
+CASE("behind a record that cannot be read the next one is, and the loss is stated", "recording.h",
+     "ODO_E_DATA for a record that cannot be read: call again for the next one.") {
   const char* path = case_file("unreadable.odo");
   odo_recorder* recorder = create(path);
   odo_error loss = {sizeof loss, 0, ""};
@@ -254,7 +271,8 @@ static void unreadable_record(int unused) {
   odo.recording_close(recording);
 }
 
-static void order_of_time(int unused) {
+CASE("messages are read in the order of time", "recording.h",
+     "Returns the next message in time order, valid until the next call.") {
   const int64_t times[] = {T0 + 30 * MS, T0 + 10 * MS, T0 + 20 * MS, T0};
   const char* path = case_file("order.odo");
   odo_recorder* recorder = create(path);
@@ -272,38 +290,3 @@ static void order_of_time(int unused) {
     before = t_ns;
   }
 }
-
-#define APPENDS "A message is stored unchanged"
-const conformance_case cases_recordings[] = {
-    {"inputs of version 1.0 are recorded and read again", "recording.h", APPENDS, inputs, 0},
-    {"later inputs are recorded and read with their ends", "recording.h",
-     "A recording contains messages in the version of their writer, which may be older or newer than this library, "
-     "including vendor messages.",
-     inputs, 40},
-    {"events of version 1.0 are recorded and read again", "recording.h", APPENDS, events, 0},
-    {"later events are recorded and read with their ends", "recording.h",
-     "A recording contains messages in the version of their writer, which may be older or newer than this library, "
-     "including vendor messages.",
-     events, 40},
-    {"unknown inputs and vendors' messages are recorded and read again", "base.h",
-     "A host orders inputs and vendor messages of unknown type by time, records them", unknown_ones, 0},
-    {"a reserved type is not recorded, and nothing of the recording is lost", "recording.h",
-     "ODO_E_ARGUMENT (reserved type: ODO_IS_RESERVED;", reserved_ones, 0},
-    {"a vendor's borrowed message is not recorded", "recording.h",
-     "ODO_E_UNSUPPORTED (borrowed message other than a frame)", borrowed_ones, (int)PROBE_BORROWED},
-    {"a later borrowed input is not recorded", "recording.h", "ODO_E_UNSUPPORTED (borrowed message other than a frame)",
-     borrowed_ones, PROBE_NEWER_BORROWED},
-    {"a message that is too small is not recorded", "base.h", "A struct smaller than in version 1.0 is rejected.",
-     too_small, 0},
-    {"a frame is recorded with its encoded picture and without pointers", "recording.h",
-     "For a frame, the planes are null and *picture is the encoded picture; otherwise *picture is null.", pictures, 0},
-    {"a picture above the largest is refused whatever its size", "recording.h",
-     "Appends a message of any type, and for a frame the encoded picture of at most ODO_LARGEST_PICTURE bytes",
-     largest_picture, 0},
-    {"a recording without messages is complete", "recording.h",
-     "the status ODO_OK and an empty message if the recording is complete", nothing_recorded, 0},
-    {"behind a record that cannot be read the next one is, and the loss is stated", "recording.h",
-     "ODO_E_DATA for a record that cannot be read: call again for the next one.", unreadable_record, 0},
-    {"messages are read in the order of time", "recording.h",
-     "Returns the next message in time order, valid until the next call.", order_of_time, 0},
-    {NULL, NULL, NULL, NULL, 0}};

@@ -3,10 +3,6 @@
  * Saved estimates of plugins, as a blob kept by the app. */
 #include "app.h"
 
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
 /* Each plugin saves its id and kind, and stores what it loads. */
 static char loaded[256];
 static size_t loads;
@@ -52,20 +48,19 @@ static saved save_of(app* self) {
 }
 
 static app* open_saving(const char* config) {
-  NEED(session_save);
-  NEED(session_load);
   hooks.on_call = on_call;
   return app_open(config, ODO_RUN_REPLAY);
 }
 
-static void there_and_back(int unused) {
+CASE("what a plugin saved it is given to load", "odograph.h", "as a blob for") {
   const saved blob = save_of(open_saving(FIXER_ALONE));
   app* self = open_saving(FIXER_ALONE);
   EXPECT(odo.session_load(self->session, blob.bytes, (uint64_t)blob.size), ODO_OK);
   CHECK(strcmp(loaded, "conformance/probe as " FIXER ";") == 0, "the plugin was given \"%s\"", loaded);
 }
 
-static void parts_by_id(int unused) {
+CASE("each plugin is given its own part, those of absent plugins are ignored", "odograph.h",
+     "Its parts are identified by plugin id; those of plugins that the config does not contain are ignored.") {
   const saved blob = save_of(open_saving(CONFIG WITH_ATTITUDE WITH_FRONTEND));
   app* self = open_saving(CONFIG WITH_FRONTEND);
   EXPECT(odo.session_load(self->session, blob.bytes, (uint64_t)blob.size), ODO_OK);
@@ -73,7 +68,8 @@ static void parts_by_id(int unused) {
         "in %u calls plugins were given \"%s\"", (unsigned)loads, loaded);
 }
 
-static void by_id_not_by_kind(int unused) {
+CASE("another plugin of the same kind is not given the part", "plugin.h",
+     "The host stores the state under the id of the plugin.") {
   const saved blob = save_of(open_saving(CONFIG WITH_ATTITUDE "vo_frontend:\n  plugin: conformance/frontend\n"));
   app* self = open_saving(CONFIG WITH_ATTITUDE "vo_frontend:\n  plugin: conformance/several\n");
   EXPECT(odo.session_load(self->session, blob.bytes, (uint64_t)blob.size), ODO_OK);
@@ -81,7 +77,8 @@ static void by_id_not_by_kind(int unused) {
 }
 
 /* Each byte, one at a time. */
-static void every_damage_is_found(int unused) {
+CASE("every damage of a saved blob is found before a plugin is given its part", "odograph.h",
+     "ODO_E_DATA if the blob is damaged (nothing changes)") {
   const saved blob = save_of(open_saving(FIXER_ALONE));
   app* self = open_saving(FIXER_ALONE);
   int taken = 0;
@@ -99,18 +96,20 @@ static void every_damage_is_found(int unused) {
     const int32_t status = odo.session_load(self->session, blob.bytes, (uint64_t)i);
     CHECK(status == ODO_E_DATA, "cut to %lld bytes odo_session_load = %s", (long long)i, status_name(status));
   }
-  CHECK(loads == 0, "the plugin was given a part of a damaged blob %u times", (unsigned)loads);
+  EQUAL(loads, 0);
 }
 
-static void refused_part(int unused) {
+CASE("a plugin that refuses its part keeps it from nobody else", "odograph.h",
+     "ODO_PARTIAL if a plugin rejects its part (the others are restored)") {
   const saved blob = save_of(open_saving(CONFIG WITH_ATTITUDE WITH_FRONTEND));
   app* self = open_saving(CONFIG WITH_ATTITUDE WITH_FRONTEND);
   load_status = ODO_E_DATA;
   EXPECT(odo.session_load(self->session, blob.bytes, (uint64_t)blob.size), ODO_PARTIAL);
-  CHECK(loads == 2, "%u of 2 plugins were given their part", (unsigned)loads);
+  EQUAL(loads, 2);
 }
 
-static void too_large_a_part(int unused) {
+CASE("saved state that is too large is left out and reported", "plugin.h",
+     "bytes of saved state of one instance; more is reported, not saved") {
   saved_size = (uint64_t)ODO_LARGEST_STATE + 1;
   app* self = open_saving(FIXER_ALONE);
   int64_t size = odo.session_save(self->session, NULL, 0);
@@ -119,25 +118,9 @@ static void too_large_a_part(int unused) {
   CHECK(app_events(self, ODO_TYPE_REPORT) >= 1, "nothing reports that the part was left out");
 }
 
-static void bad_arguments(int unused) {
+CASE("saving and loading null is refused", "base.h", "the call violates the contract") {
   app* self = open_saving(FIXER_ALONE);
   EXPECT(odo.session_load(self->session, NULL, 10), ODO_E_ARGUMENT);
   EXPECT(odo.session_save(self->session, NULL, 10), ODO_E_ARGUMENT);
   EXPECT(odo.session_load(NULL, "x", 1), ODO_E_ARGUMENT);
 }
-
-const conformance_case cases_saved[] = {
-    {"what a plugin saved it is given to load", "odograph.h", "as a blob for", there_and_back, 0},
-    {"each plugin is given its own part, those of absent plugins are ignored", "odograph.h",
-     "Its parts are identified by plugin id; those of plugins that the config does not contain are ignored.",
-     parts_by_id, 0},
-    {"another plugin of the same kind is not given the part", "plugin.h",
-     "The host stores the state under the id of the plugin.", by_id_not_by_kind, 0},
-    {"every damage of a saved blob is found before a plugin is given its part", "odograph.h",
-     "ODO_E_DATA if the blob is damaged (nothing changes)", every_damage_is_found, 0},
-    {"a plugin that refuses its part keeps it from nobody else", "odograph.h",
-     "ODO_PARTIAL if a plugin rejects its part (the others are restored)", refused_part, 0},
-    {"saved state that is too large is left out and reported", "plugin.h",
-     "bytes of saved state of one instance; more is reported, not saved", too_large_a_part, 0},
-    {"saving and loading null is refused", "base.h", "the call violates the contract", bad_arguments, 0},
-    {NULL, NULL, NULL, NULL, 0}};

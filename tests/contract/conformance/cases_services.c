@@ -3,9 +3,6 @@
  * The host's services for plugins, by id. */
 #include "app.h"
 
-#include <stdio.h>
-#include <string.h>
-
 #define SERVICE(from, id) ((from)->get_service((from), (id), strlen(id)))
 
 static const odo_host* host_at_create;
@@ -32,7 +29,8 @@ static const void* ODO_CALL app_service(void* user, const char* id, uint64_t siz
   return user == apps_table && size == 14 && memcmp(id, "acme.java_vm/1", 14) == 0 ? apps_table : NULL;
 }
 
-static void host_services(int unused) {
+CASE("the host's services are there and have their sizes", "plugin.h",
+     "Returns the table of a service, or null if it is not available; a plugin must work without it.") {
   static const uint32_t sizes[] = {ODO_REPORT_SERVICE_SIZE_MIN, ODO_RANDOM_SERVICE_SIZE_MIN, ODO_ASSET_SERVICE_SIZE_MIN,
                                    ODO_ASSET_SERVICE_2_SIZE_MIN, ODO_WAKE_SERVICE_SIZE_MIN};
   hooks.on_call = ask_at_create;
@@ -48,7 +46,9 @@ static void host_services(int unused) {
   CHECK(!found[6], "there is a table for an id of the app's, which offers none");
 }
 
-static void app_services(int unused) {
+CASE("the app's services reach plugins, but not for the host's ids", "plugin.h",
+     "The host provides the ids that start with \"odo.\"; it passes all others to the app "
+     "(odo_session_options.get_service).") {
   odo_session_options chosen = app_options(FIXER_ALONE, ODO_RUN_REPLAY);
   hooks.on_call = ask_at_create;
   chosen.get_service = app_service;
@@ -68,7 +68,8 @@ static int32_t report_thrice(odo_instance* instance, const odo_header* message) 
   return ODO_OK;
 }
 
-static void reports_are_events(int unused) {
+CASE("a plugin's report is an event, once a second, with its count", "events.h",
+     "The rate is limited to one report per second for each origin and key; `count` includes the suppressed ones.") {
   hooks.on_message = report_thrice;
   app* self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
   EXPECT(push_barometer(self, T0), ODO_OK);
@@ -87,7 +88,7 @@ static void reports_are_events(int unused) {
   app_flush(self);
   report = (const odo_report*)(const void*)app_event(self, ODO_TYPE_REPORT, 1);
   REQUIRE(report, "a second later there was no report");
-  CHECK(report->count == 3, "it stands for %llu reports; expected 3", (unsigned long long)report->count);
+  EQUAL(report->count, 3);
 }
 
 /* ---- random numbers ---- */
@@ -109,7 +110,8 @@ static void draw_with(uint64_t seed, uint64_t out[4]) {
   memcpy(out, seeds, sizeof seeds);
 }
 
-static void seeds_are_functions(int unused) {
+CASE("random seeds are a function of seed, instance and stream", "plugin.h",
+     "Reproducible random seeds: a function of the seed of the run, the instance and the stream only.") {
   uint64_t one[4], same[4], other[4];
   hooks.on_call = draw;
   draw_with(1, one), draw_with(1, same), draw_with(2, other);
@@ -150,7 +152,7 @@ static int64_t use_assets(probe_call* call) {
   return ODO_OK;
 }
 
-static void asset_files(int unused) {
+CASE("assets are found by path and by contents", "plugin.h", "Contents of files that a config names.") {
   const char* path = case_file("asset.txt");
   FILE* file = fopen(path, "wb");
   REQUIRE(file && fwrite("hello", 1, 5, file) == 5, "no file could be written");
@@ -161,16 +163,14 @@ static void asset_files(int unused) {
   app_open_options(&chosen);
   CHECK(assets.resolved > 9 && assets.path[0] == '/' && strstr(assets.path, "asset.txt"),
         "odo.assets/1 resolved %lld: \"%.200s\"", (long long)assets.resolved, assets.path);
-  CHECK(assets.missing == ODO_E_NOT_FOUND, "odo.assets/1 resolved a file that is not there: %s",
-        status_name(assets.missing));
+  EXPECT(assets.missing, ODO_E_NOT_FOUND);
   if (!assets.has_contents) skip_case("the host has no odo.contents/1");
-  CHECK(assets.not_opened == ODO_E_NOT_FOUND, "odo.contents/1 open of a file that is not there = %s",
-        status_name(assets.not_opened));
+  EXPECT(assets.not_opened, ODO_E_NOT_FOUND);
   CHECK(assets.opened == ODO_OK && assets.size == 5, "odo.contents/1 open = %s, size %llu", status_name(assets.opened),
         (unsigned long long)assets.size);
   CHECK(assets.read == 3 && memcmp(assets.data, "llo", 3) == 0, "odo.contents/1 read %lld bytes; expected 3",
         (long long)assets.read);
-  CHECK(assets.behind == 0, "odo.contents/1 read %lld bytes at the end; expected 0", (long long)assets.behind);
+  EQUAL(assets.behind, 0);
 }
 
 /* ---- wake ---- */
@@ -213,24 +213,5 @@ static void wake_calls(int run) {
   EQUAL(events_of_wake, empty_batches);
   EQUAL(app_events(self, PROBE_EVENT), (size_t)events_of_wake);
 }
-
-const conformance_case cases_services[] = {
-    {"the host's services are there and have their sizes", "plugin.h",
-     "Returns the table of a service, or null if it is not available; a plugin must work without it.", host_services,
-     0},
-    {"the app's services reach plugins, but not for the host's ids", "plugin.h",
-     "The host provides the ids that start with \"odo.\"; it passes all others to the app "
-     "(odo_session_options.get_service).",
-     app_services, 0},
-    {"a plugin's report is an event, once a second, with its count", "events.h",
-     "The rate is limited to one report per second for each origin and key; `count` includes the suppressed ones.",
-     reports_are_events, 0},
-    {"random seeds are a function of seed, instance and stream", "plugin.h",
-     "Reproducible random seeds: a function of the seed of the run, the instance and the stream only.",
-     seeds_are_functions, 0},
-    {"assets are found by path and by contents", "plugin.h", "Contents of files that a config names.", asset_files, 0},
-    {"a plugin of a replay that asked to be called is called with an empty batch", "plugin.h",
-     "The host calls process of this instance with an empty batch", wake_calls, ODO_RUN_REPLAY},
-    {"a plugin of a live session that asked to be called is called with an empty batch", "plugin.h",
-     "The host calls process of this instance with an empty batch", wake_calls, ODO_RUN_LIVE},
-    {NULL, NULL, NULL, NULL, 0}};
+IN_BOTH_RUNS(wake_calls, "a plugin of ", " that asked to be called is called with an empty batch", "plugin.h",
+             "The host calls process of this instance with an empty batch");

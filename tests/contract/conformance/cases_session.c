@@ -3,9 +3,6 @@
  * Creating a session, and querying its poses and counts. */
 #include "app.h"
 
-#include <math.h>
-#include <string.h>
-
 static int32_t try_config(const char* config, odo_error* error) {
   odo_session_options chosen = app_options(config, ODO_RUN_REPLAY);
   odo_session* session = NULL;
@@ -16,9 +13,9 @@ static int32_t try_config(const char* config, odo_error* error) {
   return status;
 }
 
-static void bad_configs(int unused) {
+CASE("a bad config is refused with its place, and no session is made", "odograph.h",
+     "file:line:column of an error in the config, path and reason of a plugin that does not load.") {
   odo_error error;
-  NEED(session_create);
   need_plugins();
   EXPECT(try_config("odograph: 1\nattitud:\n  plugin: conformance/probe\n", &error), ODO_E_CONFIG);
   CHECK(strstr(error.message, ":2:1") && strstr(error.message, "attitud"), "the reason names neither place nor key: %s",
@@ -30,11 +27,10 @@ static void bad_configs(int unused) {
   CHECK(try_config("", &error) == ODO_E_ARGUMENT, "neither path nor text is no argument error");
 }
 
-static void one_of_path_and_text(int unused) {
+CASE("a config is a path or a text, not both", "odograph.h", "set exactly one of config_path and config_text") {
   odo_session_options chosen = app_options(FIXER_ALONE, ODO_RUN_REPLAY);
   odo_session* session;
   odo_error error = {sizeof error, 0, ""};
-  NEED(session_create);
   chosen.config_path = string_of("/nowhere/pipeline.yaml");
   EXPECT(odo.session_create(&chosen, &session, &error), ODO_E_ARGUMENT);
   memset(&chosen.config_text, 0, sizeof chosen.config_text);
@@ -43,7 +39,7 @@ static void one_of_path_and_text(int unused) {
   CHECK(session == NULL, "*session is not null after a failure");
 }
 
-static void text_is_not_terminated(int unused) {
+CASE("a config's text ends by its size", "base.h", "A UTF-8 string, neither terminated nor owned.") {
   static const char text[] = FIXER_ALONE "this: is behind the end";
   odo_session_options chosen = app_options(text, ODO_RUN_REPLAY);
   chosen.config_text.size = strlen(FIXER_ALONE);
@@ -57,10 +53,8 @@ static int32_t pose_at(app* self, int64_t t_ns, odo_pose* pose) {
   return odo.session_get_pose(self->session, t_ns, pose);
 }
 
-static void poses_of_a_walk(int unused) {
+CASE("poses are interpolated, carried on and flagged", "odograph.h", "Between two poses it is interpolated") {
   odo_pose pose;
-  NEED(session_get_pose);
-  NEED(session_get_pose_of);
   hooks.on_message = walk_message;
   app* self = app_open(CAMERA_WALK, ODO_RUN_REPLAY);
   EXPECT(pose_at(self, ODO_TIME_LATEST, &pose), ODO_NOT_READY);
@@ -92,7 +86,6 @@ static void sums_hold(int run) {
   app* self = app_open(FIXER_ALONE, (uint32_t)run);
   odo_barometer sample;
   const double nan3[3] = {(double)NAN, 0, 0}, zero[3] = {0, 0, 0}, wild[3] = {1e6, 0, 0};
-  NEED(session_push_imu);
   push_rest_between(self, T0, T0 + SECOND);
   app_flush(self);
   for (int i = 0; i < 3; ++i) odo.session_push_imu(self->session, T0 + 2 * SECOND, nan3, zero);
@@ -114,39 +107,39 @@ static void sums_hold(int run) {
         "late is %llu, duplicate %llu, wild %llu, invalid %llu, unknown %llu; expected 5, 6, 4, 3 or 4, 1",
         (unsigned long long)counts.late, (unsigned long long)counts.duplicate, (unsigned long long)counts.wild,
         (unsigned long long)counts.invalid, (unsigned long long)counts.unknown);
-  CHECK(counts.processed == 102, "processed is %llu; expected 102", (unsigned long long)counts.processed);
+  EQUAL(counts.processed, 102);
   CHECK(counts.pushed == counts.processed + dropped, "pushed is %llu; processed and dropped together %llu",
         (unsigned long long)counts.pushed, (unsigned long long)(counts.processed + dropped));
 }
+IN_BOTH_RUNS(sums_hold, "what ", " was given was processed or dropped for one reason", "odograph.h",
+             "messages passed to the pipeline");
 
-static void walk_is_counted(int unused) {
-  hooks.on_message = walk_message;
-  app* self = app_open(CAMERA_WALK, ODO_RUN_REPLAY);
-  walk_second(self, 0);
-  walk_second(self, 1);
-  app_flush(self);
+CASE("frames, distance and time of a walk are counted", "odograph.h", "Statistics of a session since its creation.") {
+  app* self = app_walk(2);
   odo_statistics counts = app_statistics(self);
-  CHECK(counts.frames == 20, "frames is %llu; expected 20", (unsigned long long)counts.frames);
+  EQUAL(counts.frames, 20);
   CHECK(fabs(counts.distance_m - 1.9) < 0.1, "distance_m is %g; expected 1.9", counts.distance_m);
   CHECK(counts.tracking_s + counts.degraded_s + counts.lost_s > 1.5, "the time in all states is %g s",
         counts.tracking_s + counts.degraded_s + counts.lost_s);
   CHECK(app_events(self, ODO_TYPE_STATE) >= 1, "no state was published");
 }
 
-static void last_error_once(int unused) {
+CASE("the last error is given once, with the field", "odograph.h",
+     "Writes the latest error or warning of a push or a plugin since the last call; error->status is ODO_OK if there "
+     "is "
+     "none.") {
   app* self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
   odo_error error = {sizeof error, 0, ""};
   odo_barometer sample;
-  NEED(session_last_error);
   error.status = ODO_E_DATA;
   EXPECT(odo.session_last_error(self->session, &error), ODO_OK);
-  CHECK(error.status == ODO_OK, "before the first error its status is %s", status_name(error.status));
+  EXPECT(error.status, ODO_OK);
   put_barometer(&sample, T0);
   sample.pressure_pa = (double)NAN;
   EXPECT(push(self, &sample), ODO_E_DISCARD);
   error.struct_size = sizeof error;
   EXPECT(odo.session_last_error(self->session, &error), ODO_OK);
-  CHECK(error.status == ODO_E_DISCARD, "its status is %s", status_name(error.status));
+  EXPECT(error.status, ODO_E_DISCARD);
   CHECK(strstr(error.message, "pressure_pa"), "it does not name the field: %s", error.message);
   error.struct_size = sizeof error;
   EXPECT(odo.session_last_error(self->session, &error), ODO_OK);
@@ -154,13 +147,12 @@ static void last_error_once(int unused) {
         error.message);
 }
 
-static void there_and_back(int unused) {
+CASE("places go to the Earth and back, where the origin is known", "odograph.h",
+     "ODO_NOT_READY while the origin of n is unknown") {
   app* self =
       app_open(FIXER_ALONE "navigation:\n  origin: {latitude: 0.83, longitude: 0.15, height: 400 m}\n", ODO_RUN_REPLAY);
   const double p[3] = {1000, -2000, 30};
   double geodetic[3], back[3];
-  NEED(session_to_geodetic);
-  NEED(session_from_geodetic);
   EXPECT(odo.session_to_geodetic(self->session, p, geodetic), ODO_OK);
   CHECK(fabs(geodetic[0] - 0.83) < 1e-3 && fabs(geodetic[1] - 0.15) < 1e-3 && fabs(geodetic[2] - 370) < 1,
         "1000 m to the north and -2000 m to the east it is %g, %g, %g", geodetic[0], geodetic[1], geodetic[2]);
@@ -171,7 +163,8 @@ static void there_and_back(int unused) {
   EXPECT(odo.session_from_geodetic(self->session, geodetic, back), ODO_NOT_READY);
 }
 
-static void replay_repeats(int unused) {
+CASE("a replay gives the same bytes again", "odograph.h",
+     "samples are processed within push, on the thread of the caller: deterministic.") {
   app* sessions[2];
   hooks.on_message = walk_message;
   for (int n = 0; n < 2; ++n) {
@@ -188,29 +181,3 @@ static void replay_repeats(int unused) {
             "event %u of type 0x%x differs", (unsigned)i, one->type);
   }
 }
-
-const conformance_case cases_session[] = {
-    {"a bad config is refused with its place, and no session is made", "odograph.h",
-     "file:line:column of an error in the config, path and reason of a plugin that does not load.", bad_configs, 0},
-    {"a config is a path or a text, not both", "odograph.h", "set exactly one of config_path and config_text",
-     one_of_path_and_text, 0},
-    {"a config's text ends by its size", "base.h", "A UTF-8 string, neither terminated nor owned.",
-     text_is_not_terminated, 0},
-    {"poses are interpolated, carried on and flagged", "odograph.h", "Between two poses it is interpolated",
-     poses_of_a_walk, 0},
-    {"what a replay was given was processed or dropped for one reason", "odograph.h", "messages passed to the pipeline",
-     sums_hold, ODO_RUN_REPLAY},
-    {"what a live session was given was processed or dropped for one reason", "odograph.h",
-     "messages passed to the pipeline", sums_hold, ODO_RUN_LIVE},
-    {"frames, distance and time of a walk are counted", "odograph.h", "Statistics of a session since its creation.",
-     walk_is_counted, 0},
-    {"the last error is given once, with the field", "odograph.h",
-     "Writes the latest error or warning of a push or a plugin since the last call; error->status is ODO_OK if there "
-     "is "
-     "none.",
-     last_error_once, 0},
-    {"places go to the Earth and back, where the origin is known", "odograph.h",
-     "ODO_NOT_READY while the origin of n is unknown", there_and_back, 0},
-    {"a replay gives the same bytes again", "odograph.h",
-     "samples are processed within push, on the thread of the caller: deterministic.", replay_repeats, 0},
-    {NULL, NULL, NULL, NULL, 0}};

@@ -3,10 +3,12 @@
  * The size rule of every input and output struct. */
 #include "app.h"
 
-#include <string.h>
-
 #define FILL 0xA5
 #define SPARE 64u
+
+#define SMALLER "A struct smaller than in version 1.0 is rejected."
+#define LARGER "Of a larger one, the part beyond the known fields is forwarded unread."
+#define CAPACITY "For an output, it is the capacity on entry and the number of bytes written on return."
 
 /* An output struct: its size, and the call that fills it. */
 typedef struct output {
@@ -53,8 +55,6 @@ static const output outputs[] = {
     {"odo_recording_loss", sizeof(odo_error), ODO_ERROR_SIZE_MIN, fill_loss}};
 
 static void put_anchor(app* self) {
-  NEED(anchor_create);
-  NEED(anchor_get);
   odo_anchor_place place = {.struct_size = sizeof place};
   place.kind = ODO_ANCHOR_GEODETIC;
   place.height_above = ODO_HEIGHT_ELLIPSOID;
@@ -65,8 +65,6 @@ static void open_a_recording(void) {
   const odo_string path = string_of(case_file("walk.odo"));
   odo_recorder* recorder;
   odo_barometer sample;
-  NEED(recorder_create);
-  NEED(recording_loss);
   EXPECT(odo.recorder_create(&path, &recorder, NULL), ODO_OK);
   put_barometer(&sample, T0);
   EXPECT(odo.recorder_write(recorder, &sample.header, NULL, 0), ODO_OK);
@@ -76,14 +74,7 @@ static void open_a_recording(void) {
 
 /* If the call needs more than a session. */
 static app* prepare(const output* of) {
-  NEED(session_get_pose);
-  NEED(session_get_pose_of);
-  NEED(session_get_smooth_pose);
-  NEED(session_last_error);
-  hooks.on_message = walk_message;
-  app* self = app_open(CAMERA_WALK, ODO_RUN_REPLAY);
-  walk_second(self, 0);
-  app_flush(self);
+  app* self = app_walk(1);
   if (of->fill == fill_anchor) put_anchor(self);
   if (of->fill == fill_loss) open_a_recording();
   return self;
@@ -95,36 +86,29 @@ static bool untouched(const unsigned char* bytes, size_t from, size_t to) {
   return true;
 }
 
-static void check_capacity(app* self, const output* of, uint32_t capacity, uint32_t min_written, uint32_t max_written) {
+static void check_capacity(const output* of, uint32_t capacity) {
+  app* self = prepare(of);
   uint64_t aligned[(sizeof(odo_error) + SPARE) / 8 + 1];
   unsigned char* bytes = (unsigned char*)aligned;
+  const uint32_t min_written = capacity < of->size ? capacity : of->size;
   uint32_t written;
   memset(bytes, FILL, sizeof aligned);
   memcpy(bytes, &capacity, sizeof capacity);
   expect_status(__FILE__, __LINE__, of->name, of->fill(self, bytes), ODO_OK);
   memcpy(&written, bytes, sizeof written);
-  CHECK(written >= min_written && written <= max_written,
+  CHECK(written >= min_written && written <= capacity,
         "%s: struct_size was %u on entry and is %u on return; expected %u to %u", of->name, capacity, written,
-        min_written, max_written);
+        min_written, capacity);
   CHECK(written <= of->size || !untouched(bytes, of->size, written),
         "%s: struct_size is %u on return, but no byte behind the %u known ones was written", of->name, written,
         of->size);
-  CHECK(untouched(bytes, written < capacity ? written : capacity, sizeof aligned),
-        "%s: bytes behind struct_size were written (capacity %u)", of->name, capacity);
+  CHECK(untouched(bytes, written, sizeof aligned), "%s: bytes behind struct_size were written (capacity %u)", of->name,
+        capacity);
 }
 
-static void out_of_this_version(int index) {
-  const output* of = &outputs[index];
-  check_capacity(prepare(of), of, of->size, of->size, of->size);
-}
-static void out_of_version_1_0(int index) {
-  const output* of = &outputs[index];
-  check_capacity(prepare(of), of, of->min_size, of->min_size, of->min_size);
-}
-static void out_of_later_version(int index) {
-  const output* of = &outputs[index];
-  check_capacity(prepare(of), of, of->size + SPARE, of->size, of->size + SPARE);
-}
+static void out_of_this_version(int index) { check_capacity(&outputs[index], outputs[index].size); }
+static void out_of_version_1_0(int index) { check_capacity(&outputs[index], outputs[index].min_size); }
+static void out_of_later_version(int index) { check_capacity(&outputs[index], outputs[index].size + SPARE); }
 static void out_too_small(int index) {
   const output* of = &outputs[index];
   app* self = prepare(of);
@@ -139,20 +123,25 @@ static void out_too_small(int index) {
   }
 }
 
-static void last_error_too_small(int unused) {
-  app* self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
-  odo_error error = {ODO_ERROR_SIZE_MIN - 1, 77, "x"};
-  NEED(session_last_error);
-  EXPECT(odo.session_last_error(self->session, &error), ODO_E_STRUCT_SIZE);
-  CHECK(error.status == 77 && error.message[0] == 'x', "the struct was written");
-}
+#define OUTPUT(index, what)                                                                                            \
+  CASE_OF(out_of_this_version, index, what " of this version is written whole", "base.h", CAPACITY);                   \
+  CASE_OF(out_of_version_1_0, index, what " of version 1.0 is written up to its end", "base.h", CAPACITY);             \
+  CASE_OF(out_of_later_version, index, what " of a later version is written up to what is known", "base.h", CAPACITY); \
+  CASE_OF(out_too_small, index, what " that is too small is refused", "base.h", SMALLER)
+OUTPUT(0, "a pose");
+OUTPUT(1, "a smooth pose");
+OUTPUT(2, "a pose of the body");
+OUTPUT(3, "a session's statistics");
+OUTPUT(4, "an anchor");
+OUTPUT(5, "a last error");
+OUTPUT(6, "a recording's loss");
 
-static void error_of_create(int unused) {
+CASE("why a session could not be created fits into its struct", "odograph.h",
+     "struct_size: capacity in, bytes written out. The message is UTF-8 and terminated.") {
   static uint64_t aligned[(sizeof(odo_error) + SPARE) / 8];
   unsigned char* bytes = (unsigned char*)aligned;
   odo_error* error = (odo_error*)(void*)aligned;
   odo_session* session;
-  NEED(session_create);
   odo_session_options chosen = {.struct_size = sizeof chosen};
   for (uint32_t capacity = 0; capacity <= sizeof aligned; capacity += 16) {
     memset(bytes, FILL, sizeof aligned);
@@ -167,7 +156,7 @@ static void error_of_create(int unused) {
   }
 }
 
-static void options_sizes(int unused) {
+CASE("options are refused below the size of 1.0 and taken at every larger one", "base.h", SMALLER " " LARGER) {
   struct {
     odo_session_options known;
     unsigned char later[SPARE];
@@ -175,8 +164,6 @@ static void options_sizes(int unused) {
   odo_session* session;
   odo_error error = {sizeof error, 0, ""};
   uint32_t size;
-  NEED(session_create);
-  NEED(session_destroy);
   need_plugins();
   memset(&chosen, FILL, sizeof chosen);
   chosen.known = app_options(FIXER_ALONE, ODO_RUN_REPLAY);
@@ -193,14 +180,13 @@ static void options_sizes(int unused) {
   }
 }
 
-static void place_sizes(int unused) {
+CASE("an anchor's place is refused below the size of 1.0 and taken at a larger one", "base.h", SMALLER " " LARGER) {
   struct {
     odo_anchor_place known;
     unsigned char later[SPARE];
   } place;
   app* self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
   uint64_t id = 0;
-  NEED(anchor_create);
   memset(&place, FILL, sizeof place);
   memset(&place.known, 0, sizeof place.known);
   place.known.kind = ODO_ANCHOR_GEODETIC;
@@ -212,49 +198,3 @@ static void place_sizes(int unused) {
   place.known.struct_size = sizeof place;
   EXPECT(odo.anchor_create(self->session, &place.known, &id), ODO_OK);
 }
-
-#define OUTPUT(index, what)                                                                                            \
-  {what " of this version is written whole", "base.h",                                                                 \
-   "For an output, it is the capacity on entry and the number of bytes written on return.", out_of_this_version,       \
-   index},                                                                                                             \
-      {what " of version 1.0 is written up to its end", "base.h",                                                      \
-       "For an output, it is the capacity on entry and the number of bytes written on return.", out_of_version_1_0,    \
-       index},                                                                                                         \
-  {                                                                                                                    \
-    what " of a later version is written up to what is known", "base.h",                                               \
-        "For an output, it is the capacity on entry and the number of bytes written on return.", out_of_later_version, \
-        index                                                                                                          \
-  }
-#define TOO_SMALL(index, what)                                                                           \
-  {                                                                                                      \
-    what " that is too small is refused", "base.h", "A struct smaller than in version 1.0 is rejected.", \
-        out_too_small, index                                                                             \
-  }
-
-const conformance_case cases_sizes[] = {
-    OUTPUT(0, "a pose"),
-    TOO_SMALL(0, "a pose"),
-    OUTPUT(1, "a smooth pose"),
-    TOO_SMALL(1, "a smooth pose"),
-    OUTPUT(2, "a pose of the body"),
-    TOO_SMALL(2, "a pose of the body"),
-    OUTPUT(3, "a session's statistics"),
-    TOO_SMALL(3, "a session's statistics"),
-    OUTPUT(4, "an anchor"),
-    TOO_SMALL(4, "an anchor"),
-    OUTPUT(5, "a last error"),
-    OUTPUT(6, "a recording's loss"),
-    TOO_SMALL(6, "a recording's loss"),
-    {"a last error smaller than 1.0 is refused", "base.h", "A struct smaller than in version 1.0 is rejected.",
-     last_error_too_small, 0},
-    {"why a session could not be created fits into its struct", "odograph.h",
-     "struct_size: capacity in, bytes written out. The message is UTF-8 and terminated.", error_of_create, 0},
-    {"options are refused below the size of 1.0 and taken at every larger one", "base.h",
-     "A struct smaller than in version 1.0 is rejected. Of a larger one, the part beyond the known fields is forwarded "
-     "unread.",
-     options_sizes, 0},
-    {"an anchor's place is refused below the size of 1.0 and taken at a larger one", "base.h",
-     "A struct smaller than in version 1.0 is rejected. Of a larger one, the part beyond the known fields is forwarded "
-     "unread.",
-     place_sizes, 0},
-    {NULL, NULL, NULL, NULL, 0}};

@@ -3,8 +3,6 @@
  * Thread-safe functions, called from several threads at once. */
 #include "app.h"
 
-#include <string.h>
-
 typedef struct pusher {
   app* to;
   int sensor; /* 0 to 3 */
@@ -23,10 +21,7 @@ static void put_sample(int sensor, int i, void* out) {
 
 static void* push_sensor(void* user) {
   pusher* self = (pusher*)user;
-  union {
-    odo_header header;
-    unsigned char bytes[LARGEST_SAMPLE];
-  } sample;
+  any_sample sample;
   for (int i = 0; i < 300 && !stop; ++i) {
     int32_t status;
     put_sample(self->sensor, i, &sample);
@@ -56,16 +51,18 @@ static void push_from_four(int run) {
   for (int i = 0; i < 4; ++i) {
     taken += (uint64_t)pushers[i].taken;
     refused += (uint64_t)(pushers[i].exhausted + pushers[i].discarded);
-    CHECK(pushers[i].others == 0, "%d pushes had another status", pushers[i].others);
+    EQUAL(pushers[i].others, 0);
   }
   CHECK(counts.pushed == 1200 && counts.processed == taken &&
             counts.late + counts.overflow + counts.duplicate + counts.invalid == refused,
         "of 1200 samples %llu were taken and %llu refused; pushed is %llu, processed %llu, late %llu, overflow %llu",
         (unsigned long long)taken, (unsigned long long)refused, (unsigned long long)counts.pushed,
         (unsigned long long)counts.processed, (unsigned long long)counts.late, (unsigned long long)counts.overflow);
-  CHECK(refused == 0, "%llu samples were refused although 5 s are waited", (unsigned long long)refused);
-  CHECK(journal_overlaps() == 0, "%u calls of one instance overlapped", journal_overlaps());
+  EQUAL(refused, 0);
+  EQUAL(journal_overlaps(), 0);
 }
+IN_BOTH_RUNS(push_from_four, "four threads push into ", " at once and nothing is lost", "odograph.h",
+             "any thread, several at once");
 
 static int torn;
 static void* ask_for_poses(void* user) {
@@ -89,7 +86,6 @@ static void* ask_for_poses(void* user) {
 
 static void poses_meanwhile(int run) {
   pthread_t thread;
-  NEED(session_get_pose);
   hooks.on_message = walk_message;
   app* self = app_open(CAMERA_WALK, (uint32_t)run);
   start(&thread, ask_for_poses, self);
@@ -102,6 +98,8 @@ static void poses_meanwhile(int run) {
   pthread_join(thread, NULL);
   CHECK(asked > 0 && torn == 0, "%d of %d answers were torn", torn, asked);
 }
+IN_BOTH_RUNS(poses_meanwhile, "poses and statistics asked for beside ", " are whole", "odograph.h",
+             "Takes microseconds and never waits for the pipeline.");
 
 static int32_t linger(odo_instance* instance, const odo_header* message) {
   sleep_ms(5);
@@ -109,18 +107,12 @@ static int32_t linger(odo_instance* instance, const odo_header* message) {
 }
 
 /* Frames wait, and one is being processed. */
-static void destroyed_in_flight(int unused) {
-  uint8_t pixels[64 * 48] = {0};
+CASE("a live session is destroyed with frames in flight", "odograph.h",
+     "Stops the thread of the session, destroys the plugin instances and releases retained frames.") {
   lent memory = NOT_LENT;
   hooks.on_message = linger;
   app* self = app_open(FIXER_ALONE, ODO_RUN_LIVE);
-  for (int i = 0; i < 8; ++i) {
-    odo_frame frame;
-    put_frame(&frame, 0, T0 + i * 10 * MS);
-    frame.planes[0].data = pixels;
-    lend(&frame.loan, &memory);
-    push(self, &frame);
-  }
+  for (int i = 0; i < 8; ++i) push_lent(self, &memory, T0 + i * 10 * MS);
   sleep_ms(8);
   app_close(self);
   CHECK_BALANCED(&memory, 1);
@@ -128,7 +120,7 @@ static void destroyed_in_flight(int unused) {
         "the instance was not destroyed in its turn");
 }
 
-static void sessions_are_independent(int unused) {
+CASE("sessions on several threads are independent", "plugin.h", "Instances are independent of each other") {
   enum { SESSIONS = 3 };
   app* sessions[SESSIONS];
   pusher pushers[SESSIONS];
@@ -165,7 +157,8 @@ static void* push_one(void* user) {
   return NULL;
 }
 
-static void replay_has_one_owner(int unused) {
+CASE("pushes into a replay that is processing do not call plugins at once", "odograph.h",
+     "Samples that other threads push meanwhile are processed on the same thread") {
   pthread_t thread;
   hooks.on_message = take_long;
   app* self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
@@ -177,11 +170,11 @@ static void replay_has_one_owner(int unused) {
   CHECK(journal_overlaps() == 0, "calls of one instance overlapped");
 }
 
-static void statistics_do_not_wait(int unused) {
+CASE("poses and statistics do not wait for plugins", "odograph.h",
+     "Returns the statistics. Never waits for the pipeline.") {
   double start_s, longest_s = 0;
   pthread_t thread;
   pusher slow = {NULL, 1, 0, 0, 0, 0};
-  NEED(session_get_pose);
   hooks.on_message = linger;
   app* self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
   slow.to = self;
@@ -200,23 +193,3 @@ static void statistics_do_not_wait(int unused) {
   CHECK(asked > 150, "%d of 200 calls took less than 4 ms while plugins took 5 ms; the longest %.1f ms", asked,
         1e3 * longest_s);
 }
-
-const conformance_case cases_threads[] = {
-    {"four threads push into a replay at once and nothing is lost", "odograph.h", "any thread, several at once",
-     push_from_four, ODO_RUN_REPLAY},
-    {"four threads push into a live session at once and nothing is lost", "odograph.h", "any thread, several at once",
-     push_from_four, ODO_RUN_LIVE},
-    {"poses and statistics asked for beside a replay are whole", "odograph.h",
-     "Takes microseconds and never waits for the pipeline.", poses_meanwhile, ODO_RUN_REPLAY},
-    {"poses and statistics asked for beside a live session are whole", "odograph.h",
-     "Takes microseconds and never waits for the pipeline.", poses_meanwhile, ODO_RUN_LIVE},
-    {"a live session is destroyed with frames in flight", "odograph.h",
-     "Stops the thread of the session, destroys the plugin instances and releases retained frames.",
-     destroyed_in_flight, 0},
-    {"sessions on several threads are independent", "plugin.h", "Instances are independent of each other",
-     sessions_are_independent, 0},
-    {"pushes into a replay that is processing do not call plugins at once", "odograph.h",
-     "Samples that other threads push meanwhile are processed on the same thread", replay_has_one_owner, 0},
-    {"poses and statistics do not wait for plugins", "odograph.h",
-     "Returns the statistics. Never waits for the pipeline.", statistics_do_not_wait, 0},
-    {NULL, NULL, NULL, NULL, 0}};

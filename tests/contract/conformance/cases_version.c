@@ -3,24 +3,21 @@
  * Functions that need no session. */
 #include "app.h"
 
-#include <stdio.h>
-#include <string.h>
-
-static void version_is_three_numbers(int unused) {
+CASE("the version is three numbers", "odograph.h",
+     "Returns the version of the library, \"major.minor.patch\", terminated; never null.") {
   unsigned major, minor, patch;
   char rest[2];
-  NEED(version);
   REQUIRE(odo.version() != NULL, "odo_version gives null");
   CHECK(sscanf(odo.version(), "%u.%u.%u%1s", &major, &minor, &patch, rest) == 3, "odo_version gives \"%s\"",
         odo.version());
 }
 
-static void abi_is_of_these_headers(int unused) {
-  NEED(abi_version);
-  CHECK(odo.abi_version() >> 16 == ODO_ABI_MAJOR, "odo_abi_version gives major %u", odo.abi_version() >> 16);
+CASE("the ABI's version is major and minor", "odograph.h",
+     "Returns the ABI version of the library: major << 16 | minor.") {
+  EQUAL(odo.abi_version() >> 16, ODO_ABI_MAJOR);
 }
 
-static void all_functions_are_there(int unused) {
+CASE("every function of the headers is there", "base.h", "ODO_API marks the functions of the library.") {
   if (library_missing()[0]) skip_case("the library lacks %s", library_missing());
 }
 
@@ -46,21 +43,17 @@ static void check_texts(const char* of, const char* (*text)(int64_t), int64_t fr
     CHECK(text(far[i]) != NULL, "the text of the unknown %s %lld is null", of, (long long)far[i]);
 }
 
-static void numbers_have_words(int unused) {
-  NEED(status_text);
-  NEED(state_text);
-  NEED(reason_text);
-  NEED(mode_text);
+CASE("each status, state, reason and mode has words of its own", "odograph.h",
+     "Return the text of a status code, a state (ODO_TRACKING ...), a reason or a motion mode; never null.") {
   check_texts("status", status_text, 0, (int64_t)status_count - 1, 0);
   check_texts("state", state_text, ODO_TRACKING, ODO_LOST, ODO_TRACKING);
   check_texts("reason", reason_text, ODO_REASON_NONE, ODO_REASON_NO_ORIGIN, ODO_REASON_INITIALISING);
   check_texts("motion mode", mode_text, ODO_MODE_UNKNOWN, ODO_MODE_HANDLING, ODO_MODE_STATIC);
 }
 
-static void null_is_an_argument(int unused) {
+CASE("null where something is needed is an argument error", "base.h", "the call violates the contract") {
   odo_session* session = (odo_session*)&session;
   odo_error error = {sizeof error, 0, ""};
-  NEED(session_create);
   odo_session_options chosen = {.struct_size = sizeof chosen};
   EXPECT(odo.session_create(NULL, &session, &error), ODO_E_ARGUMENT);
   CHECK(session == NULL, "*session is not null after a failure");
@@ -72,8 +65,8 @@ static void null_is_an_argument(int unused) {
   EXPECT(odo.session_get_statistics(NULL, NULL), ODO_E_ARGUMENT);
 }
 
-static void null_is_destroyed(int unused) {
-  NEED(session_destroy);
+CASE("destroying null does nothing", "odograph.h",
+     "Stops the thread of the session, destroys the plugin instances and releases retained frames.") {
   odo.session_destroy(NULL);
 }
 
@@ -87,9 +80,9 @@ static int32_t ask_for_call(odo_instance* instance, const odo_header* message) {
   return ODO_OK;
 }
 
-static void current_call_is_named(int unused) {
+CASE("the current plugin call names the plugin and the call", "odograph.h",
+     "Writes at most `capacity` bytes, unterminated, and returns their number; 0: no such call.") {
   char outside[64];
-  NEED(current_plugin_call);
   hooks.on_message = ask_for_call;
   app* self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
   CHECK(odo.current_plugin_call(outside, sizeof outside) == 0, "there is a call outside of any plugin's");
@@ -98,25 +91,5 @@ static void current_call_is_named(int unused) {
   CHECK(strcmp(within, "conformance/probe in process") == 0, "within process it gives \"%s\"", within);
   CHECK(within_size == strlen("conformance/probe in process"), "it returned %llu", (unsigned long long)within_size);
   CHECK(memcmp(cut, "conf####", 8) == 0, "with a capacity of 4 it wrote \"%.8s\"", cut);
-  CHECK(cut_size == 4, "with a capacity of 4 it returned %llu", (unsigned long long)cut_size);
+  EQUAL(cut_size, 4);
 }
-
-const conformance_case cases_version[] = {
-    {"the version is three numbers", "odograph.h",
-     "Returns the version of the library, \"major.minor.patch\", terminated; never null.", version_is_three_numbers, 0},
-    {"the ABI's version is major and minor", "odograph.h",
-     "Returns the ABI version of the library: major << 16 | minor.", abi_is_of_these_headers, 0},
-    {"every function of the headers is there", "base.h", "ODO_API marks the functions of the library.",
-     all_functions_are_there, 0},
-    {"each status, state, reason and mode has words of its own", "odograph.h",
-     "Return the text of a status code, a state (ODO_TRACKING ...), a reason or a motion mode; never null.",
-     numbers_have_words, 0},
-    {"null where something is needed is an argument error", "base.h", "the call violates the contract",
-     null_is_an_argument, 0},
-    {"destroying null does nothing", "odograph.h",
-     "Stops the thread of the session, destroys the plugin instances and releases retained frames.", null_is_destroyed,
-     0},
-    {"the current plugin call names the plugin and the call", "odograph.h",
-     "Writes at most `capacity` bytes, unterminated, and returns their number; 0: no such call.", current_call_is_named,
-     0},
-    {NULL, NULL, NULL, NULL, 0}};

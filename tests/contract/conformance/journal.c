@@ -1,10 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "journal.h"
 
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
 journal_hooks hooks;
 
 /* Allocated one by one, so that entries do not move. */

@@ -3,8 +3,6 @@
 #include "suite.h"
 
 #include <dlfcn.h>
-#include <stdio.h>
-#include <string.h>
 
 conformance_library odo;
 conformance_options options;
@@ -14,22 +12,25 @@ conformance_options options;
   typedef char same_type_##name[sizeof(((conformance_library*)0)->name == odo_##name)];
 CONFORMANCE_FUNCTIONS(SAME_TYPE)
 
+static char missing[2048];
+
+static void lacking(void) { skip_case("the library lacks a function of %s", missing); }
+
 const char* library_open(const char* path) {
   void* library = dlopen(path, RTLD_NOW | RTLD_LOCAL);
   if (!library) return dlerror();
-#define FIND(result, name, arguments) *(void**)(&odo.name) = dlsym(library, "odo_" #name);
+  if (!dlsym(library, "odo_abi_version")) return "it is no libodograph: it has no odo_abi_version";
+#define FIND(result, name, arguments)                                                                             \
+  *(void**)(&odo.name) = dlsym(library, "odo_" #name);                                                            \
+  if (!odo.name) {                                                                                                \
+    snprintf(missing + strlen(missing), sizeof missing - strlen(missing), "%sodo_" #name, missing[0] ? " " : ""); \
+    odo.name = (result(ODO_CALL*) arguments)lacking;                                                              \
+  }
   CONFORMANCE_FUNCTIONS(FIND)
   return NULL;
 }
 
-const char* library_missing(void) {
-  static char names[2048];
-  names[0] = 0;
-#define MISSING(result, name, arguments) \
-  if (!odo.name) strncat(names, " odo_" #name, sizeof names - strlen(names) - 1);
-  CONFORMANCE_FUNCTIONS(MISSING)
-  return names[0] ? names + 1 : names;
-}
+const char* library_missing(void) { return missing; }
 
 odo_string string_of(const char* text) {
   odo_string string;

@@ -3,8 +3,6 @@
  * Messages pushed by the cases, and the walk. */
 #include "app.h"
 
-#include <string.h>
-
 void put_header(void* message, uint32_t size, uint32_t type, int64_t t_ns) {
   odo_header* header = (odo_header*)message;
   memset(message, 0, size);
@@ -218,6 +216,14 @@ void walk_second(app* self, int second) {
   }
 }
 
+app* app_walk(int seconds) {
+  hooks.on_message = walk_message;
+  app* self = app_open(CAMERA_WALK, ODO_RUN_REPLAY);
+  for (int second = 0; second < seconds; ++second) walk_second(self, second);
+  app_flush(self);
+  return self;
+}
+
 /* ---- loans ---- */
 static int32_t ODO_CALL retain(void* owner) {
   lent* self = (lent*)owner;
@@ -247,4 +253,20 @@ void lend(odo_loan* loan, lent* self) {
   loan->retain = retain;
   loan->release = release;
   loan->native = self->native ? native : NULL;
+}
+
+uint8_t lent_pixels[64 * 48];
+
+void put_lent_frame(odo_frame* out, lent* of, int64_t t_ns) {
+  put_frame(out, 0, t_ns);
+  out->planes[0].data = lent_pixels;
+  lend(&out->loan, of);
+}
+
+int32_t push_lent(app* self, lent* of, int64_t t_ns) {
+  odo_frame frame;
+  put_lent_frame(&frame, of, t_ns);
+  int32_t status = push(self, &frame);
+  memset(&frame, 0xFF, sizeof frame); /* `owner` alone remains */
+  return status;
 }

@@ -7,8 +7,12 @@
 #define CONFORMANCE_SUITE_H
 
 #include <stdbool.h>
+#include <math.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
 
 #include <odograph/absolute_fixer.h>
 #include <odograph/anchor.h>
@@ -27,13 +31,30 @@ typedef struct conformance_case {
   const char* sentence; /* ... and its sentence that is checked */
   void (*run)(int argument);
   int argument;
+  struct conformance_case* next;
 } conformance_case;
+void add_case(conformance_case* added);
 
-/* Groups, each terminated by a row without a name. */
-extern const conformance_case cases_version[], cases_sizes[], cases_push[], cases_types[], cases_loans[],
-    cases_keeping[], cases_cameras[], cases_order[], cases_emit[], cases_emit_values[], cases_life[], cases_failures[],
-    cases_services[], cases_callback[], cases_threads[], cases_session[], cases_saved[], cases_anchors[],
-    cases_corrections[], cases_recordings[], cases_damage[], cases_process[], cases_register[];
+/* CASE defines a case; CASE_OF adds one that calls a function with an argument, IN_BOTH_RUNS the two of "a replay" and
+ * "a live session", named between the texts. */
+#define CASE(name, header, sentence) CASE_BY(NUMBERED(case_, __COUNTER__), name, header, sentence)
+#define CASE_OF(run, argument, name, header, sentence) \
+  ADDED_BY(NUMBERED(add_, __COUNTER__), run, argument, name, header, sentence)
+#define IN_BOTH_RUNS(run, before, after, header, sentence)                 \
+  CASE_OF(run, ODO_RUN_REPLAY, before "a replay" after, header, sentence); \
+  CASE_OF(run, ODO_RUN_LIVE, before "a live session" after, header, sentence)
+#define NUMBERED(word, number) NUMBERED_AS(word, number)
+#define NUMBERED_AS(word, number) word##number
+#define CASE_BY(function, name, header, sentence) \
+  static void function(int unused);               \
+  CASE_OF(function, 0, name, header, sentence);   \
+  static void function(int unused)
+#define ADDED_BY(function, run, argument, name, header, sentence)                      \
+  __attribute__((constructor)) static void function(void) {                            \
+    static conformance_case added = {name, header, sentence, run, (int)(argument), 0}; \
+    add_case(&added);                                                                  \
+  }                                                                                    \
+  struct conformance_case /* takes the semicolon */
 
 /* Within a case. fail_at records a failure and continues, stop_at ends the case too; thread-safe. */
 void fail_at(const char* file, int line, const char* format, ...);
@@ -98,13 +119,9 @@ extern conformance_library odo;
 
 /* Loads the library; null, or the reason for the failure. */
 const char* library_open(const char* path);
-/* Names of the headers' functions that the library lacks, separated by blanks; empty if it has all. */
+/* Names of the headers' functions that the library lacks, separated by blanks; empty if it has all. A call of one
+ * skips the case. */
 const char* library_missing(void);
-/* Skips the case if the library lacks the function. */
-#define NEED(name)                                                \
-  do {                                                            \
-    if (!odo.name) skip_case("the library has no odo_%s", #name); \
-  } while (0)
 
 /* Options of the command line. */
 typedef struct conformance_options {

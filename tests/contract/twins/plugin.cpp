@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Two plugins with the same class name, built from this file: TWIN is 1 or 2. Linked into a program the class is in a
+// Plugins with the same class name, built from this file: TWIN is 1 to 4. Linked into a program the class is in a
 // separate namespace, as required for any two classes of a program.
 #include <odograph/plugin.hpp>
 
@@ -10,8 +10,8 @@ namespace {
 
 struct Twin {
   double gain = TWIN;
-  static constexpr odo::Description description{TWIN == 1 ? "twin/one" : "twin/two", "1.0.0", "A twin.",
-                                                ODO_INTERFACE_ATTITUDE};
+  static constexpr const char* ids[] = {"twin/one", "twin/two", "twin/three", "twin/four"};
+  static constexpr odo::Description description{ids[TWIN - 1], "1.0.0", "A twin.", ODO_INTERFACE_ATTITUDE};
   static std::vector<odo::Parameter<Twin>> parameters() {
     return {odo::real("gain", "", 0, 10, &Twin::gain, "Its number.")};
   }

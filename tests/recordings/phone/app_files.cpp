@@ -16,9 +16,6 @@
 #include "tests/recordings/phone/video_file.hpp"
 #include "tests/support/support.hpp"
 
-using namespace odograph;
-namespace fs = std::filesystem;
-
 namespace {
 
 constexpr int64_t kBoot_ns = 1'781'700'000'000'000'000;  // boot time of the phone

@@ -9,9 +9,6 @@
 #include "tests/recordings/phone/app_files.hpp"
 #include "tests/support/support.hpp"
 
-using namespace odograph;
-namespace fs = std::filesystem;
-
 namespace {
 
 constexpr double kLoggedDegrees = 57.29577951308232;

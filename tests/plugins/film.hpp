@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+
+#include "plugins/shared/camera/camera_model.hpp"
+#include "sdk/tools/simulation/camera.hpp"
+
+namespace odograph {
+
+/// A generated street as a phone's camera sees it that is held upright and looks north, at 10 Hz.
+class Film {
+ public:
+  Film(int width, int height, double focal_px, uint64_t seed) {
+    scenario_.camera.width = width, scenario_.camera.height = height, scenario_.camera.focal_px = focal_px;
+    world_.emplace(scenario_, seed);
+    camera_.emplace(scenario_.camera, 1.0, seed);
+    view_.emplace(*world_, *camera_, scenario_);
+  }
+  cv::Mat frame(const Eigen::Vector3d& p, size_t index, double yaw = 0) {
+    Eigen::Matrix3d upright;
+    upright << 0, 0, -1, 1, 0, 0, 0, -1, 0;  // the phone's x, y, z while its camera looks north
+    const Eigen::AngleAxisd turned(yaw, Eigen::Vector3d::UnitZ());
+    const Motion still(1.0, {p}, {Eigen::Quaterniond(turned) * Eigen::Quaterniond(upright)});
+    return camera_->develop(view_->render(still, 0.1 * static_cast<double>(index)), index);
+  }
+  CameraModel model() const {
+    const auto& c = scenario_.camera;
+    return {CameraModel::Distortion::radial_tangential,
+            c.focal_px,
+            c.focal_px,
+            0.5 * (c.width - 1),
+            0.5 * (c.height - 1),
+            {}};
+  }
+
+ private:
+  Scenario scenario_;
+  std::optional<World> world_;
+  std::optional<SimCamera> camera_;
+  std::optional<View> view_;
+};
+
+}  // namespace odograph
