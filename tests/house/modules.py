@@ -40,7 +40,7 @@ SYSTEM_FILES = {PLUGIN_HOST + name for name in (
     "sealed_copy.cpp", "shared_memory.cpp", "shared_pixels.cpp", "thread_gate.cpp", "thread_gate.hpp")}
 # Of the tools, which run on a developer's machine: child processes, pipes, the terminal.
 SYSTEM_FILES |= {"sdk/tools/" + name for name in (
-    "console/console.cpp", "replay/marked_run.cpp", "replay/picture_source.cpp", "replay/run_files.cpp", "validator/child.cpp", "validator/entry_cases.cpp",
+    "command_line/main.cpp", "console/console.cpp", "replay/marked_run.cpp", "replay/run_files.cpp", "validator/child.cpp", "validator/entry_cases.cpp",
     "validator/life_cases.cpp", "validator/plugin_driver.cpp")}
 GENERATOR = r"\b(?:random|generator)_?\b"
 # Functions, lambdas among them, that draw in their first lines.
