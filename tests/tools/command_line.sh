@@ -12,6 +12,9 @@ expect 0 "Exit status" "$odograph" --help
 expect 0 "." "$odograph" --version
 expect 2 "subcommand" "$odograph"
 expect 2 "" "$odograph" nonsense
+mkdir alone && cp "$odograph" alone/odograph
+expect 2 "odograph-tools: No such file" alone/odograph bench walks
+expect 0 "walk700" "$odograph" bench --help
 expect 0 "attitude/vqf" "$odograph" plugins
 expect 0 "tau_acc" "$odograph" plugins attitude/vqf
 expect 2 "did you mean 'attitude/vqf'" "$odograph" plugins attitude/vfq
