@@ -11,7 +11,7 @@
 
 #include <Eigen/Eigenvalues>
 
-#include "sdk/host/localizer/timed_positions.hpp"
+#include "sdk/math/timed_ring.hpp"
 #include "sdk/host/messages/bounds.hpp"
 #include "sdk/host/messages/messages.hpp"
 #include "sdk/math/atmosphere.hpp"
@@ -99,19 +99,22 @@ TEST_CASE("nanoseconds are rounded to nearest, and seconds are the inverse") {
   CHECK(odograph::seconds(3 * odograph::kSecond_ns + 5 * odograph::kMillisecond_ns) == doctest::Approx(3.005));
 }
 
-TEST_CASE("stored positions are interpolated linearly, and extrapolated only for a moment after the newest") {
-  odograph::TimedPositions positions;
-  CHECK(!positions.at(0, 100));
-  const auto p = [](int64_t t_ns) { return Eigen::Vector3d(1e-3 * static_cast<double>(t_ns), 2, -1); };
-  for (int64_t t = 0; t <= 3000; t += 10) positions.add(t, p(t));
-  CHECK(*positions.at(3000) == p(3000));
-  CHECK(*positions.at(2000) == p(2000));
-  CHECK((*positions.at(2994) - p(2994)).norm() < 1e-12);
-  CHECK(!positions.at(3001));
-  CHECK(*positions.at(3099, 100) == p(3000));
-  CHECK(!positions.at(3100, 100));
-  CHECK(positions.at(450));  // 256 are kept, from 450 on
-  CHECK(!positions.at(449));
+TEST_CASE("a timed ring finds values by time, and a value that is not newer replaces the newest") {
+  struct At {
+    int64_t t_ns = 0;
+    int value = 0;
+  };
+  odograph::TimedRing<At, 256> ring;
+  CHECK(ring.later_than(0) == 0);
+  for (int64_t t = 0; t <= 3000; t += 10) ring.push({t, static_cast<int>(t)});
+  CHECK(ring.later_than(3000) == 0);
+  CHECK(ring.back(ring.later_than(2994)).t_ns == 2990);
+  CHECK(ring.back(ring.later_than(450)).t_ns == 450);  // 256 are kept, from 450 on
+  CHECK(ring.later_than(449) == ring.size());
+  CHECK(odograph::weight_between(At{10}, At{20}, 14) == doctest::Approx(0.4));
+  ring.push({2000, 7});
+  CHECK(ring.size() == 256);
+  CHECK(ring.back(0).value == 7);
 }
 
 TEST_CASE("valid covariances are accepted up to rounding, and invalid ones are rejected") {

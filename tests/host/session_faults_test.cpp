@@ -148,6 +148,37 @@ TEST_CASE("an outlier is rejected, counted and reported, and changes nothing tha
   CHECK(contains(error.message, "magnetometer: value outside the range"));
 }
 
+TEST_CASE("messages of another clock are discarded, counted and reported with their number, and the walk goes on") {
+  constexpr int64_t kOtherClock_ns = 1'700'000'000'000'000'000;
+  App clean(kWalk), app(kWalk);
+  clean.run(0, 6000);
+  for (int i = 0; i < 6000; i += 100) {
+    app.walk(i, i + 100);
+    auto waypoint = make_message<odo_waypoint>(ODO_TYPE_WAYPOINT, kOtherClock_ns + i * 10 * kMs);
+    waypoint.sigma_m = 1;
+    CHECK(app.push(waypoint) == ODO_OK);  // held back
+    if (i == 3000) app.flush();
+  }
+  app.flush();
+  CHECK(app.statistics().invalid == 60);
+  CHECK(app.statistics().overflow == 0);
+  CHECK(contains(app.said(), "its time is far ahead of all others"));
+  CHECK(app.statistics().steps == clean.statistics().steps);
+  CHECK(app.statistics().tracking_s == clean.statistics().tracking_s);
+  CHECK(app.statistics().gaps == 0);
+}
+
+TEST_CASE("a fix that comes first after the phone has slept waits for the other sensors and is used") {
+  App app(kWalk + "absolute_fixers:\n  - plugin: fix/waypoint\n    parameters: {use: all}\n");
+  app.walk(0, 1000);
+  auto waypoint = make_message<odo_waypoint>(ODO_TYPE_WAYPOINT, 1'000 * kMs + 8000 * 10 * kMs);  // 70 s later
+  waypoint.sigma_m = 1;
+  CHECK(app.push(waypoint) == ODO_OK);
+  app.run(8000, 8200);
+  CHECK(app.statistics().fixes_accepted + app.statistics().fixes_rejected == 1);
+  CHECK(app.statistics().gaps == 1);
+}
+
 TEST_CASE("while the IMU is silent and the camera runs the state does not change") {
   NeedyApp app;
   for (int i = 0; i < 800; ++i) {

@@ -37,7 +37,7 @@ int print_poses(const std::string& config, const std::string& path, const std::s
   if (!result) return fail(result.failure().text);
   std::ostringstream tum;
   const size_t from = result->first_metric < result->track.size() ? result->first_metric : 0;
-  write_tum(tum, Trajectory(result->track.begin() + static_cast<std::ptrdiff_t>(from), result->track.end()));
+  write_tum(tum, StampedPoses(result->track.begin() + static_cast<std::ptrdiff_t>(from), result->track.end()));
   if (tum.str() != text_of(folder + "/trajectory.tum")) return fail("these are not the poses of the command line");
   for (const odo_pose& x : result->poses)
     std::printf("pose %" PRId64 " %.17g %.17g %.17g %.17g %.17g %.17g %.17g\n", x.header.t_ns, x.p_n[0], x.p_n[1],

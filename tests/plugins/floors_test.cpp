@@ -2,9 +2,9 @@
 //
 // Floors as integers, and lifts, which are neither walking nor standing.
 #include "plugins/step/odograph/stair_detector.hpp"
-#include "sdk/host/localizer/composer.hpp"
-#include "sdk/host/localizer/floor_estimator.hpp"
-#include "sdk/host/localizer/lift_detector.hpp"
+#include "tests/support/test_fusion.hpp"
+#include "sdk/host/fusion/floors.hpp"
+#include "sdk/host/fusion/height.hpp"
 #include "sdk/host/messages/messages.hpp"
 #include "sdk/math/atmosphere.hpp"
 #include "sdk/tools/replay/runner.hpp"
@@ -142,7 +142,6 @@ struct Ride {
   double since_s = 0, seen_s = 0;
 };
 Ride ride_of(double mps, double ride_s, double rate_hz, bool walks, double scatter_pa = 1.5) {
-  HeightTrend trend;
   LiftDetector detector;
   Random random(11, 2);
   Ride ride;
@@ -151,10 +150,9 @@ Ride ride_of(double mps, double ride_s, double rate_hz, bool walks, double scatt
     const double up_m = mps * std::clamp(t - 20, 0.0, ride_s);
     const auto t_ns = static_cast<int64_t>(t * 1e9) + kSecond;
     if (walks || t < 15) stepped_ns = t_ns, detector.step(t_ns);
-    if (!trend.add(t_ns, 101'325 - up_m / 0.0843 + scatter_pa * random.normal())) continue;
-    detector.update(trend, stepped_ns);
+    if (!detector.add(t_ns, 101'325 - up_m / 0.0843 + scatter_pa * random.normal(), stepped_ns)) continue;
     if (detector.riding() && !ride.seen)
-      ride.seen = true, ride.seen_s = t - 20, ride.since_s = 1e-9 * static_cast<double>(detector.since_ns()) - 21;
+      ride.seen = true, ride.seen_s = t - 20, ride.since_s = 1e-9 * static_cast<double>(*detector.since()) - 21;
     ride.over = ride.seen && !detector.riding();
   }
   return ride;
@@ -222,7 +220,7 @@ TEST_CASE("a walk with lift rides: the height follows, and poses report the lift
 }
 
 TEST_CASE("a lift is a source of motion: its motion is no correction, and steps move the track again afterwards") {
-  Composer composer({.type = CouplingType::localizer}, {}, {false, false});
+  TestFusion fusion({.type = CouplingType::localizer}, {}, {false, false});
   Random random(3, 9);
   const auto ns = [](double t_s) { return kSecond + static_cast<int64_t>(std::llround(t_s * 1e9)); };
   const auto up_at = [](double t_s) { return 1.0 * std::clamp(t_s - 30, 0.0, 10.0); };
@@ -231,23 +229,24 @@ TEST_CASE("a lift is a source of motion: its motion is no correction, and steps 
   for (int i = 0; i < 7000; ++i) {
     const double t = 0.01 * i;
     auto attitude = attitude_at(ns(t), Eigen::Quaterniond::Identity(), 4e-4);
-    composer.update(&attitude);
+    fusion.update(&attitude);
     const bool walks = t < 25 || t > 45;
     if (walks && i > 0 && i % 50 == 0) {
       auto step = step_between(ns(t - 0.9), ns(t - 0.4), ns(t), 0.7, 0.05);
       step.mode = ODO_MODE_WALKING_TEXTING;
-      composer.update(&step);
+      fusion.update(&step);
     }
     if (i % 20 == 0) {
       auto reading = pressure_at(ns(t), pressure_at_pa(up_at(t)) + 1.5 * random.normal());
-      composer.update(&reading);
+      fusion.update(&reading);
     }
     Correction correction;
     odo_pose pose{};
-    const bool corrected = composer.take_correction(correction, pose);
-    while (composer.take_pose(pose)) continue;
-    if (const Notice notice = composer.take_notice(); notice.key) floor_said |= std::string(notice.key) == "floor";
-    const bool rides = std::holds_alternative<LiftSource>(composer.source());
+    const bool corrected = fusion.take_correction(correction, pose);
+    while (fusion.take_pose(pose)) continue;
+    for (Notice notice = fusion.take_notice(); notice.key; notice = fusion.take_notice())
+      floor_said |= std::string(notice.key) == "floor";
+    const bool rides = fusion->source() == MotionSource::lift;
     rode = rode || rides;
     corrections += corrected && rides;
     if (rides) CHECK((t > 30 && t < 45));
@@ -256,10 +255,10 @@ TEST_CASE("a lift is a source of motion: its motion is no correction, and steps 
   CHECK(rode);
   CHECK(corrections == 0);
   CHECK(floor_said);
-  CHECK(std::holds_alternative<StepSource>(composer.source()));
-  CHECK(std::abs(-composer.localizer().x()[kDown] - 10) < 1);
-  CHECK(composer.floor().floor == 3);
-  CHECK(composer.floor().probability > 0.5);
+  CHECK(fusion->source() == MotionSource::steps);
+  CHECK(std::abs(-fusion.filter().x()[kDown] - 10) < 1);
+  CHECK(fusion->floor().floor == 3);
+  CHECK(fusion->floor().probability > 0.5);
 }
 
 TEST_SUITE_BEGIN("steps");

@@ -2,7 +2,7 @@
 #include "plugins/fix/gnss/correlated_error.hpp"
 #include "plugins/fix/gnss/path_heading.hpp"
 #include "sdk/host/base/geodesy.hpp"
-#include "sdk/host/localizer/measurement.hpp"
+#include "sdk/host/fusion/outputs.hpp"
 #include "sdk/host/messages/messages.hpp"
 #include "sdk/tools/simulation/random.hpp"
 #include "tests/support/runs.hpp"

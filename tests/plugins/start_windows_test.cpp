@@ -14,7 +14,7 @@ constexpr int64_t kFrame_ns = 50'000'000;
 
 /// 8 s of a camera on an arc; its odometry is metric from `metric_from` on, too large by `scale` with sigma `sigma`.
 struct Flight {
-  Trajectory truth;
+  StampedPoses truth;
   std::vector<odo_vo_motion> motions;
 
   Flight(double scale, double sigma, size_t metric_from, size_t new_group_at = SIZE_MAX) {

@@ -10,7 +10,7 @@
 namespace {
 
 struct Composed {
-  Trajectory track;  ///< composed metric motions
+  StampedPoses track;  ///< composed metric motions
   double first_metric_s = -1;
   size_t motions = 0, groups = 0, refined = 0;
 };
@@ -55,7 +55,7 @@ Errors errors_of(const Recording& recording, const Composed& composed) {
   REQUIRE(pairs.reference.size() > 50);
   double scale = 1, one = 1;
   align(pairs, Alignment::sim3, &scale);
-  const Trajectory aligned = align(pairs, Alignment::se3, &one);
+  const StampedPoses aligned = align(pairs, Alignment::se3, &one);
   return {statistics_of(absolute_errors(pairs.reference, aligned).translation_m).rmse, 1 / scale};
 }
 

@@ -22,7 +22,7 @@ struct StatedScale {
 };
 
 struct Run {
-  Trajectory truth;
+  StampedPoses truth;
   std::vector<odo_vo_motion> motions;
   std::vector<int64_t> emitted_ns, frames_ns;
 
@@ -33,7 +33,7 @@ struct Run {
 
 /// An odometry that reports every true motion as changed by `says`. `down`: in the truth's frame.
 template <class Speaker>
-Run run(const Trajectory& truth, Speaker says, const Vector3d& down = Vector3d::UnitZ()) {
+Run run(const StampedPoses& truth, Speaker says, const Vector3d& down = Vector3d::UnitZ()) {
   Run r{truth, {}, {}, {truth.front().t_ns}};
   for (size_t i = 1; i < truth.size(); ++i) {
     const StampedPose &a = truth[i - 1], &b = truth[i];
@@ -54,8 +54,8 @@ StatedScale right(size_t) { return {}; }
 
 /// A number of frames of a camera that looks about while it moves along `at` (m, by s).
 template <class Path>
-Trajectory path(size_t frames, Path at) {
-  Trajectory t;
+StampedPoses path(size_t frames, Path at) {
+  StampedPoses t;
   for (size_t i = 0; i < frames; ++i) {
     const double s = 0.1 * static_cast<double>(i);
     const Quaterniond q = Quaterniond(Eigen::AngleAxisd(0.3 * std::sin(s), Vector3d::UnitZ())) *
@@ -65,18 +65,18 @@ Trajectory path(size_t frames, Path at) {
   return t;
 }
 
-Trajectory line(size_t frames) {
+StampedPoses line(size_t frames) {
   return path(frames, [](double s) { return Vector3d(1.2 * s, 0, 0); });
 }
 
 /// 20 s straight ahead at 1 m/s, standing, and another 20 s.
-Trajectory with_stop(double standing_s) {
+StampedPoses with_stop(double standing_s) {
   return path(static_cast<size_t>(10 * (40 + standing_s)), [=](double s) {
     return Vector3d(s < 20 ? s : std::max(20.0, s - standing_s), 0.1 * std::sin(0.2 * s), 0);
   });
 }
 
-double spread(const Trajectory& t) {
+double spread(const StampedPoses& t) {
   std::vector<double> x;
   for (const StampedPose& pose : t) x.push_back(pose.p.x());
   return statistics_of(x).std;
@@ -118,7 +118,7 @@ TEST_CASE("yaw alignment takes the vertical from the gravity of the motions, for
     const auto stairs = path(300, [](double s) { return Vector3d(8 * std::sin(0.3 * s), s, 0.4 * s); });
     CHECK(run(stairs, right, down).figures().yaw_rmse_m < 1e-9);  // a line may be upside down, stairs may not
     const Run wrong = run(line(300), right, tilted);
-    Trajectory ends = wrong.truth;
+    StampedPoses ends = wrong.truth;
     ends.erase(ends.begin());
     CHECK(wrong.figures().yaw_rmse_m == doctest::Approx(2 * std::sin(tilt / 2) * spread(ends)).epsilon(1e-6));
     CHECK(wrong.figures().se3_rmse_m < 1e-9);

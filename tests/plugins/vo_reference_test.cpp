@@ -46,7 +46,7 @@ Recording recording(bool mounted) {
 
 template <class Pose>
 std::filesystem::path written(const TemporaryFolder& folder, Pose pose) {
-  Trajectory poses;
+  StampedPoses poses;
   for (int64_t i = 0; i < 200; ++i) poses.push_back(pose(i));
   const auto file = folder / "reference.tum";
   REQUIRE(write_trajectory(file, poses, nullptr));

@@ -221,7 +221,7 @@ TEST_CASE("the error of the real clips after Sim(3) stays below the plain baseli
     const auto folder = data_or_skip(clip.first);
     if (folder.empty()) continue;
     const auto recording = required(read_recording(folder));
-    const Trajectory track = run_of(*recording, source("samples/configs/monocular.yaml")).track;
+    const StampedPoses track = run_of(*recording, source("samples/configs/monocular.yaml")).track;
     CHECK(track.size() == recording->truth.size());
     const Pairs pairs = associate(recording->truth, track, 0.001);
     const double rmse =

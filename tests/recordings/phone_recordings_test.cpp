@@ -38,8 +38,8 @@ RunResult run(const Recording& recording) {
 }
 
 /// Reference run of the walk with only the content of the app's recording: sensors, and the camera's mount.
-const Trajectory& direct_track(bool upright, const Recording& like) {
-  static std::map<std::tuple<bool, bool, bool, bool>, Trajectory> tracks;
+const StampedPoses& direct_track(bool upright, const Recording& like) {
+  static std::map<std::tuple<bool, bool, bool, bool>, StampedPoses> tracks;
   const bool field = like.has(ODO_TYPE_MAGNETOMETER), pressure = like.has(ODO_TYPE_BAROMETER);
   bool lever = false;
   for (const auto& m : like.messages)
@@ -62,7 +62,7 @@ const Trajectory& direct_track(bool upright, const Recording& like) {
 }
 
 /// Largest distance of two tracks (m), each from its own first time on; 1e9 if their lengths differ.
-double apart(const Trajectory& a, const Trajectory& b) {
+double apart(const StampedPoses& a, const StampedPoses& b) {
   if (a.size() != b.size() || a.empty()) return 1e9;
   double farthest = 0;
   for (size_t i = 0; i < a.size(); ++i) {
@@ -232,7 +232,7 @@ TEST_CASE("the platform's own poses are the reference, converted to our axes") {
   const TemporaryFolder folder;
   apps()[9].write(walk(false), folder / "out");
   const Recording recording = read(folder / "out");
-  const Trajectory& expected = walk(false).recording.truth;
+  const StampedPoses& expected = walk(false).recording.truth;
   REQUIRE(recording.truth.size() == expected.size());
   CHECK((recording.truth[7].p - expected[7].p).norm() < 1e-9);
   CHECK(recording.truth[7].q.angularDistance(expected[7].q) < 1e-7);

@@ -168,7 +168,7 @@ TEST_CASE("a trundle wheel's distances and empty fields are read") {
 TEST_CASE("a walk's figures are distance, position after alignment, direction and consistency") {
   Recording recording;
   recording.format = "RIDI";
-  Trajectory track;
+  StampedPoses track;
   std::vector<odo_step> steps;
   for (int i = 0; i <= 600; ++i) {  // 1 m/s, a corner after 30 s; the track is rotated, and 10 % too long
     const double s = 0.1 * i, north = std::min(s, 30.0), east = std::max(0.0, s - 30);

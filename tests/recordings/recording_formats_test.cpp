@@ -115,8 +115,8 @@ TEST_CASE("colours are read in their order, and a grey picture row by row") {
 
 TEST_CASE("trajectory files have each number in its column, geodetic ones longitude first except in GPX") {
   const TemporaryFolder folder;
-  const Trajectory track = {{1'000'000'007, kQ, {1.5, -2.25, 3.125}},
-                            {2'000'000'000, Quaterniond::Identity(), {4, 5, 6}}};
+  const StampedPoses track = {{1'000'000'007, kQ, {1.5, -2.25, 3.125}},
+                              {2'000'000'000, Quaterniond::Identity(), {4, 5, 6}}};
   const ToGeodetic earth = [](const Vector3d& p) {
     return std::array<double, 3>{0.8 + 1e-3 * p.x(), -0.1 + 1e-3 * p.y(), 200 - p.z()};
   };
@@ -145,9 +145,9 @@ TEST_CASE("trajectory files have each number in its column, geodetic ones longit
 TEST_CASE("tracks on a map have times if the clock is Unix time, otherwise none") {
   const TemporaryFolder folder;
   const ToGeodetic earth = [](const Vector3d&) { return std::array<double, 3>{0.8, -0.1, 20}; };
-  const Trajectory unix_times = {{1'781'801'311'043'000'000, kQ, {}}, {1'781'801'312'043'000'000, kQ, {1, 0, 0}}};
-  const Trajectory boot_times = {{77'043'000'000, kQ, {}}, {78'043'000'000, kQ, {1, 0, 0}}};
-  const auto has = [&](const char* name, const Trajectory& track, const char* text) {
+  const StampedPoses unix_times = {{1'781'801'311'043'000'000, kQ, {}}, {1'781'801'312'043'000'000, kQ, {1, 0, 0}}};
+  const StampedPoses boot_times = {{77'043'000'000, kQ, {}}, {78'043'000'000, kQ, {1, 0, 0}}};
+  const auto has = [&](const char* name, const StampedPoses& track, const char* text) {
     REQUIRE(write_trajectory(folder / name, track, earth).ok());
     return contains(read_text(folder / name), text);
   };

@@ -82,12 +82,12 @@ TEST_CASE("times are written to text and read back exactly") {
 
 TEST_CASE("trajectories are written to TUM and KITTI files and read back") {
   const TemporaryFolder folder;
-  Trajectory track;
+  StampedPoses track;
   for (int i = 0; i < 20; ++i)
     track.push_back({1574129954212000000 + i * 100'000'000LL,
                      Eigen::Quaterniond(Eigen::AngleAxisd(0.2 * i, Eigen::Vector3d(1, 2, 3).normalized())),
                      {0.1 * i, -3.0, 1e-3 * i}});
-  const auto same = [&](const Trajectory& other, bool times) {
+  const auto same = [&](const StampedPoses& other, bool times) {
     REQUIRE(other.size() == track.size());
     for (size_t i = 0; i < track.size(); ++i) {
       if (times) CHECK(other[i].t_ns == track[i].t_ns);

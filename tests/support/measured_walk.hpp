@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "sdk/math/rotation.hpp"
-#include "sdk/host/localizer/composer.hpp"
+#include "tests/support/test_fusion.hpp"
 #include "sdk/host/messages/messages.hpp"
 #include "sdk/tools/simulation/random.hpp"
 #include "sdk/tools/simulation/walker.hpp"
@@ -81,7 +81,7 @@ class MeasuredWalk {
   double log_factor() const { return log_factor_; }
 
   /// Runs it; `on_pose` receives every published pose, `on_correction` every announced jump.
-  void run(Composer& composer, const std::function<void(double t_s, const odo_pose&)>& on_pose,
+  void run(TestFusion& fusion, const std::function<void(double t_s, const odo_pose&)>& on_pose,
            const std::function<void(const Correction&, const odo_pose&)>& on_correction = {}) {
     auto calibration = make_message<odo_calibration>(ODO_TYPE_CALIBRATION, 0);
     calibration.header.flags = ODO_CALIBRATION_EXTRINSICS;
@@ -89,16 +89,16 @@ class MeasuredWalk {
     calibration.q_b_c[0] = q.w(), calibration.q_b_c[1] = q.x(), calibration.q_b_c[2] = q.y();
     calibration.q_b_c[3] = q.z();
     Eigen::Vector3d::Map(calibration.p_b_c) = p_b_c_;
-    composer.on_calibration(calibration);
+    fusion->on_calibration(calibration);
     const double dt = 0.005;
     double next_frame = w_.start_s + 0.0123, next_fix = w_.start_s + w_.fix_every_s;
     size_t next_step = 0;
     std::vector<std::pair<double, odo_fix>> late;
     const auto drain = [&] {
       odo_pose pose;
-      while (composer.take_pose(pose)) on_pose(static_cast<double>(pose.header.t_ns - 1'000'000'000) * 1e-9, pose);
+      while (fusion.take_pose(pose)) on_pose(static_cast<double>(pose.header.t_ns - 1'000'000'000) * 1e-9, pose);
       Correction correction;
-      if (composer.take_correction(correction, pose) && on_correction) on_correction(correction, pose);
+      if (fusion.take_correction(correction, pose) && on_correction) on_correction(correction, pose);
     };
     for (double t = w_.start_s; t < duration_s(); t += dt) {
       const auto state = journey_.phone.at(t);
@@ -109,17 +109,17 @@ class MeasuredWalk {
         imu.accel_b[i] = state.specific_force_b()[i] + accel_bias_[i] + 2e-3 / std::sqrt(dt) * imu_random_.normal();
       }
       const bool no_imu = t >= w_.no_imu_from_s && t < w_.no_imu_to_s;
-      if (!no_imu) composer.add_imu(imu);
-      if (w_.attitude && !no_imu) attitude(composer, t, state);
+      if (!no_imu) fusion->on_imu(imu);
+      if (w_.attitude && !no_imu) attitude(fusion, t, state);
       drain();
       while (w_.camera && next_frame < t + dt) {
         const bool off = next_frame >= w_.odometry.off_from_s && next_frame < w_.odometry.off_to_s;
-        if (next_frame >= w_.odometry.from_s && !off) frame(composer, next_frame);
+        if (next_frame >= w_.odometry.from_s && !off) frame(fusion, next_frame);
         drain();
         next_frame += 1 / w_.odometry.rate_hz;
       }
       while (w_.steps && next_step < journey_.steps.size() && journey_.steps[next_step].t_end_s + 0.36 < t) {
-        if (journey_.steps[next_step].t_start_s > w_.start_s) step(composer, journey_.steps[next_step]);
+        if (journey_.steps[next_step].t_start_s > w_.start_s) step(fusion, journey_.steps[next_step]);
         ++next_step;
         drain();
       }
@@ -128,7 +128,7 @@ class MeasuredWalk {
         next_fix += w_.fix_every_s;
       }
       while (!late.empty() && late.front().first <= t) {
-        composer.update(&late.front().second);
+        fusion.update(&late.front().second);
         late.erase(late.begin());
         drain();
       }
@@ -136,7 +136,7 @@ class MeasuredWalk {
   }
 
  private:
-  void attitude(Composer& composer, double t, const Motion::State& state) {
+  void attitude(TestFusion& fusion, double t, const Motion::State& state) {
     auto a = make_message<odo_attitude>(ODO_TYPE_ATTITUDE, ns(t));
     if (!tilted_) {
       tilted_ = true;
@@ -152,11 +152,11 @@ class MeasuredWalk {
     }
     a.q_n_b[0] = q.w(), a.q_n_b[1] = q.x(), a.q_n_b[2] = q.y(), a.q_n_b[3] = q.z();
     a.covariance_n[0] = a.covariance_n[4] = 0.02 * 0.02;
-    composer.update(&a);
+    fusion.update(&a);
   }
 
-  void frame(Composer& composer, double t) {
-    composer.update(FrameTime{ns(t)});
+  void frame(TestFusion& fusion, double t) {
+    fusion.update(FrameTime{ns(t)});
     const auto true_pose = truth(t);
     const auto& o = w_.odometry;
     const double dt = last_frame_s_ < 0 ? 0 : t - last_frame_s_;
@@ -202,13 +202,13 @@ class MeasuredWalk {
         }
       }
       if (w_.change) w_.change(t, m);
-      composer.prepare(m);
-      composer.update(RelativeMotion{&m, nullptr});
+      fusion->prepare(m);
+      fusion.update(RelativeMotion{&m, nullptr});
     }
     last_frame_s_ = t, last_true_ = true_pose, last_y_n_ = y_n, last_q_n_ = q_n;
   }
 
-  void step(Composer& composer, const Journey::Step& true_step) {
+  void step(TestFusion& fusion, const Journey::Step& true_step) {
     auto s = make_message<odo_step>(ODO_TYPE_STEP, ns(true_step.t_end_s + 0.36));
     s.header.flags = ODO_STEP_HEADING;
     s.t_start_ns = ns(true_step.t_start_s), s.t_end_ns = ns(true_step.t_end_s);
@@ -222,7 +222,7 @@ class MeasuredWalk {
     s.mode = ODO_MODE_WALKING_TEXTING;
     if (w_.change_step) w_.change_step(true_step.t_end_s, s);
     const int times = w_.step_times ? w_.step_times(true_step.t_end_s) : 1;
-    for (int i = 0; i < times && s.length_m > 0.05; ++i) composer.update(&s);
+    for (int i = 0; i < times && s.length_m > 0.05; ++i) fusion.update(&s);
   }
 
   odo_fix fix(double t) {

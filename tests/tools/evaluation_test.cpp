@@ -11,8 +11,8 @@ TEST_SUITE_BEGIN("evaluation");
 
 namespace {
 
-Trajectory winding(size_t n) {
-  Trajectory t;
+StampedPoses winding(size_t n) {
+  StampedPoses t;
   for (size_t i = 0; i < n; ++i) {
     const double s = 0.05 * static_cast<double>(i);
     t.push_back({static_cast<int64_t>(i) * 100'000'000,
@@ -22,8 +22,8 @@ Trajectory winding(size_t n) {
   return t;
 }
 
-Trajectory moved(const Trajectory& t, double scale, const Eigen::Quaterniond& q, const Vector3d& p) {
-  Trajectory out = t;
+StampedPoses moved(const StampedPoses& t, double scale, const Eigen::Quaterniond& q, const Vector3d& p) {
+  StampedPoses out = t;
   for (auto& x : out) x.p = q * (scale * x.p) + p, x.q = q * x.q;
   return out;
 }
@@ -32,7 +32,7 @@ Trajectory moved(const Trajectory& t, double scale, const Eigen::Quaterniond& q,
 
 TEST_CASE(
     "a scale error's part is all of the error of a track that is only too long, and none of one that is only bent") {
-  const Trajectory truth = winding(200);
+  const StampedPoses truth = winding(200);
   const Eigen::Quaterniond yaw(Eigen::AngleAxisd(0.7, Vector3d::UnitZ()));
   const Pairs longer{truth, moved(truth, 1.25, yaw, {5, -3, 1})};
   const auto of_scale = required(scale_part(truth, align(longer, Alignment::yaw, nullptr)));
@@ -87,7 +87,7 @@ TEST_CASE("every figure of the reference results agrees with evo's" * doctest::t
 TEST_CASE("each alignment removes its own transformation and no other") {
   rc::check("random similarity", [] {
     const auto number = [](double low, double high) { return low + (high - low) * *rc::gen::inRange(0, 100000) / 1e5; };
-    const Trajectory reference = winding(80);
+    const StampedPoses reference = winding(80);
     const double scale = number(0.2, 5);
     const Eigen::Quaterniond q(
         Eigen::AngleAxisd(number(-3, 3), Vector3d{number(-1, 1), number(-1, 1), 1.1}.normalized()));
@@ -122,7 +122,7 @@ TEST_CASE("percentiles interpolate between ranks") {
 }
 
 TEST_CASE("the scale along the path shows a drift") {
-  Trajectory reference, estimate;
+  StampedPoses reference, estimate;
   double x = 0;
   for (int i = 0; i <= 200; ++i) {
     reference.push_back({i, Eigen::Quaterniond::Identity(), {0.5 * i, 0, 0}});
@@ -136,7 +136,7 @@ TEST_CASE("the scale along the path shows a drift") {
 }
 
 TEST_CASE("waypoints: the heading is fitted over the first metres, and errors are horizontal") {
-  Trajectory track;
+  StampedPoses track;
   std::vector<Waypoint> waypoints;
   for (int i = 0; i <= 10; ++i) {
     const int64_t t = i * 1'000'000'000LL;
@@ -151,7 +151,7 @@ TEST_CASE("waypoints: the heading is fitted over the first metres, and errors ar
 }
 
 TEST_CASE("oracles separate heading errors from length errors") {
-  Trajectory bent{{0, Eigen::Quaterniond::Identity(), {4, -1, 2}}}, longer = bent;
+  StampedPoses bent{{0, Eigen::Quaterniond::Identity(), {4, -1, 2}}}, longer = bent;
   std::vector<Waypoint> waypoints{{0, {5, 7, 0}}};
   for (int i = 1; i <= 20; ++i) {
     const int64_t t = i * 1'000'000'000LL;

@@ -18,8 +18,8 @@ constexpr int64_t kSecond = 1'000'000'000;
 Quaterniond yaw(double rad) { return Quaterniond(AngleAxisd(rad, Vector3d::UnitZ())); }
 
 /// Half a metre per pose to the north, ten poses per second, scaled and bent.
-Trajectory line(int n, double scale = 1, double bend_rad = 0) {
-  Trajectory t;
+StampedPoses line(int n, double scale = 1, double bend_rad = 0) {
+  StampedPoses t;
   for (int i = 0; i < n; ++i) t.push_back({i * kSecond / 10, yaw(bend_rad * i), {0.5 * scale * i, 0, 0}});
   return t;
 }
@@ -55,7 +55,7 @@ TEST_SUITE("evaluation") {
       const auto absolute = absolute_errors(line(41), line(41, 1, bend)).rotation_rad;
       CHECK(is_near(absolute[7], 0.021));
     }
-    Trajectory other = line(3);
+    StampedPoses other = line(3);
     for (auto& x : other) x.q.coeffs() *= -1;  // the same rotation
     CHECK(absolute_errors(line(3), other).rotation_rad[1] < 1e-9);
   }
@@ -70,7 +70,7 @@ TEST_SUITE("evaluation") {
   }
 
   TEST_CASE("a position and a pose at a time are interpolated between their neighbours") {
-    const Trajectory t = {{kSecond, yaw(0), {0, 4, 0}}, {2 * kSecond, yaw(0.8), {10, 0, 1}}};
+    const StampedPoses t = {{kSecond, yaw(0), {0, 4, 0}}, {2 * kSecond, yaw(0.8), {10, 0, 1}}};
     CHECK((position_at(t, kSecond + kSecond / 4) - Vector3d(2.5, 3, 0.25)).norm() < 1e-12);
     CHECK(position_at(t, 0) == t[0].p);
     CHECK(position_at(t, 5 * kSecond) == t[1].p);
@@ -85,9 +85,9 @@ TEST_SUITE("evaluation") {
   }
 
   TEST_CASE("poses are matched to the nearest within the allowed difference") {
-    const Trajectory reference = {{100, yaw(0), {0, 0, 0}}, {200, yaw(0), {1, 0, 0}}, {300, yaw(0), {2, 0, 0}}};
-    const Trajectory estimate = {{149'000'100, yaw(0), {5, 0, 0}}};
-    const Trajectory wide = {
+    const StampedPoses reference = {{100, yaw(0), {0, 0, 0}}, {200, yaw(0), {1, 0, 0}}, {300, yaw(0), {2, 0, 0}}};
+    const StampedPoses estimate = {{149'000'100, yaw(0), {5, 0, 0}}};
+    const StampedPoses wide = {
         {0, yaw(0), {0, 0, 0}}, {100'000'000, yaw(0), {1, 0, 0}}, {200'000'000, yaw(0), {2, 0, 0}}};
     CHECK(associate(wide, estimate, 0.05).reference.at(0).p.x() == 1);
     CHECK(associate(wide, estimate, 0.048).reference.empty());
@@ -99,7 +99,7 @@ TEST_SUITE("evaluation") {
     for (const double off : {0.4, -0.4, 3.0}) {
       CAPTURE(off);
       std::vector<Waypoint> marks;
-      Trajectory track;
+      StampedPoses track;
       for (int i = 0; i <= 6; ++i) {
         marks.push_back({i * kSecond, {3.0 * i, 1, 2}});
         const Vector3d p =
@@ -129,7 +129,7 @@ TEST_SUITE("evaluation") {
     // The inverse of (4 1.5; 1.5 1) is (1 -1.5; -1.5 4) / 1.75.
     CHECK(is_near(horizontal_nees({2, 1, 50}, covariance), (4 - 6 + 4) / 1.75));
     CHECK(is_near(horizontal_nees({2, -1, 50}, covariance), (4 + 6 + 4) / 1.75));
-    const Trajectory truth = line(50);
+    const StampedPoses truth = line(50);
     std::vector<odo_pose> poses;
     for (const StampedPose& x : truth) {
       auto pose = make_message<odo_pose>(ODO_TYPE_POSE, x.t_ns);

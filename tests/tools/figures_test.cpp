@@ -27,8 +27,8 @@ constexpr double kDegree = EIGEN_PI / 180;
 Quaterniond yaw(double rad) { return Quaterniond(AngleAxisd(rad, Vector3d::UnitZ())); }
 
 /// One metre per second to the north, after half the time to the east; the camera looks along the path.
-Trajectory corner(int seconds) {
-  Trajectory t;
+StampedPoses corner(int seconds) {
+  StampedPoses t;
   Vector3d p(5, -3, 1);
   for (int i = 0; i <= 10 * seconds; ++i) {
     const double heading = i > 5 * seconds ? 90 * kDegree : 0;
@@ -39,8 +39,8 @@ Trajectory corner(int seconds) {
 }
 
 /// The same with unknown position and north.
-Trajectory moved(const Trajectory& truth, double rad, const Vector3d& by, double scale = 1) {
-  Trajectory t = truth;
+StampedPoses moved(const StampedPoses& truth, double rad, const Vector3d& by, double scale = 1) {
+  StampedPoses t = truth;
   for (StampedPose& x : t) x.p = yaw(rad) * (scale * x.p) + by, x.q = yaw(rad) * x.q;
   return t;
 }
@@ -70,21 +70,21 @@ odo_step step_of(int64_t start_ns, int64_t end_ns, double length_m, double sigma
 }  // namespace
 
 TEST_CASE("a track that is correct up to position and heading has no error after either alignment") {
-  const Trajectory truth = corner(60), track = moved(truth, 0.7, {20, 30, 0});
+  const StampedPoses truth = corner(60), track = moved(truth, 0.7, {20, 30, 0});
   CHECK(horizontal_error(truth, track, 30 * kSecond) > 10);
   for (const double e : horizontal_errors(truth, aligned_at_start(truth, track, 12))) CHECK(e < 1e-9);
   for (const double e : horizontal_errors(truth, aligned_by_pose(truth, track, 12))) CHECK(e < 1e-9);
-  const Trajectory small = moved(truth, 0.7, {20, 30, 0}, 0.5);
+  const StampedPoses small = moved(truth, 0.7, {20, 30, 0}, 0.5);
   for (const double e : horizontal_errors(truth, aligned_at_start(truth, scaled_by_start(truth, small, 20), 12)))
     CHECK(e < 1e-6);
 }
 
 TEST_CASE("a track is rotated in all axes onto the first true pose") {
-  const Trajectory truth = corner(4);
+  const StampedPoses truth = corner(4);
   const Quaterniond off(AngleAxisd(1.1, Vector3d(1, 2, 3).normalized()));
-  Trajectory track = truth;
+  StampedPoses track = truth;
   for (StampedPose& x : track) x.p = off * x.p, x.q = off * x.q;
-  const Trajectory turned = rotated_onto_first(truth, track);
+  const StampedPoses turned = rotated_onto_first(truth, track);
   CHECK((turned.back().p - truth.back().p).norm() < 1e-9);
   CHECK(turned.back().q.angularDistance(truth.back().q) < 1e-9);
 }
@@ -99,7 +99,7 @@ TEST_CASE("a yaw alignment maps the track to the truth and back") {
 }
 
 TEST_CASE("poses with errors of one sigma have a NEES of one, and the time beyond four sigma is reported") {
-  const Trajectory truth = corner(20);
+  const StampedPoses truth = corner(20);
   std::vector<odo_pose> poses;
   for (const StampedPose& x : truth) poses.push_back(pose_of(x, 0.5, 0.02));
   CHECK(pose_consistency(poses, truth).position_nees < 1e-12);
@@ -122,10 +122,10 @@ TEST_CASE("poses with errors of one sigma have a NEES of one, and the time beyon
 }
 
 TEST_CASE("a track's covariance is rotated onto the truth together with its positions") {
-  const Trajectory truth = corner(20);
+  const StampedPoses truth = corner(20);
   for (const double yaw_rad : {0.0, 1.5, -0.7}) {
     CAPTURE(yaw_rad);
-    const Trajectory track = moved(truth, yaw_rad, {5, -3, 0});
+    const StampedPoses track = moved(truth, yaw_rad, {5, -3, 0});
     std::vector<odo_pose> poses;
     for (const StampedPose& x : track) {
       poses.push_back(pose_of(x, 0.1, 0.02));
@@ -137,15 +137,15 @@ TEST_CASE("a track's covariance is rotated onto the truth together with its posi
 }
 
 TEST_CASE("the scale error of poses is that of their path") {
-  const Trajectory truth = corner(20);
+  const StampedPoses truth = corner(20);
   std::vector<odo_pose> poses;
   for (const StampedPose& x : moved(truth, 0, {0, 0, 0}, 1.05)) poses.push_back(pose_of(x, 1, 1));
   CHECK(pose_consistency(poses, truth).scale_error == doctest::Approx(0.05));
 }
 
 TEST_CASE("a motion with errors of one sigma in rotation and across its direction is consistent") {
-  const Trajectory truth = {{0, Quaterniond::Identity(), {0, 0, 0}},
-                            {kSecond / 10, Quaterniond::Identity(), {0, 0, 1}}};
+  const StampedPoses truth = {{0, Quaterniond::Identity(), {0, 0, 0}},
+                              {kSecond / 10, Quaterniond::Identity(), {0, 0, 1}}};
   auto m = make_message<odo_vo_motion>(ODO_TYPE_VO_MOTION, kSecond / 10);
   m.header.flags = ODO_VO_COVARIANCE;
   const Quaterniond q(AngleAxisd(0.01 * std::sqrt(3.0), Vector3d(1, 1, 1).normalized()));
@@ -200,7 +200,7 @@ TEST_CASE("steps are counted, timed and compared with the true ones") {
 }
 
 TEST_CASE("a pose stream's early poses are compared with later ones, and its jumps with the truth's steps") {
-  const Trajectory truth = corner(10);
+  const StampedPoses truth = corner(10);
   PoseStream stream;
   for (const StampedPose& x : truth) stream.poses[x.t_ns] = pose_of(x, 1, 1);
   for (const StampedPose& x : truth) {
@@ -241,14 +241,14 @@ TEST_CASE("fixes are compared with the truth and their own covariance") {
   CHECK(f.first_after_m == doctest::Approx(5));
   CHECK(f.first_off_m == doctest::Approx(1));
   CHECK(fix_figures(r, {}).first_after_m == -1);
-  Trajectory tilted = r.truth;
+  StampedPoses tilted = r.truth;
   for (StampedPose& x : tilted) x.q = Quaterniond(AngleAxisd(3 * kDegree, Vector3d::UnitX())) * yaw(1) * x.q;
   CHECK(tilt_errors_deg(r.truth, tilted).at(7) == doctest::Approx(3));
 }
 
 TEST_CASE("a walk between buildings is scored after it has settled, and while the receiver is off") {
   std::vector<TrueState> truth;
-  Trajectory track;
+  StampedPoses track;
   for (int i = 0; i <= 200 * 150; ++i) {
     const TrueState s = state_at(i * kSecond / 200, Vector3d(i / 200.0, 0, 0));
     truth.push_back(s);
@@ -281,7 +281,7 @@ TEST_CASE("corners of a picture that moves by three pixels are tracked with that
 }
 
 TEST_CASE("the shape error is independent of the scale, and separates a changing scale from a wrong direction") {
-  const Trajectory truth = corner(30);
+  const StampedPoses truth = corner(30);
   std::vector<odo_vo_motion> motions(4, make_message<odo_vo_motion>(ODO_TYPE_VO_MOTION, kSecond / 10));
   for (odo_vo_motion& m : motions) m.state = ODO_TRACKING;
   motions[3].state = ODO_LOST;
@@ -305,7 +305,7 @@ TEST_CASE("the shape error is independent of the scale, and separates a changing
   CHECK(right.tracking_share == doctest::Approx(0.75));
   CHECK(right.lost_share == doctest::Approx(0.25));
 
-  Trajectory grown = truth;  // a quarter too long after the corner
+  StampedPoses grown = truth;  // a quarter too long after the corner
   for (size_t i = 1; i < truth.size(); ++i)
     grown[i].p = grown[i - 1].p + (i > 150 ? 1.25 : 1.0) * (truth[i].p - truth[i - 1].p);
   const VoShape changed = vo_shape(truth, motions, {truth, grown});
@@ -316,7 +316,7 @@ TEST_CASE("the shape error is independent of the scale, and separates a changing
   const double factor = std::hypot(5, 5) / std::hypot(5, 6.25);
   CHECK(changed.end_per_window_m == doctest::Approx(std::hypot(5 - factor * 5, 5 - factor * 6.25)).epsilon(0.05));
 
-  const Trajectory few(truth.begin(), truth.begin() + 9);
+  const StampedPoses few(truth.begin(), truth.begin() + 9);
   const VoShape none = vo_shape(truth, motions, {few, few});
   CHECK(std::isnan(none.path_m));
   CHECK(std::isnan(none.direction_nees));
@@ -328,7 +328,7 @@ TEST_CASE("errors are compared with those of another track at the same times") {
 }
 
 TEST_CASE("position errors are given by axis, and displacements by their length") {
-  const Trajectory truth = corner(10);
+  const StampedPoses truth = corner(10);
   const PositionErrors shifted = position_errors(truth, moved(truth, 0, {1, -2, 5}));
   CHECK(shifted.north_m.size() == truth.size());
   CHECK(shifted.north_m[7] == doctest::Approx(1));

@@ -51,7 +51,7 @@ RunOptions pipeline(const TemporaryFolder& folder, bool camera, bool told = true
 }
 
 /// Error of the last pose with a truth, with the first such one aligned; NaN if there are none.
-double end_error(const std::vector<odo_pose>& poses, const Trajectory& truth) {
+double end_error(const std::vector<odo_pose>& poses, const StampedPoses& truth) {
   std::optional<YawAlignment> alignment;
   double error_m = std::nan("");
   for (const odo_pose& pose : poses) {

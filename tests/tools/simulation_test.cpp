@@ -146,7 +146,7 @@ TEST_CASE("an exported EuRoC folder is read back and gives the identical run") {
   CHECK(copy->format == "EuRoC/ASL");
   for (const char* config : {"antigny2019", "phone_walk_camera"}) {  // the second models the rolling shutter
     const auto file = source("samples/configs/" + std::string(config) + ".yaml");
-    const Trajectory a = run_of(original, file).track, b = run_of(*copy, file).track;
+    const StampedPoses a = run_of(original, file).track, b = run_of(*copy, file).track;
     REQUIRE(a.size() == b.size());
     CHECK(a.size() > 40);
     bool same = true;

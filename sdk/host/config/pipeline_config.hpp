@@ -54,6 +54,7 @@ struct CouplingConfig {
   double fastest_mps = 2.0;
   double odometry_covariance = 1.0;
   CouplingType type = CouplingType::paper;
+  bool given = true;  ///< the config names the type
 };
 
 struct OrderingConfig {

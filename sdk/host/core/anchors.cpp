@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <utility>
 
 #include <Eigen/Eigenvalues>
 
@@ -16,6 +17,7 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
+using Matrix34 = Eigen::Matrix<double, 3, 4>;
 using Matrix36 = Eigen::Matrix<double, 3, 6>;
 
 Quaterniond rotation(const double* wxyz) {
@@ -72,7 +74,7 @@ bool Anchors::remove(uint64_t id) {
   const std::lock_guard lock(mutex_);
   const auto found = std::find_if(anchors_.begin(), anchors_.end(), [id](const Anchor& a) { return a.id == id; });
   if (found == anchors_.end()) return false;
-  if (found->pose_id != 0) poses_to_release_.push_back(found->pose_id);
+  removed_ = true;
   anchors_.erase(found);
   return true;
 }
@@ -84,12 +86,12 @@ std::vector<uint64_t> Anchors::ids() const {
   return ids;
 }
 
-std::optional<Anchors::State> Anchors::get(uint64_t id, int64_t t_ns) const {
+std::optional<Anchors::State> Anchors::get(uint64_t id, int64_t t_ns, bool drawn) const {
   const std::lock_guard lock(mutex_);
   const auto found = std::find_if(anchors_.begin(), anchors_.end(), [id](const Anchor& a) { return a.id == id; });
   if (found == anchors_.end()) return std::nullopt;
   const Anchor& anchor = *found;
-  queried_ns_ = std::max(queried_ns_, t_ns);
+  if (drawn) queried_ns_ = std::max(queried_ns_, t_ns);
   State state;
   state.anchor.kind = anchor.kind;
   state.anchor.id = anchor.id;
@@ -103,9 +105,10 @@ std::optional<Anchors::State> Anchors::get(uint64_t id, int64_t t_ns) const {
     state.geodetic = anchor.geodetic;
   else if (anchor.placed && placed_ && geodesy_.has_origin())
     state.geodetic = geodesy_.to_geodetic(array(anchor.T_n_a.p));
-  state.position_variance = largest_variance(anchor.covariance);
-  state.view_variance = largest_variance(anchor.view_covariance);
-  state.yaw_variance = anchor.yaw_variance;
+  const Covariance covariance = covariance_of(anchor);
+  state.position_variance = largest_variance(covariance.place);
+  state.view_variance = largest_variance(covariance.view);
+  state.yaw_variance = covariance.yaw_variance;
   return state;
 }
 
@@ -124,7 +127,7 @@ Quaterniond Anchors::axes_at(const std::array<double, 3>& geodetic) const {
   return Quaterniond(axes);
 }
 
-void Anchors::georeference(Anchor& anchor, const RetainedPose& now) {
+void Anchors::georeference(Anchor& anchor, const KeptPose& now) {
   if (anchor.placed) return;
   anchor.lost_reason = !placed_ ? ODO_REASON_NO_FIX : ODO_REASON_NO_ORIGIN;
   if (!placed_ || !geodesy_.has_origin()) return;
@@ -145,65 +148,129 @@ void Anchors::georeference(Anchor& anchor, const RetainedPose& now) {
   anchor.lost_reason = 0;
 }
 
-void Anchors::attach_to_pose(Anchor& anchor, RetainedPoses& poses) {
-  anchor.pose_id = poses.retain_pose(anchor.seen_ns);
-  if (anchor.pose_id != 0) anchor.reference = Reference::pose;
+namespace {
+
+/// Derivative of a point's position by (heading, position) of the pose that it is fixed to.
+Matrix34 by_pose(const Vector3d& from_pose_n) {
+  Matrix34 by;
+  by << Vector3d(-from_pose_n.y(), from_pose_n.x(), 0), Matrix3d::Identity();
+  return by;
 }
 
-/// Covariance in n and relative to the view: with l from the body to the anchor and s from the retained pose to it, the
-/// position error is dp_h - s x theta_h, and the error in the view is that - dp + l x theta.
-void Anchors::update_covariance(Anchor& anchor, const RetainedPose* retained, const RetainedPose& now) const {
-  Matrix36 by_now;
-  by_now << skew(anchor.T_n_a.p - now.p_n_b), -Matrix3d::Identity();
-  Matrix3d view = by_now * now.now * by_now.transpose();
-  Matrix3d place = Matrix3d::Identity() * (anchor.sigma_m * anchor.sigma_m);
-  anchor.yaw_variance = 0;
-  if (retained) {
-    Matrix36 by_retained;
-    by_retained << -skew(anchor.T_n_a.p - retained->p_n_b), Matrix3d::Identity();
-    place = by_retained * retained->own * by_retained.transpose();
-    const Matrix3d common = by_retained * retained->cross * by_now.transpose();
-    view += common + common.transpose();
-    anchor.yaw_variance = retained->own(2, 2);
+}  // namespace
+
+void Anchors::attach_to_pose(Anchor& anchor, KeptPoses& poses) {
+  free_a_place(poses);
+  const KeptPoses::Near near = poses.keep_pose(anchor.seen_ns);
+  if (near.id == 0) return;
+  anchor.pose_id = near.id;
+  anchor.T_b_a = near.T_kept_b * anchor.T_b_a;
+  anchor.offset_covariance = near.variance * Matrix3d::Identity();
+  anchor.reference = Reference::pose;
+}
+
+/// If no further pose can be kept, the anchors of one are handed to its neighbour.
+void Anchors::free_a_place(KeptPoses& poses) {
+  const auto neighbours = poses.crowded();
+  if (!neighbours) return;
+  const auto [from, to] = *neighbours;
+  KeptPose given_up, stays;
+  if (!poses.kept_pose(from, given_up) || !poses.kept_pose(to, stays)) return;
+  const Rigid T_n_from{given_up.q_n_b, given_up.p_n_b}, T_n_to{stays.q_n_b, stays.p_n_b};
+  const Rigid T_to_from = T_n_to.inverse() * T_n_from;
+  const Matrix3d R_from = given_up.q_n_b.toRotationMatrix(), R_to = stays.q_n_b.toRotationMatrix();
+  for (Anchor& anchor : anchors_) {
+    if (anchor.pose_id != from) continue;
+    const Vector3d p_n_a = (T_n_from * anchor.T_b_a).p;
+    const Matrix34 by_from = by_pose(p_n_a - given_up.p_n_b), by_to = by_pose(p_n_a - stays.p_n_b);
+    const Matrix3d common = by_from * poses.covariance_of(from, to) * by_to.transpose();
+    const Matrix3d apart = by_from * poses.covariance_of(from, from) * by_from.transpose() +
+                           by_to * poses.covariance_of(to, to) * by_to.transpose() - common - common.transpose();
+    anchor.offset_covariance =
+        R_to.transpose() * (R_from * anchor.offset_covariance * R_from.transpose() + apart) * R_to;
+    anchor.T_b_a = T_to_from * anchor.T_b_a;
+    anchor.pose_id = to;
   }
-  anchor.covariance = place;
-  anchor.view_covariance = view + place;
+  poses.release_pose(from);
+  std::erase_if(poses_, [from = from](const auto& kept) { return kept.first == from; });
 }
 
-void Anchors::update(RetainedPoses& poses, int64_t t_ns, const Rigid* correction) {
+/// Releases the poses that no anchor refers to any more.
+void Anchors::release_unused(KeptPoses& poses) {
+  if (!std::exchange(removed_, false)) return;
+  std::erase_if(poses_, [&](const auto& kept) {
+    const bool used = std::any_of(anchors_.begin(), anchors_.end(),
+                                  [&](const Anchor& anchor) { return anchor.pose_id == kept.first; });
+    if (!used) poses.release_pose(kept.first);
+    return !used;
+  });
+}
+
+const KeptPose* Anchors::kept_pose(uint64_t id) const {
+  if (id == 0) return nullptr;
+  for (size_t i = 0; i < poses_.size(); ++i, ++found_)  // anchors of one pose follow each other
+    if (const auto& kept = poses_[found_ % poses_.size()]; kept.first == id) return &kept.second;
+  return nullptr;
+}
+
+/// With l from the body to the anchor and s from the kept pose to it, the position error is dp_h - s x theta_h, and the
+/// error in the view is that - dp + l x theta.
+Anchors::Covariance Anchors::covariance_of(const Anchor& anchor) const {
+  Matrix36 by_now;
+  by_now << skew(anchor.T_n_a.p - now_.p_n_b), -Matrix3d::Identity();
+  const Matrix3d of_view = by_now * now_.now * by_now.transpose();
+  const KeptPose* kept = kept_pose(anchor.pose_id);
+  if (anchor.reference == Reference::awaiting_pose)  // seen from the present pose
+    return {by_now * now_.now * by_now.transpose(), Matrix3d::Zero(), now_.now(2, 2)};
+  if (!kept) {
+    const Matrix3d place = Matrix3d::Identity() * (anchor.sigma_m * anchor.sigma_m);
+    return {place, of_view + place, 0};
+  }
+  Matrix36 by_kept;
+  by_kept << -skew(anchor.T_n_a.p - kept->p_n_b), Matrix3d::Identity();
+  const Matrix3d R = kept->q_n_b.toRotationMatrix();
+  const Matrix3d place = by_kept * kept->own * by_kept.transpose() + R * anchor.offset_covariance * R.transpose();
+  const Matrix3d common = by_kept * kept->cross * by_now.transpose();
+  return {place, of_view + place + common + common.transpose(), kept->own(2, 2)};
+}
+
+void Anchors::update(KeptPoses& poses, int64_t t_ns, const Rigid* correction) {
   const std::lock_guard lock(mutex_);
   placed_ = placed_ || poses.is_placed();
-  for (const uint64_t id : poses_to_release_) poses.release_pose(id);
-  poses_to_release_.clear();
-  RetainedPose now;
-  if (anchors_.empty() || !poses.pose_now(now)) return;
+  release_unused(poses);
+  if (anchors_.empty() || !poses.pose_now(now_)) return;
+  for (auto& [id, kept] : poses_)
+    if (!poses.kept_pose(id, kept)) id = 0;
+  std::erase_if(poses_, [](const auto& kept) { return kept.first == 0; });
   for (Anchor& anchor : anchors_) {
     const bool was_placed = anchor.placed,
                stays = anchor.reference == Reference::geodetic || anchor.reference == Reference::navigation;
     const Rigid before = correction ? *correction * anchor.T_n_a : anchor.T_n_a;
     if (anchor.reference == Reference::awaiting_pose) attach_to_pose(anchor, poses);
-    RetainedPose retained;
-    const bool on_pose = anchor.reference == Reference::pose;
-    if (on_pose && poses.retained_pose(anchor.pose_id, retained)) {
-      anchor.T_n_a = Rigid{retained.q_n_b, retained.p_n_b} * anchor.T_b_a;
-    } else if (!stays) {
-      if (on_pose) anchor.reference = Reference::track;
-      anchor.T_n_a = before;
+    if (anchor.reference == Reference::pose && !kept_pose(anchor.pose_id)) {
+      KeptPose kept;
+      if (poses.kept_pose(anchor.pose_id, kept))
+        poses_.emplace_back(anchor.pose_id, kept);
+      else
+        anchor.reference = Reference::track, anchor.pose_id = 0;
     }
-    if (anchor.reference == Reference::geodetic) georeference(anchor, now);
+    if (const KeptPose* kept = kept_pose(anchor.pose_id))
+      anchor.T_n_a = Rigid{kept->q_n_b, kept->p_n_b} * anchor.T_b_a;
+    else if (!stays)
+      anchor.T_n_a = before;
+    if (anchor.reference == Reference::geodetic) georeference(anchor, now_);
     if (anchor.reference == Reference::navigation && placed_) anchor.placed = true, anchor.lost_reason = 0;
-    update_covariance(anchor, anchor.reference == Reference::pose ? &retained : nullptr, now);
     const Rigid moved = before.inverse() * anchor.T_n_a;
     if (was_placed && (moved.p.norm() > p_.max_smooth_jump_m || moved.q.vec().norm() > p_.max_smooth_jump_m))
       anchor.smooth.jumped(std::max(t_ns, queried_ns_), {before.q, before.p}, {anchor.T_n_a.q, anchor.T_n_a.p});
   }
 }
 
-void Anchors::drop_retained_poses() {
+void Anchors::drop_kept_poses() {
   const std::lock_guard lock(mutex_);
   placed_ = false;
   queried_ns_ = INT64_MIN;  // the sensor clock was set back
-  poses_to_release_.clear();
+  poses_.clear();
   for (Anchor& anchor : anchors_) {
     if (anchor.reference == Reference::pose || anchor.reference == Reference::awaiting_pose)
       anchor.reference = Reference::track;
@@ -257,11 +324,11 @@ std::vector<uint8_t> Anchors::save() const {
       const auto geodetic = geodesy_.to_geodetic(array(anchor.T_n_a.p));
       std::copy(geodetic.begin(), geodetic.end(), saved.geodetic);
       q = axes_at(geodetic).conjugate() * q;
-      saved.sigma_m = std::sqrt(largest_variance(anchor.covariance));
+      saved.sigma_m = std::sqrt(largest_variance(covariance_of(anchor).place));
     } else {
       saved.reference = kSavedNavigation;
       Vector3d::Map(saved.p) = anchor.T_n_a.p;
-      saved.sigma_m = std::sqrt(largest_variance(anchor.covariance));
+      saved.sigma_m = std::sqrt(largest_variance(covariance_of(anchor).place));
     }
     put_quaternion(q, saved.q);
     const auto* from = reinterpret_cast<const uint8_t*>(&saved);

@@ -14,17 +14,17 @@
 #include "sdk/host/base/geodesy.hpp"
 #include "sdk/host/base/rigid.hpp"
 #include "sdk/host/core/smooth_pose.hpp"
-#include "sdk/host/localizer/retained_poses.hpp"
+#include "sdk/host/fusion/kept_poses.hpp"
 
 namespace odograph {
 
 /// The app's anchors. The pipeline reports changes of the track; the app creates, queries and removes anchors. A local
-/// anchor refers to a retained pose (RetainedPoses::retain_pose); where none is available, each correction moves it as
-/// a whole. Thread-safe; a call holds the lock for microseconds.
+/// anchor is a fixed offset from the nearest kept pose (KeptPoses); where none is available, each correction moves it
+/// as a whole. Thread-safe; a call holds the lock for microseconds.
 class Anchors {
  public:
   struct Parameters {
-    size_t max_anchors = 1024;        ///< anchors; each costs under 1 us per update
+    size_t max_anchors = 1024;        ///< anchors
     double max_smooth_jump_m = 1e-6;  ///< m, smaller changes are not blended
     SmoothPose::Parameters smooth;
   };
@@ -56,16 +56,17 @@ class Anchors {
   uint64_t add_geodetic(const odo_anchor_place& place);
   bool remove(uint64_t id);
   std::vector<uint64_t> ids() const;
-  /// State at a time, which the blending needs; nothing if the anchor does not exist.
-  std::optional<State> get(uint64_t id, int64_t t_ns) const;
+  /// State at a time, which the blending needs; nothing if the anchor does not exist. `drawn`: a pose of that time is
+  /// known, so that the anchor may be seen there; its blending continues from it.
+  std::optional<State> get(uint64_t id, int64_t t_ns, bool drawn = true) const;
 
   // [process]
   /// Sets the ground model, called on the pipeline's thread.
   void set_ground(Ground ground) { ground_ = std::move(ground); }
   /// The track advanced or was corrected. `correction` is null unless a correction was announced.
-  void update(RetainedPoses& poses, int64_t t_ns, const Rigid* correction);
-  /// The localizer restarts and retains no poses any more.
-  void drop_retained_poses();
+  void update(KeptPoses& poses, int64_t t_ns, const Rigid* correction);
+  /// The localizer restarts and keeps no poses any more.
+  void drop_kept_poses();
 
   // [control]
   /// All anchors, for the next session; empty if there are none.
@@ -86,22 +87,28 @@ class Anchors {
     SmoothPose smooth;
     // relative to a pose
     int64_t seen_ns = 0;
-    Rigid T_b_a;
+    Rigid T_b_a;  // in the axes of the kept pose, once there is one
     uint64_t pose_id = 0;
+    Eigen::Matrix3d offset_covariance = Eigen::Matrix3d::Zero();  // of p in T_b_a, m^2, in the axes of the kept pose
     // geodetic
     std::array<double, 3> geodetic{};
     Eigen::Quaterniond q = Eigen::Quaterniond::Identity();
     uint32_t height_above = 0;
     double sigma_m = 0;
-    Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();       // of its position in n, m^2
-    Eigen::Matrix3d view_covariance = Eigen::Matrix3d::Zero();  // of its position relative to the view, in n
+  };
+  /// Of an anchor's position in n and relative to the view, m^2, in n, and of its heading, rad^2.
+  struct Covariance {
+    Eigen::Matrix3d place, view;
     double yaw_variance = 0;
   };
 
   Anchor& add(const odo_anchor_place& place, Reference reference);
-  void attach_to_pose(Anchor& anchor, RetainedPoses& poses);
-  void georeference(Anchor& anchor, const RetainedPose& now);
-  void update_covariance(Anchor& anchor, const RetainedPose* retained, const RetainedPose& now) const;
+  void attach_to_pose(Anchor& anchor, KeptPoses& poses);
+  void free_a_place(KeptPoses& poses);
+  void release_unused(KeptPoses& poses);
+  const KeptPose* kept_pose(uint64_t id) const;
+  void georeference(Anchor& anchor, const KeptPose& now);
+  Covariance covariance_of(const Anchor& anchor) const;
   Eigen::Quaterniond axes_at(const std::array<double, 3>& geodetic) const;
 
   Parameters p_;
@@ -109,7 +116,10 @@ class Anchors {
   Ground ground_;
   mutable std::mutex mutex_;
   std::vector<Anchor> anchors_;
-  std::vector<uint64_t> poses_to_release_;  // retained poses of removed anchors
+  std::vector<std::pair<uint64_t, KeptPose>> poses_;  // those that anchors refer to, at the newest update
+  mutable size_t found_ = 0;                          // where the last one was found
+  bool removed_ = false;                              // an anchor, since the newest update
+  KeptPose now_;                                      // the body at the newest update
   uint64_t last_id_ = 0;
   bool placed_ = false;  // n is placed, by the configured start or by a fix
   mutable int64_t queried_ns_ = INT64_MIN;

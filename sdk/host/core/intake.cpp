@@ -73,7 +73,7 @@ int32_t Intake::borrow(odo_borrowed& message) {
 
 int32_t Intake::add(OwnedMessage message) {
   const odo_header header = message.header();
-  std::vector<OwnedMessage> dropped;
+  std::vector<OwnedMessage> dropped, discarded;
   TimeOrder::Verdict verdict = TimeOrder::Verdict::accepted;
   int spikes = 0;
   {
@@ -93,7 +93,9 @@ int32_t Intake::add(OwnedMessage message) {
     } else {
       verdict = order(std::move(message), dropped);
     }
+    order_.discard_contradicted(discarded);
   }
+  for (const OwnedMessage& held : discarded) refuse_unordered(held.header(), TimeOrder::Verdict::implausible);
   if (spikes > 0)
     refuse(counts_.wild, "wild_", header, ODO_E_DISCARD,
            "the previous sample is a spike: it differs from both its neighbours");
@@ -109,6 +111,8 @@ TimeOrder::Verdict Intake::order(OwnedMessage message, std::vector<OwnedMessage>
   }
   if (verdict == TimeOrder::Verdict::accepted)
     order_.add(std::move(message));
+  else if (verdict == TimeOrder::Verdict::held)
+    order_.hold(std::move(message)), verdict = TimeOrder::Verdict::accepted;
   else
     dropped.push_back(std::move(message));
   return verdict;
@@ -142,6 +146,15 @@ bool Intake::ready() const {
 int64_t Intake::latest_waiting_ns() const {
   const std::lock_guard lock(mutex_);
   return order_.latest_waiting_ns();
+}
+
+void Intake::end() {
+  std::vector<OwnedMessage> discarded;
+  {
+    const std::lock_guard lock(mutex_);
+    order_.discard_held(discarded);
+  }
+  for (const OwnedMessage& held : discarded) refuse_unordered(held.header(), TimeOrder::Verdict::implausible);
 }
 
 void Intake::close() {

@@ -42,6 +42,8 @@ class Intake {
   /// Whether next() without flush would return an action.
   bool ready() const;
   int64_t latest_waiting_ns() const;
+  /// The input ends here: discards and reports what is still held because its time is far ahead of all others.
+  void end();
   /// Refuses all further samples.
   void close();
   /// Releases one waiting message; false if there is none.

@@ -27,12 +27,12 @@ void Pipeline::process(const odo_header& message) {
     case ODO_TYPE_IMU: joiner_.push(as<odo_imu>(message), [this](const odo_imu& whole) { on_imu(whole); }); break;
     case ODO_TYPE_FRAME:
       ++counters_.frames;
-      if (roster_.is_main_camera(message) && roster_.has_front_end()) composer_.update(FrameTime{message.t_ns});
-      publisher_.publish_estimates();
+      if (roster_.is_main_camera(message) && roster_.has_front_end()) fusion_->on_frame(message.t_ns, outputs_);
+      publish();
       dispatch(message);
       break;
     case ODO_TYPE_CALIBRATION:
-      if (roster_.is_main_camera(message)) composer_.on_calibration(as<odo_calibration>(message));
+      if (roster_.is_main_camera(message)) fusion_->on_calibration(as<odo_calibration>(message));
       dispatch(message);
       break;
     case ODO_TYPE_EARTH_FIELD:
@@ -40,25 +40,24 @@ void Pipeline::process(const odo_header& message) {
       dispatch(message);
       break;
     case ODO_TYPE_BAROMETER:
-      composer_.update(&as<odo_barometer>(message));
-      report_notice();
-      publisher_.publish_estimates();
+      fusion_->on_barometer(as<odo_barometer>(message), outputs_);
+      publish();
       dispatch(message);
       break;
     default: dispatch(message);  // magnetometer, GNSS, waypoints, and types that only a plugin knows
   }
   handle_events();
   publisher_.check_silence();
-  if (!publisher_.take_non_finite()) return;
+  if (!std::exchange(broken_, false)) return;
   host_.report(0, ODO_SEVERITY_ERROR, "broken_pose",
-               "the localizer's pose is not finite: it is not published, and the pipeline restarts", ODO_E_ERROR);
+               "the fusion's pose is not finite: it is not published, and the pipeline restarts", ODO_E_ERROR);
   reset();
 }
 
 /// All sensors were silent. This counts as one event of any length; nothing integrates over it.
 void Pipeline::on_pause() {
   joiner_.reset();
-  composer_.pause(watch_.pause().to_ns);
+  fusion_->on_pause(watch_.pause().to_ns);
   publisher_.pause();
 }
 
@@ -68,8 +67,7 @@ void Pipeline::on_imu(const odo_imu& imu) {
     roster_.forward_to_kind(ODO_INTERFACE_VO_FRONTEND, imu.header);
     return handle_events();
   }
-  composer_.add_imu(imu);
-  publisher_.publish_estimates();
+  fusion_->on_imu(imu);
   dispatch(imu.header);
 }
 
@@ -99,7 +97,7 @@ void Pipeline::handle_events() {
     handle(event);
     // Fixes from one call count as one: the corrected pose follows the last of them.
     const bool more_fixes = !events_.empty() && events_.front().header().type == ODO_TYPE_FIX;
-    if (event.header().type != ODO_TYPE_FIX || !more_fixes) publisher_.publish_estimates();
+    if (event.header().type != ODO_TYPE_FIX || !more_fixes) publish();
   }
 }
 
@@ -127,12 +125,11 @@ void Pipeline::handle(AnyMessage& event) {
       roster_.forward_event(header);
       if (watch_.pause().is_within(as<odo_step>(header).t_start_ns, as<odo_step>(header).t_end_ns)) break;
       ++counters_.steps;
-      if (steps_alone_need_heading_ && (header.flags & ODO_STEP_HEADING) == 0)
+      if (coupling_.type == CouplingType::paper && !inputs_.vo && (header.flags & ODO_STEP_HEADING) == 0)
         host_.report(header.source, ODO_SEVERITY_WARNING, "no_heading",
                      "a step without heading_rad (ODO_STEP_HEADING) and no camera: this coupling does not use it; "
                      "`coupling: {type: localizer}` uses the phone's direction");
-      composer_.update(&as<odo_step>(header));
-      report_notice();
+      fusion_->on_step(as<odo_step>(header), outputs_);
       break;
     case ODO_TYPE_MOTION_MODE:
       if (!roster_.in_use(header)) break;
@@ -148,14 +145,14 @@ void Pipeline::on_attitude(const odo_attitude& attitude) {
   north_.observe(attitude);
   if (!publisher_.has_camera_bias() && (attitude.header.flags & ODO_ATTITUDE_GYRO_BIAS))
     poses_.predictor().set_biases(Eigen::Vector3d(attitude.gyro_bias_b), Eigen::Vector3d::Zero());
-  composer_.update(&attitude);
-  publisher_.publish_estimates();
+  fusion_->on_attitude(attitude, outputs_);
+  publish();
   roster_.forward_event(attitude.header);
 }
 
 /// A scale published outside of a motion callback.
 void Pipeline::on_scale(odo_scale& scale) {
-  bool accepted = composer_.update(&scale).accepted;
+  bool accepted = fusion_->on_scale(scale, outputs_).accepted;
   const PluginRoster::Plugins& sources = roster_.scale_sources();
   for (size_t i = 0; i < sources.size(); ++i)
     if (sources[i]->number() == scale.header.source) accepted |= scale_join_.note(i, scale);
@@ -195,11 +192,11 @@ const odo_scale* Pipeline::scale_for(const odo_vo_motion& motion) {
 void Pipeline::on_vo_motion(odo_vo_motion& motion) {
   if (motion.state > ODO_LOST) motion.state = ODO_LOST;  // an unknown state, from a newer ABI (docs/abi.md)
   motion.scale_group = groups_.number(motion.header.source, roster_.resets(motion.header.source), motion.scale_group);
-  composer_.prepare(motion);
+  fusion_->prepare(motion);
   publish_(motion.header);
   odo_vo_motion weighted = motion;
-  for (double& c : weighted.covariance) c *= odometry_covariance_;
-  weighted.scale_sigma *= std::sqrt(odometry_covariance_);
+  for (double& c : weighted.covariance) c *= coupling_.odometry_covariance;
+  weighted.scale_sigma *= std::sqrt(coupling_.odometry_covariance);
   const odo_scale* scale = scale_for(motion);
   // A front-end may relocalise after a pause with its own metric scale; a scale assumed over a pause is invalid.
   if (watch_.pause().is_within(motion.t_from_ns, motion.header.t_ns)) {
@@ -209,25 +206,24 @@ void Pipeline::on_vo_motion(odo_vo_motion& motion) {
       weighted.state = std::max(weighted.state, ODO_DEGRADED), weighted.reason = ODO_REASON_SENSOR_SILENT;
     }
   }
-  composer_.update(RelativeMotion{&weighted, scale});
-  report_notice();
-  publisher_.publish_estimates();
+  fusion_->on_motion(weighted, scale, outputs_);
+  const auto reference = outputs_.step_reference;
+  publish();
   roster_.forward_event(motion.header, false);  // the scale sources have received it already
-  odo_fix reference;
-  while (composer_.take_step_reference(reference))
-    roster_.forward_to_kind(ODO_INTERFACE_STEP_ESTIMATOR, reference.header);
+  if (reference) roster_.forward_to_kind(ODO_INTERFACE_STEP_ESTIMATOR, reference->header);
 }
 
-void Pipeline::report_notice() {
-  if (const Notice notice = composer_.take_notice(); notice.key)
-    host_.report(0, notice.severity, notice.key, notice.text);
+/// Publishes what the fusion has given since the last call.
+void Pipeline::publish() {
+  for (const Notice& notice : outputs_.notices) host_.report(0, notice.severity, notice.key, notice.text);
+  if (!broken_) broken_ = !publisher_.publish(*fusion_, outputs_);
+  outputs_.clear();
 }
 
 void Pipeline::on_fix(odo_fix& fix) {
   geodesy_.resolve(fix);  // the published fix has metric coordinates and the verdict
-  const UpdateResult result = is_beyond_frame(fix) ? UpdateResult{} : composer_.update(&fix);
+  const UpdateResult result = is_beyond_frame(fix) ? UpdateResult{} : fusion_->on_fix(fix, outputs_);
   const bool used = result.accepted;
-  report_notice();
   if (!used && result.dof > 0)
     host_.report(fix.header.source, ODO_SEVERITY_INFO, "rejected_fix",
                  "a fix was rejected by the gate: " + std::to_string(std::sqrt(result.nis)) +
@@ -265,11 +261,12 @@ bool Pipeline::is_of_main_camera(const odo_vo_motion& motion) {
 void Pipeline::reset() {
   events_.begin();
   roster_.reset();
-  composer_.reset();
-  anchors_.drop_retained_poses();
+  fusion_ = make_fusion(coupling_, start_, inputs_);
+  outputs_.clear();
+  anchors_.drop_kept_poses();
   for (const AnyMessage& description : roster_.descriptions()) {
     if (description.header().type == ODO_TYPE_CALIBRATION && roster_.is_main_camera(description.header()))
-      composer_.on_calibration(as<odo_calibration>(description.header()));
+      fusion_->on_calibration(as<odo_calibration>(description.header()));
   }
   joiner_.reset();
   watch_.reset();
@@ -282,7 +279,10 @@ void Pipeline::reset() {
 
 Pipeline::Pipeline(const PipelineConfig& config, const Surroundings& surroundings, Publish publish)
     : roster_(surroundings.host, [this](const AnyMessage& event) { enqueue(event); }),
-      composer_(config.coupling, config.start, {!config.vo_frontends.empty(), !config.scale_sources.empty()}),
+      coupling_(config.coupling),
+      start_(config.start),
+      inputs_{!config.vo_frontends.empty(), !config.scale_sources.empty()},
+      fusion_(make_fusion(coupling_, start_, inputs_)),
       host_(surroundings.host),
       geodesy_(surroundings.geodesy),
       poses_(surroundings.poses),
@@ -291,10 +291,8 @@ Pipeline::Pipeline(const PipelineConfig& config, const Surroundings& surrounding
       watch_(config.ordering.max_gap_s),
       publish_(std::move(publish)),
       scale_join_(config.scale_sources.size()),
-      odometry_covariance_(config.coupling.odometry_covariance),
-      steps_alone_need_heading_(config.coupling.type == CouplingType::paper && config.vo_frontends.empty()),
       north_(config.declination_rad, config.start.heading_given),
-      publisher_({composer_, roster_, watch_, north_, poses_, anchors_, surroundings.world_mutex}, publish_,
+      publisher_({roster_, watch_, north_, poses_, anchors_, surroundings.world_mutex}, publish_,
                  [this](const odo_header& event) {
                    if (event.type == ODO_TYPE_POSE ? plugins_want_poses_ : plugins_want_corrections_)
                      enqueue(AnyMessage(event));

@@ -18,12 +18,12 @@
 #include "sdk/host/core/scale_group_numbers.hpp"
 #include "sdk/host/core/scale_join.hpp"
 #include "sdk/host/core/sensor_watch.hpp"
-#include "sdk/host/localizer/composer.hpp"
+#include "sdk/host/fusion/paper_fusion.hpp"
 #include "sdk/host/messages/imu_joiner.hpp"
 
 namespace odograph {
 
-/// Sensors -> plugins -> localizer -> pose. Takes messages in time order and publishes every event. Each sample goes to
+/// Sensors -> plugins -> fusion -> pose. Takes messages in time order and publishes every event. Each sample goes to
 /// the plugins that want it, one after the other; the events that a plugin emits are copied into a queue and handled in
 /// order before the next plugin is called. Not thread-safe. The output depends only on the messages, the config and the
 /// seed.
@@ -76,8 +76,8 @@ class Pipeline {
   double state_s(uint32_t state) const { return publisher_.state_s(state); }
   uint64_t plugin_faults() const { return roster_.faults(); }
   uint64_t gaps() const { return watch_.gaps(); }
-  double distance_m() const { return composer_.distance_m(); }
-  ScaleKnowledge scale_knowledge() const { return composer_.scale_knowledge(); }
+  double distance_m() const { return fusion_->distance_m(); }
+  ScaleKnowledge scale_knowledge() const { return fusion_->scale_knowledge(); }
 
  private:
   Pipeline(const PipelineConfig& config, const Surroundings& surroundings, Publish publish);
@@ -93,14 +93,19 @@ class Pipeline {
   void on_vo_motion(odo_vo_motion& motion);
   void on_fix(odo_fix& fix);
   bool is_beyond_frame(const odo_fix& fix);
-  void report_notice();
+  void publish();
   void on_scale(odo_scale& scale);
   void publish_scale(odo_scale& scale, bool accepted);
   const odo_scale* scale_for(const odo_vo_motion& motion);
 
   PluginRoster roster_;
   bool plugins_want_poses_ = false, plugins_want_corrections_ = false;  // some plugin wants them
-  Composer composer_;
+  const CouplingConfig coupling_;
+  const StartPose start_;
+  const FusionInputs inputs_;
+  std::unique_ptr<Fusion> fusion_;
+  Outputs outputs_;      // of the fusion, not yet published
+  bool broken_ = false;  // a pose was not finite
   HostServices& host_;
   Geodesy& geodesy_;
   PoseStream& poses_;
@@ -112,8 +117,6 @@ class Pipeline {
   Counters counters_;
   ScaleGroupNumbers groups_;
   ScaleJoin scale_join_;
-  double odometry_covariance_ = 1;  ///< factor on the covariance that a front-end states
-  const bool steps_alone_need_heading_;
   NorthReference north_;
   PosePublisher publisher_;
 };

@@ -4,7 +4,7 @@
 #include <odograph/types.h>
 
 #include "sdk/host/base/rigid.hpp"
-#include "sdk/math/ring.hpp"
+#include "sdk/math/timed_ring.hpp"
 
 namespace odograph {
 
@@ -23,6 +23,7 @@ class PoseHistory {
 
  private:
   struct Entry {
+    int64_t t_ns = 0;
     odo_pose pose;
     Rigid smooth;
     Rigid T_n_0;               // n of the pose
@@ -31,7 +32,7 @@ class PoseHistory {
 
   odo_pose in_todays_n(const Entry& entry) const;
 
-  Ring<Entry, 1024> poses_;
+  TimedRing<Entry, 1024> poses_;
   Rigid T_n_0_;  // from the first n to today's
   uint64_t corrections_ = 0;
 };

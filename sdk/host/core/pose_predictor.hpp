@@ -7,7 +7,7 @@
 #include <odograph/types.h>
 
 #include "sdk/math/ring.hpp"
-#include "sdk/host/localizer/inertial_track.hpp"
+#include "sdk/host/fusion/inertial_track.hpp"
 #include "sdk/host/core/smooth_pose.hpp"
 
 namespace odograph {

@@ -21,68 +21,70 @@ Quaterniond about_down(const Quaterniond& q) {
   return norm > 0 ? Quaterniond(q.w() / norm, 0, 0, q.z() / norm) : Quaterniond::Identity();
 }
 
-}  // namespace
-
-void PosePublisher::publish_estimates() {
-  Correction correction;
-  odo_pose corrected{}, pose{};
-  const bool moved = s_.composer.take_correction(correction, corrected) && is_finite(corrected);
-  if (moved) publish_correction(correction, corrected);
-  bool any = s_.composer.take_pose(pose);
-  if (non_finite_ || (any && !is_finite(pose))) return;
-  if (moved && !(any && pose.header.t_ns == corrected.header.t_ns)) publish_pose(corrected, false);
-  for (; any && is_finite(pose); any = s_.composer.take_pose(pose)) publish_pose(pose, true);
-}
-
 /// Final check: no non-finite number is published.
-bool PosePublisher::is_finite(const odo_pose& pose) {
+bool is_finite(const odo_pose& pose) {
   const auto finite = [](const double* values, size_t count) {
     return std::all_of(values, values + count, [](double x) { return std::isfinite(x); });
   };
-  const bool whole = finite(pose.q_n, 4) && finite(pose.p_n, 3) && finite(pose.velocity_n, 3) &&
-                     finite(pose.covariance, 36) && std::isfinite(pose.scale + pose.scale_sigma + pose.distance_m);
-  non_finite_ = non_finite_ || !whole;
-  return whole;
+  return finite(pose.q_n, 4) && finite(pose.p_n, 3) && finite(pose.velocity_n, 3) && finite(pose.covariance, 36) &&
+         std::isfinite(pose.scale + pose.scale_sigma + pose.distance_m);
 }
 
-void PosePublisher::publish_pose(odo_pose pose, bool is_new) {
+}  // namespace
+
+bool PosePublisher::publish(Fusion& fusion, const Outputs& outputs) {
+  if (const auto& correction = outputs.correction) {
+    if (!is_finite(correction->pose)) return false;
+    publish_correction(fusion, *correction);
+    const bool again = !outputs.poses.empty() && outputs.poses[0].header.t_ns == correction->pose.header.t_ns;
+    if (!again) publish_pose(fusion, correction->pose, false);
+  }
+  for (const odo_pose& pose : outputs.poses) {
+    if (!is_finite(pose)) return false;
+    publish_pose(fusion, pose, true);
+  }
+  return true;
+}
+
+void PosePublisher::publish_pose(Fusion& fusion, odo_pose pose, bool is_new) {
   if (s_.roster.any_failed() && pose.state == ODO_TRACKING)
     pose.state = ODO_DEGRADED, pose.reason = ODO_REASON_PLUGIN_FAILED;
   if (sensor_silent()) pose.state = std::max(pose.state, ODO_DEGRADED), pose.reason = ODO_REASON_SENSOR_SILENT;
   if (s_.north.is_true() && pose.covariance[14] < kPublisher.north_sigma_rad * kPublisher.north_sigma_rad)
     pose.header.flags |= ODO_POSE_NORTH;
-  if (before_restart_ && (pose.header.flags & ODO_POSE_POSITION)) publish_restart(pose);
+  if (before_restart_ && (pose.header.flags & ODO_POSE_POSITION)) publish_restart(fusion, pose);
   last_ = pose;
   if (is_new) set_state(pose.header.t_ns, pose.state, pose.reason);
   {
     const std::lock_guard lock(s_.world_mutex);
-    add_to_stream(pose);
-    s_.anchors.update(s_.composer, pose.header.t_ns, nullptr);
+    add_to_stream(fusion, pose);
+    s_.anchors.update(fusion, pose.header.t_ns, nullptr);
   }
   publish_(pose.header);
   if (is_new) notify_plugins_(pose.header);
 }
 
-void PosePublisher::publish_correction(const Correction& correction, const odo_pose& corrected) {
-  const Vector3d after(corrected.p_n), before = correction.q.conjugate() * (after - correction.p);
+void PosePublisher::publish_correction(Fusion& fusion, const Correction& correction) {
+  const int64_t t_ns = correction.pose.header.t_ns;
+  const Vector3d after(correction.pose.p_n), before = correction.q.conjugate() * (after - correction.p);
   const Quaterniond q = about_down(correction.q);
   const Rigid level{q, after - q * before};
   {  // readers must never combine a corrected phone with uncorrected anchors, or vice versa
     const std::lock_guard lock(s_.world_mutex);
     s_.poses.correct(level);
-    s_.anchors.update(s_.composer, correction.t_ns, &level);
+    s_.anchors.update(fusion, t_ns, &level);
   }
-  announce(correction.t_ns, level, correction.reason);
+  announce(t_ns, level, correction.reason);
 }
 
 /// The phone has not moved; n has changed.
-void PosePublisher::publish_restart(const odo_pose& pose) {
+void PosePublisher::publish_restart(Fusion& fusion, const odo_pose& pose) {
   const odo_pose before = *std::exchange(before_restart_, std::nullopt);
   const Quaterniond q = about_down(quaternion(pose.q_n) * quaternion(before.q_n).conjugate());
   const Rigid correction{q, Vector3d(pose.p_n) - q * Vector3d(before.p_n)};
   {
     const std::lock_guard lock(s_.world_mutex);
-    s_.anchors.update(s_.composer, pose.header.t_ns, &correction);
+    s_.anchors.update(fusion, pose.header.t_ns, &correction);
   }
   announce(pose.header.t_ns, correction, ODO_CORRECTION_RESTART);
 }
@@ -97,11 +99,11 @@ void PosePublisher::announce(int64_t t_ns, const Rigid& correction, uint32_t rea
 }
 
 /// Adds the pose and the body state for prediction.
-void PosePublisher::add_to_stream(const odo_pose& pose) {
+void PosePublisher::add_to_stream(const Fusion& fusion, const odo_pose& pose) {
   PosePredictor::Base base{pose, quaternion(pose.q_n), Vector3d(pose.p_n), {}};
-  if (Estimate then; s_.composer.at(pose.header.t_ns, then) == ODO_OK) {
+  if (Estimate then; fusion.at(pose.header.t_ns, then) == ODO_OK) {
     base.q_n_b = then.q_n_b, base.p_n_b = then.p_n_b;
-    if ((pose.header.flags & ODO_POSE_VELOCITY) && !then.velocity_is_mean) base.v_n_b = then.v_n_b;
+    if ((pose.header.flags & ODO_POSE_VELOCITY) && then.velocity == Velocity::now) base.v_n_b = then.v_n_b;
     if (!then.gyro_bias_b.isZero()) {
       s_.poses.predictor().set_biases(then.gyro_bias_b, then.accel_bias_b);
       has_camera_bias_ = true;

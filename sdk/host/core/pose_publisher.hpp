@@ -11,7 +11,7 @@
 #include "sdk/host/core/plugin_roster.hpp"
 #include "sdk/host/core/pose_stream.hpp"
 #include "sdk/host/core/sensor_watch.hpp"
-#include "sdk/host/localizer/composer.hpp"
+#include "sdk/host/fusion/fusion.hpp"
 
 namespace odograph {
 
@@ -26,7 +26,6 @@ class PosePublisher {
 
   /// Objects that it uses; they outlive it.
   struct Surroundings {
-    Composer& composer;
     const PluginRoster& roster;
     const SensorWatch& watch;
     const NorthReference& north;
@@ -40,11 +39,9 @@ class PosePublisher {
   PosePublisher(const Surroundings& surroundings, Send publish, Send notify_plugins)
       : s_(surroundings), publish_(std::move(publish)), notify_plugins_(std::move(notify_plugins)) {}
 
-  /// Publishes all pending output of the localizer in time order: a correction and its corrected pose before newer
-  /// poses.
-  void publish_estimates();
-  /// Whether the localizer returned a non-finite pose, which is not published, since the last call.
-  bool take_non_finite() { return std::exchange(non_finite_, false); }
+  /// Publishes corrections and poses in time order: a correction and its corrected pose before newer poses. False if
+  /// one is not finite: it is not published, nor is what follows.
+  bool publish(Fusion& fusion, const Outputs& outputs);
   /// All sensors were silent (SensorWatch::pause): the pose is lost from then until the next one.
   void pause();
   /// Call after each message: detects silence that no pose reports.
@@ -58,19 +55,18 @@ class PosePublisher {
   double state_s(uint32_t state) const { return state_s_[state]; }
 
  private:
-  bool is_finite(const odo_pose& pose);
-  void publish_pose(odo_pose pose, bool is_new);
-  void publish_correction(const Correction& correction, const odo_pose& corrected);
-  void publish_restart(const odo_pose& pose);
+  void publish_pose(Fusion& fusion, odo_pose pose, bool is_new);
+  void publish_correction(Fusion& fusion, const Correction& correction);
+  void publish_restart(Fusion& fusion, const odo_pose& pose);
   void announce(int64_t t_ns, const Rigid& correction, uint32_t reason);
-  void add_to_stream(const odo_pose& pose);
+  void add_to_stream(const Fusion& fusion, const odo_pose& pose);
   bool sensor_silent() const;
   void set_state(int64_t t_ns, uint32_t state, uint32_t reason);
 
   Surroundings s_;
   Send publish_, notify_plugins_;
   std::optional<odo_pose> before_restart_, last_;
-  bool has_camera_bias_ = false, non_finite_ = false;
+  bool has_camera_bias_ = false;
   uint32_t state_ = 0, reason_ = ODO_REASON_INITIALISING;
   int64_t state_since_ns_ = 0;
   double state_s_[4] = {0, 0, 0, 0};  // index: ODO_TRACKING ...

@@ -38,6 +38,7 @@ TimeOrder::TimeOrder(size_t capacity, int64_t max_wait_ns, const Parameters& par
   slots_.reserve(capacity);
   free_.reserve(capacity);
   heap_.reserve(capacity);
+  held_.reserve(parameters.held);
 }
 
 bool TimeOrder::later(const Entry& a, const Entry& b) {
@@ -89,13 +90,17 @@ TimeOrder::Verdict TimeOrder::classify_late(Stream& stream, const odo_header& me
 TimeOrder::Verdict TimeOrder::classify(const odo_header& message) {
   const int64_t t_ns = message.t_ns;
   if (message.type == ODO_TYPE_CALIBRATION) expect_camera();
-  if (!may_be_late(message.type)) {
+  if (may_be_late(message.type)) {
+    if (is_far_ahead(t_ns)) return held_.size() < parameters_.held ? Verdict::held : Verdict::implausible;
+  } else {
     Stream& stream = stream_of(message);
     if (t_ns == stream.latest_ns) return Verdict::duplicate;
-    if (newest_ns_ != INT64_MIN && saturating_difference(t_ns, newest_ns_) > parameters_.far_ahead_ns &&
-        ++stream.ahead < parameters_.consecutive_ahead)
-      return Verdict::implausible;
-    stream.ahead = 0;
+    if (is_far_ahead(t_ns)) {
+      const bool agreed = std::any_of(streams_.begin(), streams_.end(),
+                                      [&](const Stream& other) { return &other != &stream && other.ahead > 0; });
+      if (++stream.ahead < parameters_.consecutive_ahead && !agreed) return Verdict::implausible;
+    }
+    for (Stream& any : streams_) any.ahead = 0;  // decided, or contradicted by this one
     if (released_ns_ != INT64_MIN && t_ns < released_ns_) {
       if (const Verdict verdict = classify_late(stream, message); verdict != Verdict::accepted) return verdict;
     } else {
@@ -104,6 +109,32 @@ TimeOrder::Verdict TimeOrder::classify(const odo_header& message) {
     }
   }
   return heap_.size() == capacity_ ? Verdict::full : Verdict::accepted;
+}
+
+bool TimeOrder::is_far_ahead(int64_t t_ns) const {
+  return newest_ns_ != INT64_MIN && saturating_difference(t_ns, newest_ns_) > parameters_.far_ahead_ns;
+}
+
+/// The steady sensors have come to the time of some held messages.
+void TimeOrder::admit_held() {
+  for (size_t i = 0; i < held_.size();) {
+    ++held_[i].contradictions;
+    if (is_far_ahead(held_[i].message.header().t_ns) || heap_.size() == capacity_) {
+      ++i;
+      continue;
+    }
+    OwnedMessage message = std::move(held_[i].message);
+    held_.erase(held_.begin() + static_cast<std::ptrdiff_t>(i));
+    add(std::move(message));
+  }
+}
+
+void TimeOrder::discard(int contradictions, std::vector<OwnedMessage>& discarded) {
+  std::erase_if(held_, [&](Held& held) {
+    if (held.contradictions < contradictions) return false;
+    discarded.push_back(std::move(held.message));
+    return true;
+  });
 }
 
 void TimeOrder::add(OwnedMessage message) {
@@ -123,11 +154,13 @@ void TimeOrder::add(OwnedMessage message) {
   heap_.push_back({header.t_ns, rank_of(header), slot, sequence_++});
   slots_[slot] = std::move(message);
   std::push_heap(heap_.begin(), heap_.end(), later);
+  if (!held_.empty() && !may_be_late(header.type)) admit_held();
 }
 
 TimeOrder::Verdict TimeOrder::push(OwnedMessage message) {
   const Verdict verdict = classify(message.header());
   if (verdict == Verdict::accepted) add(std::move(message));
+  if (verdict == Verdict::held) hold(std::move(message));
   return verdict;
 }
 
@@ -170,6 +203,11 @@ void TimeOrder::restart() {
 }
 
 bool TimeOrder::drain(OwnedMessage& out) {
+  if (heap_.empty() && !held_.empty()) {
+    out = std::move(held_.back().message);
+    held_.pop_back();
+    return true;
+  }
   if (heap_.empty()) return false;
   take_first(out);
   return true;

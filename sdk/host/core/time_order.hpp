@@ -18,8 +18,12 @@ class TimeOrder {
     /// Bounds a single sample's time, so that one outlier does not make all others late. Judgement: longer than any
     /// app's pause.
     int64_t far_ahead_ns = 10'000'000'000;
-    /// Consecutive samples this far ahead are accepted: the sensor has paused.
+    /// Consecutive samples this far ahead are accepted if no other sensor contradicts them: all have paused.
     int consecutive_ahead = 3;
+    /// Messages of slow sensors that wait, while they are far ahead, for a steady one to agree.
+    size_t held = 16;
+    /// Samples of steady sensors after which such a message is discarded: half a second of an IMU.
+    int contradictions = 100;
     /// Consecutive samples behind the sensor's own latest time, after which the clock counts as set back. Judgement:
     /// half a second of an IMU.
     int consecutive_behind = 50;
@@ -31,7 +35,8 @@ class TimeOrder {
     accepted,
     late,         // its time has been released already
     duplicate,    // same sensor and time as the previous sample
-    implausible,  // an isolated sample far ahead of everything else
+    held,         // far ahead of the steady sensors: waits until they agree
+    implausible,  // a sample far ahead of everything else
     full,
     restarted,  // the sensor clock was set back; the caller drains, restarts and judges again
   };
@@ -46,6 +51,11 @@ class TimeOrder {
   /// Whether a message may be added; an accepted message must be added.
   Verdict classify(const odo_header& message);
   void add(OwnedMessage message);
+  /// Keeps a message that is held; those that the steady sensors have contradicted move to `discarded`.
+  void hold(OwnedMessage message) { held_.push_back({std::move(message), 0}); }
+  void discard_contradicted(std::vector<OwnedMessage>& discarded) { discard(parameters_.contradictions, discarded); }
+  /// Those that are still held, at the end of the input.
+  void discard_held(std::vector<OwnedMessage>& discarded) { discard(0, discarded); }
   /// Judges and adds a message; releases it unless accepted.
   Verdict push(OwnedMessage message);
 
@@ -79,7 +89,15 @@ class TimeOrder {
     uint64_t sequence;
   };
 
+  struct Held {
+    OwnedMessage message;
+    int contradictions;  // samples of steady sensors since it came
+  };
+
   static bool later(const Entry& a, const Entry& b);
+  bool is_far_ahead(int64_t t_ns) const;
+  void admit_held();
+  void discard(int contradictions, std::vector<OwnedMessage>& discarded);
   Stream& stream_of(const odo_header& message);
   Verdict classify_late(Stream& stream, const odo_header& message);
   bool silent(const Stream& stream) const;
@@ -99,6 +117,7 @@ class TimeOrder {
   std::vector<OwnedMessage> slots_;
   std::vector<uint32_t> free_;
   std::vector<Entry> heap_;
+  std::vector<Held> held_;
 };
 
 }  // namespace odograph

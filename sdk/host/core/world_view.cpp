@@ -14,6 +14,10 @@ namespace {
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
+/// An anchor is degraded if the visible error's sigma is above the larger of these: m, a hand's breadth at arm's
+/// length, and relative to its distance, a few degrees; judgement.
+constexpr double kUncertain_m = 0.25, kUncertain = 0.1;
+
 /// The body's pose to the camera's, or back.
 void convert(const CameraTable::Mount& mount, odo_pose& pose) {
   if (pose.header.flags & ODO_POSE_CAMERA)
@@ -108,7 +112,7 @@ int32_t WorldView::anchor(uint64_t id, uint32_t world, int64_t t_ns, odo_anchor&
   const int32_t status = poses_.at(t_ns, false, corrected);
   const bool oriented = status == ODO_OK, seen = oriented && (corrected.header.flags & ODO_POSE_POSITION) != 0;
   if (oriented) t_ns = corrected.header.t_ns;
-  const auto known = anchors_.get(id, t_ns);
+  const auto known = anchors_.get(id, t_ns, oriented);
   if (!known) return ODO_E_NOT_FOUND;
   out = known->anchor;
   out.t_ns = t_ns;
@@ -132,6 +136,9 @@ int32_t WorldView::anchor(uint64_t id, uint32_t world, int64_t t_ns, odo_anchor&
   out.position_sigma_m = std::sqrt(known->position_variance);
   out.yaw_sigma_rad = std::sqrt(std::max(0.0, known->yaw_variance));
   out.view_sigma_m = std::sqrt(known->view_variance);
+  const double uncertain_m = std::max(kUncertain_m, kUncertain * Vector3d(out.p_view).norm());
+  if ((out.flags & ODO_ANCHOR_VIEW_POSE) && out.state == ODO_TRACKING && out.view_sigma_m > uncertain_m)
+    out.state = ODO_DEGRADED;
   if (known->geodetic) {
     out.flags |= ODO_ANCHOR_ON_EARTH;
     out.latitude_rad = (*known->geodetic)[0], out.longitude_rad = (*known->geodetic)[1];

@@ -23,8 +23,8 @@ constexpr double kFittedStart_m = 50;        // over which start and heading of 
 
 /// A track without a fix, with the true start, vertical and heading; and, if it is not metric, with the true scale
 /// there.
-Trajectory on_start(const Trajectory& truth, const RunResult& result) {
-  const Trajectory track = rotated_onto_first(truth, result.track);
+StampedPoses on_start(const StampedPoses& truth, const RunResult& result) {
+  const StampedPoses track = rotated_onto_first(truth, result.track);
   const bool metric = result.first_metric < result.track.size();
   return aligned_at_start(truth, metric ? track : scaled_by_start(truth, track, kFittedStart_m), kFittedStart_m);
 }
@@ -94,9 +94,9 @@ struct City : Benchmark {
   Result<Json> measure_replay(const BenchCase&, const Recording& recording, const RunResult& result) const override {
     const std::vector<odo_fix> accepted = result.accepted();
     const FixFigures f = fix_figures(recording, accepted);
-    const Trajectory track = accepted.empty() ? on_start(recording.truth, result) : result.track;
+    const StampedPoses track = accepted.empty() ? on_start(recording.truth, result) : result.track;
     const PositionErrors e = position_errors(recording.truth, track);
-    Trajectory scored = recording.truth;
+    StampedPoses scored = recording.truth;
     if (!skylines.empty() && !accepted.empty())
       std::erase_if(scored, [&](const StampedPose& p) { return p.t_ns < accepted.front().header.t_ns + kTold_ns; });
     const auto horizontal_m = horizontal_errors(scored, track);

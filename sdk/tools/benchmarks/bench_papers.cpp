@@ -63,17 +63,17 @@ struct Walk700 : Benchmark {
   /// first 12 m.
   Result<Json> measure_replay(const BenchCase& one, const Recording& recording,
                               const RunResult& result) const override {
-    const Trajectory& truth = recording.truth;
+    const StampedPoses& truth = recording.truth;
     std::vector<WalkedPlace> places;
     for (size_t k = 0; k < 3; ++k) places.push_back(place_walked_to(recording, kPlaces[k].walked_m));
-    const auto errors = [&](const Trajectory& track) {
+    const auto errors = [&](const StampedPoses& track) {
       const PlaceErrors e = place_errors(truth, track, places);
       return Json{{"mean_m", e.mean_m}, {"error_m", e.error_m}, {"error_percent", e.error_percent}};
     };
     const Start start = start_of(*config_of(one.run));
-    const Trajectory by_path =
+    const StampedPoses by_path =
         start == Start::surveyed ? result.track : aligned_at_start(truth, result.track, kStart_m);
-    const Trajectory track = start == Start::by_pose ? aligned_by_pose(truth, result.track, kStart_m) : by_path;
+    const StampedPoses track = start == Start::by_pose ? aligned_by_pose(truth, result.track, kStart_m) : by_path;
     Json row = errors(track);
     for (const WalkedPlace& place : places) row["walked_m"].push_back(place.walked_m);
     row["by_path"] = errors(by_path);
@@ -155,8 +155,8 @@ struct Drive : Benchmark {
   }
 
   Result<Json> measure_replay(const BenchCase&, const Recording& recording, const RunResult& result) const override {
-    const Trajectory& truth = recording.truth;
-    Trajectory track = result.track;
+    const StampedPoses& truth = recording.truth;
+    StampedPoses track = result.track;
     if (result.fixes.empty()) {  // neither position, nor heading, nor (without a source) scale is known
       track = rotated_onto_first(truth, track);
       track = aligned_at_start(truth, result.scales.empty() ? scaled_by_start(truth, track, start_m) : track, start_m);

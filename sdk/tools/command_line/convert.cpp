@@ -69,7 +69,7 @@ Result<bool> to_recording(const Recording& recording, const fs::path& output, st
   return (*writer)->finish();
 }
 
-Result<Trajectory> read_track(const fs::path& input) {
+Result<StampedPoses> read_track(const fs::path& input) {
   std::error_code error;
   if (fs::is_directory(input, error) && fs::exists(input / "trajectory.tum", error))
     return read_tum(track_of_run(input));

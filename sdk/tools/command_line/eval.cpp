@@ -27,7 +27,7 @@ struct EvalArguments {
 
 /// A reference: a trajectory, or the waypoints of a walk.
 struct Reference {
-  Trajectory trajectory;
+  StampedPoses trajectory;
   std::vector<Waypoint> waypoints;
   RecordingLoss loss;
 };
@@ -65,7 +65,7 @@ Result<Reference> read_reference(const fs::path& path) {
   return reference;
 }
 
-Result<Trajectory> read_estimate(const fs::path& path) {
+Result<StampedPoses> read_estimate(const fs::path& path) {
   std::error_code error;
   if (!fs::is_directory(path, error)) return read_poses(path);
   if (const fs::path corrected = track_of_run(path); corrected.filename() != "trajectory.tum")
@@ -90,7 +90,7 @@ std::vector<double> degrees(std::vector<double> radians) {
   return radians;
 }
 
-Json evaluate_waypoints(const Trajectory& track, const std::vector<Waypoint>& waypoints, double metres) {
+Json evaluate_waypoints(const StampedPoses& track, const std::vector<Waypoint>& waypoints, double metres) {
   const double rotation = heading_offset(track, waypoints, metres);
   const WaypointErrors errors = waypoint_errors(align_to_waypoints(track, waypoints, rotation), waypoints);
   return {{"waypoints", waypoints.size()},
@@ -119,7 +119,7 @@ Json evaluate_true_lengths(const Pairs& pairs, double window_m, double length_m)
           {"without_motion", scaled.without_motion}};
 }
 
-Result<Json> evaluate_trajectory(const Trajectory& reference, const Trajectory& estimate, const EvalArguments& a,
+Result<Json> evaluate_trajectory(const StampedPoses& reference, const StampedPoses& estimate, const EvalArguments& a,
                                  Alignment alignment) {
   const Pairs pairs = associate(reference, estimate, a.max_difference_s);
   if (pairs.reference.size() < 2)
@@ -127,7 +127,7 @@ Result<Json> evaluate_trajectory(const Trajectory& reference, const Trajectory& 
                                    " poses of reference and estimate are within " + std::to_string(a.max_difference_s) +
                                    " s of each other; are the clocks the same? (--offset, --max-diff)"};
   double scale = 1;
-  const Trajectory aligned = align(pairs, alignment, &scale);
+  const StampedPoses aligned = align(pairs, alignment, &scale);
   const PoseErrors ape = absolute_errors(pairs.reference, aligned);
   const PoseErrors rpe = relative_errors(pairs.reference, aligned, a.rpe_delta, a.rpe_unit == "metres");
   const double length = path_length(pairs.reference);
@@ -215,7 +215,7 @@ void print(const Json& json, const std::string& head) {
 }
 
 /// Writes the page of a run for any two trajectories.
-Result<bool> write_plot(const EvalArguments& a, const Reference& reference, const Trajectory& estimate,
+Result<bool> write_plot(const EvalArguments& a, const Reference& reference, const StampedPoses& estimate,
                         Alignment alignment, const Json& result) {
   Recording recording;
   recording.path = a.reference, recording.format = "the truth", recording.truth = reference.trajectory;

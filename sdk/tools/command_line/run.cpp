@@ -55,7 +55,7 @@ void check_guesses(Recording& recording) {
     std::fprintf(stderr, "%s\n", printable(recording.warnings[i]).c_str());
 }
 
-double largest_distance(const Trajectory& a, const Trajectory& b) {
+double largest_distance(const StampedPoses& a, const StampedPoses& b) {
   double largest = 0;
   for (size_t i = 0; i < a.size() && i < b.size(); ++i) largest = std::max(largest, (a[i].p - b[i].p).norm());
   return largest;

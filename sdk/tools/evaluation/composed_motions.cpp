@@ -7,14 +7,14 @@ namespace odograph {
 
 using Eigen::Vector3d;
 
-Trajectory ComposedMotions::unscaled() const {
-  Trajectory track;
+StampedPoses ComposedMotions::unscaled() const {
+  StampedPoses track;
   for (const ComposedPose& x : poses) track.push_back({x.t_ns, x.q, x.unscaled});
   return track;
 }
 
-Trajectory ComposedMotions::metric() const {
-  Trajectory track;
+StampedPoses ComposedMotions::metric() const {
+  StampedPoses track;
   for (const ComposedPose& x : poses)
     if (x.metric) track.push_back({x.t_ns, x.q, x.p_m});
   return track;

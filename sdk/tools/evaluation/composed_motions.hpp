@@ -30,8 +30,8 @@ struct ComposedMotions {
   std::vector<ComposedPose> poses;  ///< the start of the first motion, then the end of each
   size_t holes = 0;                 ///< motions that do not start where the previous one ended
 
-  Trajectory unscaled() const;  ///< every pose, up to scale
-  Trajectory metric() const;    ///< the metric poses
+  StampedPoses unscaled() const;  ///< every pose, up to scale
+  StampedPoses metric() const;    ///< the metric poses
 };
 
 /// Composes the motions, rotation and displacement, without host or other sensors. A motion without a valid rotation or

@@ -67,10 +67,10 @@ namespace {
 double as_double_seconds(int64_t t_ns) { return static_cast<double>(static_cast<long double>(t_ns) / 1e9L); }
 }  // namespace
 
-Pairs associate(const Trajectory& reference, const Trajectory& estimate, double max_difference_s) {
+Pairs associate(const StampedPoses& reference, const StampedPoses& estimate, double max_difference_s) {
   const bool estimate_is_longer = estimate.size() > reference.size();
-  const Trajectory& shorter = estimate_is_longer ? reference : estimate;
-  const Trajectory& longer = estimate_is_longer ? estimate : reference;
+  const StampedPoses& shorter = estimate_is_longer ? reference : estimate;
+  const StampedPoses& longer = estimate_is_longer ? estimate : reference;
   // Neither file needs to be sorted: sort the longer one's times stably, then search them.
   std::vector<size_t> order(longer.size());
   std::iota(order.begin(), order.end(), size_t{0});
@@ -97,8 +97,8 @@ Pairs associate(const Trajectory& reference, const Trajectory& estimate, double 
 
 namespace {
 
-Trajectory transformed(const Trajectory& trajectory, double scale, const Eigen::Isometry3d& T) {
-  Trajectory out = trajectory;
+StampedPoses transformed(const StampedPoses& trajectory, double scale, const Eigen::Isometry3d& T) {
+  StampedPoses out = trajectory;
   const Eigen::Quaterniond q(T.linear());
   for (auto& x : out) {
     x.p = T * (scale * x.p);
@@ -126,7 +126,7 @@ Eigen::Isometry3d yaw_alignment(const Pairs& pairs) {
 
 }  // namespace
 
-Trajectory align(const Pairs& pairs, Alignment alignment, double* scale) {
+StampedPoses align(const Pairs& pairs, Alignment alignment, double* scale) {
   if (scale) *scale = 1.0;
   if (pairs.reference.empty() || alignment == Alignment::none) return pairs.estimate;
   if (alignment == Alignment::first)
@@ -148,7 +148,7 @@ Trajectory align(const Pairs& pairs, Alignment alignment, double* scale) {
   return transformed(pairs.estimate, s, T);
 }
 
-std::optional<ScalePart> scale_part(const Trajectory& reference, const Trajectory& aligned) {
+std::optional<ScalePart> scale_part(const StampedPoses& reference, const StampedPoses& aligned) {
   Eigen::Vector3d from = Eigen::Vector3d::Zero(), to = Eigen::Vector3d::Zero();
   const double n = static_cast<double>(reference.size());
   for (size_t i = 0; i < reference.size(); ++i) from += aligned[i].p / n, to += reference[i].p / n;
@@ -164,7 +164,7 @@ std::optional<ScalePart> scale_part(const Trajectory& reference, const Trajector
   return ScalePart{1 / factor, std::sqrt(squares / n)};
 }
 
-PoseErrors absolute_errors(const Trajectory& reference, const Trajectory& estimate) {
+PoseErrors absolute_errors(const StampedPoses& reference, const StampedPoses& estimate) {
   PoseErrors errors;
   for (size_t i = 0; i < reference.size(); ++i) {
     errors.translation_m.push_back((estimate[i].p - reference[i].p).norm());
@@ -173,7 +173,7 @@ PoseErrors absolute_errors(const Trajectory& reference, const Trajectory& estima
   return errors;
 }
 
-PoseErrors relative_errors(const Trajectory& reference, const Trajectory& estimate, double delta, bool metres) {
+PoseErrors relative_errors(const StampedPoses& reference, const StampedPoses& estimate, double delta, bool metres) {
   std::vector<size_t> ids;
   double path = delta;
   for (size_t i = 0; i < reference.size(); ++i) {
@@ -197,7 +197,7 @@ PoseErrors relative_errors(const Trajectory& reference, const Trajectory& estima
   return errors;
 }
 
-std::vector<std::pair<double, double>> scale_along_path(const Trajectory& reference, const Trajectory& estimate,
+std::vector<std::pair<double, double>> scale_along_path(const StampedPoses& reference, const StampedPoses& estimate,
                                                         double window_m) {
   std::vector<std::pair<double, double>> ratios;
   double path = 0, begin_path = 0;
@@ -214,7 +214,7 @@ std::vector<std::pair<double, double>> scale_along_path(const Trajectory& refere
 }
 
 TrueLengths with_true_lengths(const Pairs& pairs, double window_m) {
-  const Trajectory &truth = pairs.reference, &estimate = pairs.estimate;
+  const StampedPoses &truth = pairs.reference, &estimate = pairs.estimate;
   TrueLengths out;
   if (truth.empty()) return out;
   std::vector<double> factor(truth.size(), 1.0);
@@ -247,7 +247,7 @@ TrueLengths with_true_lengths(const Pairs& pairs, double window_m) {
 }
 
 std::vector<double> scale_changes(const Pairs& pairs, double window_m) {
-  const Trajectory &truth = pairs.reference, &estimate = pairs.estimate;
+  const StampedPoses &truth = pairs.reference, &estimate = pairs.estimate;
   std::vector<double> changes;
   double path = 0, before = 0;  // scale of the first half; 0: none
   size_t begin = 0;
@@ -263,7 +263,7 @@ std::vector<double> scale_changes(const Pairs& pairs, double window_m) {
   return changes;
 }
 
-Vector3d position_at(const Trajectory& trajectory, int64_t t_ns) {
+Vector3d position_at(const StampedPoses& trajectory, int64_t t_ns) {
   if (trajectory.empty()) return Vector3d::Zero();
   const auto after = std::lower_bound(trajectory.begin(), trajectory.end(), t_ns,
                                       [](const StampedPose& x, int64_t t) { return x.t_ns < t; });
@@ -274,7 +274,7 @@ Vector3d position_at(const Trajectory& trajectory, int64_t t_ns) {
   return a.p + w * (b.p - a.p);
 }
 
-std::optional<StampedPose> pose_at(const Trajectory& trajectory, int64_t t_ns, double largest_gap_s) {
+std::optional<StampedPose> pose_at(const StampedPoses& trajectory, int64_t t_ns, double largest_gap_s) {
   const auto after = std::lower_bound(trajectory.begin(), trajectory.end(), t_ns,
                                       [](const StampedPose& x, int64_t t) { return x.t_ns < t; });
   if (after == trajectory.end()) return std::nullopt;
@@ -286,7 +286,7 @@ std::optional<StampedPose> pose_at(const Trajectory& trajectory, int64_t t_ns, d
   return StampedPose{t_ns, a.q.slerp(w, b.q), a.p + w * (b.p - a.p)};
 }
 
-double heading_offset(const Trajectory& track, const std::vector<Waypoint>& waypoints, double metres) {
+double heading_offset(const StampedPoses& track, const std::vector<Waypoint>& waypoints, double metres) {
   if (waypoints.size() < 2) return 0.0;
   const Vector3d origin = position_at(track, waypoints.front().t_ns);
   double sine = 0, cosine = 0, length = 0;
@@ -300,7 +300,7 @@ double heading_offset(const Trajectory& track, const std::vector<Waypoint>& wayp
   return std::atan2(sine, cosine);
 }
 
-Trajectory align_to_waypoints(const Trajectory& track, const std::vector<Waypoint>& waypoints, double yaw_rad) {
+StampedPoses align_to_waypoints(const StampedPoses& track, const std::vector<Waypoint>& waypoints, double yaw_rad) {
   if (waypoints.empty()) return track;
   Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
   T.linear() = Eigen::AngleAxisd(yaw_rad, Vector3d::UnitZ()).toRotationMatrix();
@@ -308,7 +308,7 @@ Trajectory align_to_waypoints(const Trajectory& track, const std::vector<Waypoin
   return transformed(track, 1.0, T);
 }
 
-WaypointErrors waypoint_errors(const Trajectory& track, const std::vector<Waypoint>& waypoints) {
+WaypointErrors waypoint_errors(const StampedPoses& track, const std::vector<Waypoint>& waypoints) {
   WaypointErrors errors;
   for (size_t i = 1; i < waypoints.size(); ++i) {
     errors.reference_m += (waypoints[i].p_n - waypoints[i - 1].p_n).head<2>().norm();
@@ -326,12 +326,12 @@ WaypointErrors waypoint_errors(const Trajectory& track, const std::vector<Waypoi
   return errors;
 }
 
-LegErrors leg_errors(const Trajectory& track, const std::vector<Waypoint>& waypoints, double metres) {
+LegErrors leg_errors(const StampedPoses& track, const std::vector<Waypoint>& waypoints, double metres) {
   LegErrors out;
   if (waypoints.size() < 2) return out;
   // Tracks that are straight between waypoints, with one pose at each.
-  Trajectory headed{{waypoints.front().t_ns, Eigen::Quaterniond::Identity(), waypoints.front().p_n}};
-  Trajectory measured = headed;
+  StampedPoses headed{{waypoints.front().t_ns, Eigen::Quaterniond::Identity(), waypoints.front().p_n}};
+  StampedPoses measured = headed;
   std::vector<std::pair<Eigen::Vector2d, Eigen::Vector2d>> legs;
   for (size_t i = 1; i < waypoints.size(); ++i) {
     const int64_t t = waypoints[i].t_ns;

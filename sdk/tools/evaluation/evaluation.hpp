@@ -27,14 +27,14 @@ Result<Alignment> parse_alignment(const std::string& name);
 /// Poses of both trajectories at common times: each pose of the shorter one with the pose of the other nearest in time,
 /// if at most `max_difference_s` away (evo's association).
 struct Pairs {
-  Trajectory reference, estimate;
+  StampedPoses reference, estimate;
 };
-Pairs associate(const Trajectory& reference, const Trajectory& estimate, double max_difference_s);
+Pairs associate(const StampedPoses& reference, const StampedPoses& estimate, double max_difference_s);
 
 /// Aligns the estimate with the reference. none: unchanged. first: the first poses coincide. yaw: least squares over a
 /// rotation about the vertical and a translation. se3, sim3: Umeyama 1991, without and with scale. `scale` receives the
 /// factor applied.
-Trajectory align(const Pairs& pairs, Alignment alignment, double* scale);
+StampedPoses align(const Pairs& pairs, Alignment alignment, double* scale);
 
 /// The share of a scale error in the position error of an aligned estimate.
 struct ScalePart {
@@ -43,19 +43,19 @@ struct ScalePart {
 };
 /// The factor is the one of least squares about both centroids. Exact for estimates aligned by yaw or SE(3), whose best
 /// rotation does not depend on the scale. None if the estimate does not move.
-std::optional<ScalePart> scale_part(const Trajectory& reference, const Trajectory& aligned);
+std::optional<ScalePart> scale_part(const StampedPoses& reference, const StampedPoses& aligned);
 
 /// Absolute pose error: translation in m, rotation in rad.
 struct PoseErrors {
   std::vector<double> translation_m, rotation_rad;
 };
-PoseErrors absolute_errors(const Trajectory& reference, const Trajectory& estimate);
+PoseErrors absolute_errors(const StampedPoses& reference, const StampedPoses& estimate);
 
 /// Relative pose error over consecutive intervals of `delta` frames, or `delta` metres of the reference's path.
-PoseErrors relative_errors(const Trajectory& reference, const Trajectory& estimate, double delta, bool metres);
+PoseErrors relative_errors(const StampedPoses& reference, const StampedPoses& estimate, double delta, bool metres);
 
 /// Ratio of the displacements, estimate to reference, over windows of the path: (metres along the path, ratio).
-std::vector<std::pair<double, double>> scale_along_path(const Trajectory& reference, const Trajectory& estimate,
+std::vector<std::pair<double, double>> scale_along_path(const StampedPoses& reference, const StampedPoses& estimate,
                                                         double window_m);
 
 /// The estimate with true displacement lengths: the remaining error is the one that no scale source can correct. With a
@@ -63,7 +63,7 @@ std::vector<std::pair<double, double>> scale_along_path(const Trajectory& refere
 /// path share one factor, the ratio of both displacements over it. Directions and orientations are the estimate's. A
 /// frame without displacement does not move.
 struct TrueLengths {
-  Trajectory track;
+  StampedPoses track;
   std::vector<double> direction_error_rad;  ///< of each frame's displacement, in camera axes
   size_t without_motion = 0;                ///< frames that moved in truth but not in the estimate
 };
@@ -75,16 +75,16 @@ TrueLengths with_true_lengths(const Pairs& pairs, double window_m);
 std::vector<double> scale_changes(const Pairs& pairs, double window_m);
 
 /// Position at a time: linear between poses, constant before the first and after the last.
-Eigen::Vector3d position_at(const Trajectory& trajectory, int64_t t_ns);
+Eigen::Vector3d position_at(const StampedPoses& trajectory, int64_t t_ns);
 
 /// Pose at a time, interpolated if its neighbours are at most `largest_gap_s` apart; none outside the trajectory.
-std::optional<StampedPose> pose_at(const Trajectory& trajectory, int64_t t_ns, double largest_gap_s);
+std::optional<StampedPose> pose_at(const StampedPoses& trajectory, int64_t t_ns, double largest_gap_s);
 
 /// Rotation about the vertical, rad, that fits the track to the waypoints within the first `metres` of their polyline
 /// (at least one waypoint), both relative to the first waypoint.
-double heading_offset(const Trajectory& track, const std::vector<Waypoint>& waypoints, double metres);
+double heading_offset(const StampedPoses& track, const std::vector<Waypoint>& waypoints, double metres);
 /// Rotates the track about its position at the first waypoint, and translates that position to the waypoint.
-Trajectory align_to_waypoints(const Trajectory& track, const std::vector<Waypoint>& waypoints, double yaw_rad);
+StampedPoses align_to_waypoints(const StampedPoses& track, const std::vector<Waypoint>& waypoints, double yaw_rad);
 
 struct WaypointErrors {
   double reference_m = 0;          // length of the polyline through the waypoints
@@ -92,7 +92,7 @@ struct WaypointErrors {
   std::vector<double> position_m;  // horizontal, at each waypoint after the first
   double distance_error() const { return reference_m > 0 ? (estimate_m - reference_m) / reference_m : 0.0; }
 };
-WaypointErrors waypoint_errors(const Trajectory& track, const std::vector<Waypoint>& waypoints);
+WaypointErrors waypoint_errors(const StampedPoses& track, const std::vector<Waypoint>& waypoints);
 
 /// Splits a position error into its causes: horizontal errors at each waypoint after the first, with the true heading
 /// of each leg between waypoints, and with its true length. The heading of the second is fitted over the first
@@ -102,6 +102,6 @@ struct LegErrors {
   std::vector<double> heading_rad, length;  ///< remaining error per leg of 1 m or more: heading after a fit over all of
                                             ///< them, and estimated over true length minus 1
 };
-LegErrors leg_errors(const Trajectory& track, const std::vector<Waypoint>& waypoints, double metres);
+LegErrors leg_errors(const StampedPoses& track, const std::vector<Waypoint>& waypoints, double metres);
 
 }  // namespace odograph

@@ -10,7 +10,7 @@
 
 namespace odograph {
 
-double detrended_rms(const Trajectory& trajectory) {
+double detrended_rms(const StampedPoses& trajectory) {
   const auto n = static_cast<Eigen::Index>(trajectory.size());
   if (n < 4) return 0;
   const double span = static_cast<double>(trajectory.back().t_ns - trajectory.front().t_ns);
@@ -46,7 +46,7 @@ Excitation excitation_of(const Pairs& pairs, const ExcitationParameters& c) {
     whole = whole && seconds(t + window_ns - before) <= c.max_gap_s;
     if (!whole || window.reference.size() < 8 || path_length(window.reference) < c.min_speed_mps * c.window_s) continue;
     motion.push_back(detrended_rms(window.reference));
-    Trajectory off = align(window, Alignment::sim3, nullptr);
+    StampedPoses off = align(window, Alignment::sim3, nullptr);
     for (size_t i = 0; i < off.size(); ++i) off[i].p -= window.reference[i].p;
     const double left = detrended_rms(off);
     error.push_back(std::isfinite(left) ? left : motion.back());  // it did not move at all: scale 0

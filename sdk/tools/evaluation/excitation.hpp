@@ -30,6 +30,6 @@ struct ExcitationParameters {
 Excitation excitation_of(const Pairs& pairs, const ExcitationParameters& parameters);
 
 /// Rms distance of positions from the best-fitting quadratic in time of each axis; 0 for fewer than four.
-double detrended_rms(const Trajectory& trajectory);
+double detrended_rms(const StampedPoses& trajectory);
 
 }  // namespace odograph

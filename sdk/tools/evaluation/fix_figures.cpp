@@ -22,7 +22,7 @@ std::vector<int64_t> seconds_with_skyline(const Recording& recording) {
   return seconds;
 }
 
-double path_until(const Trajectory& truth, int64_t t_ns) {
+double path_until(const StampedPoses& truth, int64_t t_ns) {
   double path_m = 0;
   for (size_t i = 1; i < truth.size() && truth[i].t_ns <= t_ns; ++i) path_m += (truth[i].p - truth[i - 1].p).norm();
   return path_m;
@@ -49,7 +49,7 @@ FixFigures fix_figures(const Recording& recording, const std::vector<odo_fix>& f
   return f;
 }
 
-std::vector<double> tilt_errors_deg(const Trajectory& truth, const Trajectory& track) {
+std::vector<double> tilt_errors_deg(const StampedPoses& truth, const StampedPoses& track) {
   std::vector<double> tilt_deg;
   size_t k = 0;
   for (const StampedPose& pose : track) {
@@ -61,7 +61,8 @@ std::vector<double> tilt_errors_deg(const Trajectory& truth, const Trajectory& t
   return tilt_deg;
 }
 
-CanyonFigures canyon_figures(const std::vector<TrueState>& truth, const Trajectory& track, const CanyonParameters& p) {
+CanyonFigures canyon_figures(const std::vector<TrueState>& truth, const StampedPoses& track,
+                             const CanyonParameters& p) {
   CanyonFigures row;
   std::vector<double> errors;
   size_t at = 0, walked_to = 0;

@@ -18,7 +18,7 @@ struct FixFigures {
 FixFigures fix_figures(const Recording& recording, const std::vector<odo_fix>& fixes);
 
 /// Angle between the verticals of each pose and the true pose at that time, deg.
-std::vector<double> tilt_errors_deg(const Trajectory& truth, const Trajectory& track);
+std::vector<double> tilt_errors_deg(const StampedPoses& truth, const StampedPoses& track);
 
 /// Results of a walk between houses: yaw error after 100 m of the true path (sampled every tenth of a second, so that
 /// hand motion does not count), horizontal errors after settling, and the largest while the receiver was wrong or
@@ -29,7 +29,7 @@ struct CanyonFigures {
 struct CanyonParameters {
   double settled_s = 20, reflection_from_s = 60, reflection_to_s = 120, after_s = 5, yaw_after_m = 100;
 };
-CanyonFigures canyon_figures(const std::vector<TrueState>& truth, const Trajectory& track,
+CanyonFigures canyon_figures(const std::vector<TrueState>& truth, const StampedPoses& track,
                              const CanyonParameters& parameters = {});
 
 }  // namespace odograph

@@ -31,12 +31,12 @@ struct Beyond {
 
 }  // namespace
 
-PoseConsistency pose_consistency(const std::vector<odo_pose>& poses, const Trajectory& truth) {
+PoseConsistency pose_consistency(const std::vector<odo_pose>& poses, const StampedPoses& truth) {
   double position = 0, heading = 0;
   YawAlignment aligned;
   size_t n = 0;
   Beyond position_beyond, heading_beyond;
-  Trajectory estimate, reference;
+  StampedPoses estimate, reference;
   for (const odo_pose& pose : poses) {
     const auto there = pose_at(truth, pose.header.t_ns, kLargestTruthGap_s);
     if (!there) continue;

@@ -22,7 +22,7 @@ struct PoseConsistency {
   double position_nees = 0, heading_nees = 0;
   double position_beyond_s = 0, heading_beyond_s = 0;  ///< longest continuous time beyond three sigma
 };
-PoseConsistency pose_consistency(const std::vector<odo_pose>& poses, const Trajectory& truth);
+PoseConsistency pose_consistency(const std::vector<odo_pose>& poses, const StampedPoses& truth);
 
 /// Normalised error squared of a horizontal position: chi-square with two degrees of freedom.
 double horizontal_nees(const Eigen::Vector3d& error_n, const double covariance_n[9]);

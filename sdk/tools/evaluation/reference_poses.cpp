@@ -48,7 +48,7 @@ std::vector<Rate> rates_of(const Recording& recording) {
 
 /// Median over pairs of neighbouring poses, rad: their rotation in their own axes minus the gyroscope's in the axes x
 /// to which `q_x_b` maps b. NaN if too few pairs have samples.
-double disagreement(const Trajectory& poses, const std::vector<Rate>& rates, const Quaterniond& q_x_b) {
+double disagreement(const StampedPoses& poses, const std::vector<Rate>& rates, const Quaterniond& q_x_b) {
   std::vector<double> off_rad;
   auto sample = rates.begin();
   for (size_t i = 1; i < poses.size(); ++i) {
@@ -66,8 +66,8 @@ double disagreement(const Trajectory& poses, const std::vector<Rate>& rates, con
 
 }  // namespace
 
-Result<Trajectory> read_reference(const std::filesystem::path& tum, const std::string& frame,
-                                  const Recording& recording) {
+Result<StampedPoses> read_reference(const std::filesystem::path& tum, const std::string& frame,
+                                    const Recording& recording) {
   auto poses = read_tum(tum);
   if (!poses) return poses;
   std::stable_sort(poses->begin(), poses->end(),

@@ -12,7 +12,7 @@ using Eigen::AngleAxisd;
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
-Trajectory aligned_at_start(const Trajectory& truth, const Trajectory& track, double over_m) {
+StampedPoses aligned_at_start(const StampedPoses& truth, const StampedPoses& track, double over_m) {
   std::vector<Waypoint> start;
   double walked = 0, next = 0;
   for (size_t i = 0; i < truth.size() && walked <= over_m; ++i) {
@@ -22,7 +22,7 @@ Trajectory aligned_at_start(const Trajectory& truth, const Trajectory& track, do
   return align_to_waypoints(track, start, heading_offset(track, start, over_m));
 }
 
-Trajectory aligned_by_pose(const Trajectory& truth, const Trajectory& track, double after_m) {
+StampedPoses aligned_by_pose(const StampedPoses& truth, const StampedPoses& track, double after_m) {
   double walked = 0;
   size_t at = 0;
   while (at + 1 < truth.size() && walked <= after_m) {
@@ -36,7 +36,7 @@ Trajectory aligned_by_pose(const Trajectory& truth, const Trajectory& track, dou
   const Eigen::Quaterniond off = truth[at].q * nearest->q.conjugate();
   const Eigen::Quaterniond rotation = Eigen::Quaterniond(off.w(), 0, 0, off.z()).normalized();
   const Eigen::Vector3d from = position_at(track, truth[at].t_ns);
-  Trajectory aligned = track;
+  StampedPoses aligned = track;
   for (StampedPose& pose : aligned) {
     pose.p = rotation * (pose.p - from) + truth[at].p;
     pose.q = rotation * pose.q;
@@ -44,27 +44,27 @@ Trajectory aligned_by_pose(const Trajectory& truth, const Trajectory& track, dou
   return aligned;
 }
 
-Trajectory scaled_by_start(const Trajectory& truth, const Trajectory& track, double over_m) {
+StampedPoses scaled_by_start(const StampedPoses& truth, const StampedPoses& track, double over_m) {
   const auto from = truth.front().t_ns;
   int64_t until = from;
   double driven = 0;
   for (size_t i = 1; i < truth.size() && driven < over_m; ++i)
     driven += (truth[i].p - truth[i - 1].p).norm(), until = truth[i].t_ns;
-  Trajectory head;
+  StampedPoses head;
   for (const StampedPose& pose : track)
     if (pose.t_ns >= from && pose.t_ns <= until) head.push_back(pose);
-  Trajectory scaled = track;
+  StampedPoses scaled = track;
   if (const double own = path_length(head); own > 1e-9)
     for (StampedPose& pose : scaled) pose.p *= driven / own;
   return scaled;
 }
 
-Trajectory rotated_onto_first(const Trajectory& truth, const Trajectory& track) {
+StampedPoses rotated_onto_first(const StampedPoses& truth, const StampedPoses& track) {
   if (track.empty()) return track;
   size_t same = 0;
   while (same + 1 < truth.size() && truth[same].t_ns < track.front().t_ns) ++same;
   const Eigen::Quaterniond rotation = truth[same].q * track.front().q.conjugate();
-  Trajectory out = track;
+  StampedPoses out = track;
   for (StampedPose& pose : out) pose.p = rotation * pose.p, pose.q = rotation * pose.q;
   return out;
 }
@@ -89,17 +89,17 @@ YawAlignment yaw_alignment(const StampedPose& estimate, const StampedPose& truth
   return alignment;
 }
 
-double horizontal_error(const Trajectory& truth, const Trajectory& track, int64_t t_ns) {
+double horizontal_error(const StampedPoses& truth, const StampedPoses& track, int64_t t_ns) {
   return (position_at(track, t_ns) - position_at(truth, t_ns)).head<2>().norm();
 }
 
-std::vector<double> horizontal_errors(const Trajectory& truth, const Trajectory& track) {
+std::vector<double> horizontal_errors(const StampedPoses& truth, const StampedPoses& track) {
   std::vector<double> errors;
   for (const StampedPose& pose : truth) errors.push_back(horizontal_error(truth, track, pose.t_ns));
   return errors;
 }
 
-PositionErrors position_errors(const Trajectory& truth, const Trajectory& track) {
+PositionErrors position_errors(const StampedPoses& truth, const StampedPoses& track) {
   PositionErrors errors;
   errors.horizontal_m = horizontal_errors(truth, track);
   for (size_t i = 0; i < truth.size(); ++i) {

@@ -6,17 +6,17 @@
 namespace odograph {
 
 /// Rotates (yaw) and translates the track onto the truth over its first metres, as for an app with a known start.
-Trajectory aligned_at_start(const Trajectory& truth, const Trajectory& track, double over_m);
+StampedPoses aligned_at_start(const StampedPoses& truth, const StampedPoses& track, double over_m);
 
 /// Rotates (yaw) and translates the track onto the truth's pose at the end of its first metres: the effect of a fix of
 /// position and heading, as from a known object.
-Trajectory aligned_by_pose(const Trajectory& truth, const Trajectory& track, double after_m);
+StampedPoses aligned_by_pose(const StampedPoses& truth, const StampedPoses& track, double after_m);
 
 /// Scales the track to the true length over the truth's first metres, as a car knows it from its wheels.
-Trajectory scaled_by_start(const Trajectory& truth, const Trajectory& track, double over_m);
+StampedPoses scaled_by_start(const StampedPoses& truth, const StampedPoses& track, double over_m);
 
 /// Rotates the track so that its first orientation is the true one: a camera alone does not observe the vertical.
-Trajectory rotated_onto_first(const Trajectory& truth, const Trajectory& track);
+StampedPoses rotated_onto_first(const StampedPoses& truth, const StampedPoses& track);
 
 /// Rotation about the vertical from the estimate to the truth, rad, from -pi to pi.
 double yaw_error(const Eigen::Quaterniond& estimate, const Eigen::Quaterniond& truth);
@@ -34,14 +34,14 @@ struct YawAlignment {
 YawAlignment yaw_alignment(const StampedPose& estimate, const StampedPose& truth);
 
 /// Horizontal distance of the track from the truth at each true pose.
-std::vector<double> horizontal_errors(const Trajectory& truth, const Trajectory& track);
-double horizontal_error(const Trajectory& truth, const Trajectory& track, int64_t t_ns);
+std::vector<double> horizontal_errors(const StampedPoses& truth, const StampedPoses& track);
+double horizontal_error(const StampedPoses& truth, const StampedPoses& track, int64_t t_ns);
 
 /// Errors of a track at each true pose, north, east and horizontal; and between consecutive ones, the error of the
 /// displacement's length.
 struct PositionErrors {
   std::vector<double> north_m, east_m, horizontal_m, displacement_m;
 };
-PositionErrors position_errors(const Trajectory& truth, const Trajectory& track);
+PositionErrors position_errors(const StampedPoses& truth, const StampedPoses& track);
 
 }  // namespace odograph

@@ -27,7 +27,7 @@ struct Group {
   double seconds_to(size_t k) const { return seconds(pairs.reference[k].t_ns - pairs.reference.front().t_ns); }
 };
 
-std::vector<Group> metric_groups(const ComposedMotions& composed, const Trajectory& truth, double largest_gap_s) {
+std::vector<Group> metric_groups(const ComposedMotions& composed, const StampedPoses& truth, double largest_gap_s) {
   std::vector<Group> groups;
   uint32_t id = 0;
   for (const ComposedPose& x : composed.poses) {
@@ -43,7 +43,7 @@ std::vector<Group> metric_groups(const ComposedMotions& composed, const Trajecto
 }
 
 /// Rms distance from the mean position.
-double extent_of(const Trajectory& track) {
+double extent_of(const StampedPoses& track) {
   Vector3d mean = Vector3d::Zero();
   for (const StampedPose& x : track) mean += x.p / static_cast<double>(track.size());
   double squares = 0;
@@ -71,7 +71,7 @@ std::vector<StatedScale> stated_scales(const Group& group, const StartWindowPara
 }
 
 /// Mean normalised squared errors of the metric motions, per degree of freedom.
-void measure_motions(const Trajectory& truth, const std::vector<odo_vo_motion>& motions, double largest_gap_s,
+void measure_motions(const StampedPoses& truth, const std::vector<odo_vo_motion>& motions, double largest_gap_s,
                      StartWindow& f) {
   double rotation = 0, displacement = 0;
   size_t n = 0;
@@ -93,7 +93,7 @@ void measure_motions(const Trajectory& truth, const std::vector<odo_vo_motion>& 
 
 }  // namespace
 
-StartWindow start_window(const Trajectory& truth, const std::vector<odo_vo_motion>& motions, int64_t first_ns,
+StartWindow start_window(const StampedPoses& truth, const std::vector<odo_vo_motion>& motions, int64_t first_ns,
                          const StartWindowParameters& p) {
   StartWindow f{.start_s = kNone,
                 .log_scale = kNone,

@@ -39,7 +39,7 @@ struct StartWindow {
 };
 
 /// `motions`: of a run that started with the frame at `first_ns`. `truth`: of the camera, in time order.
-StartWindow start_window(const Trajectory& truth, const std::vector<odo_vo_motion>& motions, int64_t first_ns,
+StartWindow start_window(const StampedPoses& truth, const std::vector<odo_vo_motion>& motions, int64_t first_ns,
                          const StartWindowParameters& parameters = {});
 
 }  // namespace odograph

@@ -18,13 +18,13 @@ double angle_deg(const odo_pose& a, const odo_pose& b) {
 Vector3d position(const odo_pose& pose) { return Vector3d(pose.p_n); }
 
 /// Difference in length between a track's step from one poll to the next and the true step, m.
-double step_beyond(const Vector3d& step, const Trajectory& truth, int64_t from_ns, int64_t to_ns) {
+double step_beyond(const Vector3d& step, const StampedPoses& truth, int64_t from_ns, int64_t to_ns) {
   return step.norm() - (position_at(truth, to_ns) - position_at(truth, from_ns)).norm();
 }
 
 }  // namespace
 
-StreamFigures stream_figures(const PoseStream& stream, const Trajectory& truth, int64_t start_ns) {
+StreamFigures stream_figures(const PoseStream& stream, const StampedPoses& truth, int64_t start_ns) {
   StreamFigures f;
   for (const PolledPose& p : stream.early) {
     const auto later = stream.poses.find(p.t_ns);

@@ -30,6 +30,6 @@ struct StreamFigures {
   double jump_m = 0, smooth_jump_m = 0;             ///< longest step between two polls minus the true one
 };
 /// Only the jumps include data before `start_ns`.
-StreamFigures stream_figures(const PoseStream& stream, const Trajectory& truth, int64_t start_ns);
+StreamFigures stream_figures(const PoseStream& stream, const StampedPoses& truth, int64_t start_ns);
 
 }  // namespace odograph

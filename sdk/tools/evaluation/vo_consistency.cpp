@@ -18,7 +18,7 @@ constexpr double kLargestGap_s = 0.25;
 
 }  // namespace
 
-MotionConsistency motion_consistency(const Trajectory& truth, const std::vector<odo_vo_motion>& motions) {
+MotionConsistency motion_consistency(const StampedPoses& truth, const std::vector<odo_vo_motion>& motions) {
   MotionConsistency result;
   for (const odo_vo_motion& m : motions) {
     if ((m.header.flags & ODO_VO_COVARIANCE) == 0) continue;
@@ -35,7 +35,7 @@ MotionConsistency motion_consistency(const Trajectory& truth, const std::vector<
   return result;
 }
 
-VoShape vo_shape(const Trajectory& truth, const std::vector<odo_vo_motion>& motions, const Pairs& pairs) {
+VoShape vo_shape(const StampedPoses& truth, const std::vector<odo_vo_motion>& motions, const Pairs& pairs) {
   const double none = std::nan("");
   VoShape shape;
   const double one = 1 / static_cast<double>(std::max<size_t>(1, motions.size()));
@@ -50,7 +50,7 @@ VoShape vo_shape(const Trajectory& truth, const std::vector<odo_vo_motion>& moti
     return absolute_errors(pairs.reference, with_true_lengths(pairs, window_m).track).translation_m.back();
   };
   const auto mean = [&](const std::vector<double>& x) { return x.empty() ? none : statistics_of(x).mean; };
-  const Trajectory aligned = align(pairs, Alignment::sim3, nullptr);
+  const StampedPoses aligned = align(pairs, Alignment::sim3, nullptr);
   shape.path_m = path_length(pairs.reference);
   shape.ape_m = statistics_of(absolute_errors(pairs.reference, aligned).translation_m).rmse;
   shape.end_per_frame_m = end_with(0), shape.end_per_window_m = end_with(kWindow_m);

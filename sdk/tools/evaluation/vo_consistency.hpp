@@ -14,7 +14,7 @@ namespace odograph {
 struct MotionConsistency {
   std::vector<double> rotation, direction;
 };
-MotionConsistency motion_consistency(const Trajectory& truth, const std::vector<odo_vo_motion>& motions);
+MotionConsistency motion_consistency(const StampedPoses& truth, const std::vector<odo_vo_motion>& motions);
 
 /// Shape of a visual odometry's path, independent of its scale.
 struct VoShape {
@@ -27,6 +27,6 @@ struct VoShape {
   double tracking_share = 0, lost_share = 0;         ///< of the motions, by their stated state
 };
 /// `pairs`: the true poses and those composed from the motions. With fewer than ten, everything but the shares is NaN.
-VoShape vo_shape(const Trajectory& truth, const std::vector<odo_vo_motion>& motions, const Pairs& pairs);
+VoShape vo_shape(const StampedPoses& truth, const std::vector<odo_vo_motion>& motions, const Pairs& pairs);
 
 }  // namespace odograph

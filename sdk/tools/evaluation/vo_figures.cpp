@@ -18,7 +18,7 @@ double seconds_between(int64_t from_ns, int64_t to_ns) { return seconds(to_ns - 
 struct Matched {
   const ComposedMotions& motions_;
   std::vector<size_t> index;
-  Trajectory truth;
+  StampedPoses truth;
   std::vector<double> path_m;
 
   size_t size() const { return index.size(); }
@@ -41,7 +41,7 @@ struct Matched {
   }
 };
 
-Matched matched(const ComposedMotions& motions_, const Trajectory& truth, double largest_gap_s) {
+Matched matched(const ComposedMotions& motions_, const StampedPoses& truth, double largest_gap_s) {
   Matched m{motions_, {}, {}, {}};
   for (size_t i = 0; i < motions_.poses.size(); ++i) {
     const auto x = pose_at(truth, motions_.poses[i].t_ns, largest_gap_s);
@@ -138,7 +138,7 @@ void count_frames(const ComposedMotions& motions_, const std::vector<int64_t>& f
   f.longest_group_share = static_cast<double>(longest) / all;
 }
 
-void measure_start(const Trajectory& truth, const std::vector<odo_vo_motion>& motions,
+void measure_start(const StampedPoses& truth, const std::vector<odo_vo_motion>& motions,
                    const std::vector<int64_t>& emitted_ns, const std::vector<int64_t>& frames_ns, double first_motion_m,
                    VoFigures& f) {
   f.start_s = f.start_from_motion_s = std::nan("");
@@ -156,7 +156,7 @@ void measure_start(const Trajectory& truth, const std::vector<odo_vo_motion>& mo
 
 /// The metric poses rotated so that their stated gravity matches the reference's vertical; none if neither direction of
 /// z is within 45 degrees of it.
-std::optional<Trajectory> gravity_aligned(const Matched& m, const Trajectory& metric) {
+std::optional<StampedPoses> gravity_aligned(const Matched& m, const StampedPoses& metric) {
   Vector3d own = Vector3d::Zero(), reference = Vector3d::Zero();
   for (size_t k = 0; k < m.size(); ++k)
     if (m.pose(k).metric && m.pose(k).gravity) {
@@ -165,7 +165,7 @@ std::optional<Trajectory> gravity_aligned(const Matched& m, const Trajectory& me
     }
   if (own.norm() == 0 || std::abs(reference.normalized().z()) < std::sqrt(0.5)) return std::nullopt;
   const auto rotation = Eigen::Quaterniond::FromTwoVectors(own, std::copysign(1.0, reference.z()) * Vector3d::UnitZ());
-  Trajectory out = metric;
+  StampedPoses out = metric;
   for (StampedPose& x : out) x.p = rotation * x.p, x.q = rotation * x.q;
   return out;
 }
@@ -211,7 +211,7 @@ void sum_up(const VoFigureParameters& p, VoFigures& f) {
 
 }  // namespace
 
-std::vector<Stop> stops_of(const Trajectory& truth, const StandingParameters& p) {
+std::vector<Stop> stops_of(const StampedPoses& truth, const StandingParameters& p) {
   std::vector<Stop> stops;
   const auto half = static_cast<int64_t>(0.5e9 * p.window_s);
   constexpr int64_t kMoving = INT64_MIN;
@@ -232,7 +232,7 @@ std::vector<Stop> stops_of(const Trajectory& truth, const StandingParameters& p)
   return stops;
 }
 
-VoFigures vo_figures(const Trajectory& truth, const std::vector<odo_vo_motion>& motions,
+VoFigures vo_figures(const StampedPoses& truth, const std::vector<odo_vo_motion>& motions,
                      const std::vector<int64_t>& emitted_ns, const std::vector<int64_t>& frames_ns,
                      const VoFigureParameters& p) {
   VoFigures f{};

@@ -17,7 +17,7 @@ struct StandingParameters {
 struct Stop {
   int64_t from_ns, to_ns;
 };
-std::vector<Stop> stops_of(const Trajectory& truth, const StandingParameters& parameters);
+std::vector<Stop> stops_of(const StampedPoses& truth, const StandingParameters& parameters);
 
 /// Effect of a stop on the odometry.
 struct StopFigures {
@@ -88,7 +88,7 @@ struct VoFigures {
 
 /// `emitted_ns`: for each motion, the time of the input after which it was emitted. `frames_ns`: in order. All on one
 /// clock. `truth`: the camera's, in time order; the figure after yaw alignment requires a vertical z axis (up or down).
-VoFigures vo_figures(const Trajectory& truth, const std::vector<odo_vo_motion>& motions,
+VoFigures vo_figures(const StampedPoses& truth, const std::vector<odo_vo_motion>& motions,
                      const std::vector<int64_t>& emitted_ns, const std::vector<int64_t>& frames_ns,
                      const VoFigureParameters& parameters = {});
 

@@ -127,7 +127,7 @@ WalkedPlace place_walked_to(const Recording& recording, double walked_m) {
   return best;
 }
 
-PlaceErrors place_errors(const Trajectory& truth, const Trajectory& track, const std::vector<WalkedPlace>& places) {
+PlaceErrors place_errors(const StampedPoses& truth, const StampedPoses& track, const std::vector<WalkedPlace>& places) {
   PlaceErrors e{statistics_of(horizontal_errors(truth, track)).mean, {}, {}};
   for (const WalkedPlace& place : places) {
     e.error_m.push_back(horizontal_error(truth, track, place.t_ns));

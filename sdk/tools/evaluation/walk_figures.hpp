@@ -45,6 +45,6 @@ struct PlaceErrors {
   double mean_m = 0;
   std::vector<double> error_m, error_percent;
 };
-PlaceErrors place_errors(const Trajectory& truth, const Trajectory& track, const std::vector<WalkedPlace>& places);
+PlaceErrors place_errors(const StampedPoses& truth, const StampedPoses& track, const std::vector<WalkedPlace>& places);
 
 }  // namespace odograph

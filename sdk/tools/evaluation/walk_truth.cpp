@@ -7,7 +7,7 @@
 
 #include <Eigen/Geometry>
 
-#include "sdk/host/localizer/floor_estimator.hpp"
+#include "sdk/host/fusion/floors.hpp"
 #include "sdk/math/time.hpp"
 
 namespace odograph {
@@ -20,8 +20,8 @@ constexpr int64_t kSmooth_ns = 500'000'000;
 /// Two strides: shorter displacements are dominated by body sway.
 constexpr int64_t kStretch_ns = 2'000'000'000;
 
-Trajectory smoothed(const Trajectory& truth) {
-  Trajectory out;
+StampedPoses smoothed(const StampedPoses& truth) {
+  StampedPoses out;
   size_t from = 0, to = 0;
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   int64_t next_ns = truth.empty() ? 0 : truth.front().t_ns;
@@ -41,7 +41,7 @@ TrueStretch between(const Waypoint& a, const Waypoint& b) {
 }
 
 /// Reference positions: every two seconds of a path, or the waypoints.
-std::vector<Waypoint> places_of(const Recording& recording, const Trajectory& path) {
+std::vector<Waypoint> places_of(const Recording& recording, const StampedPoses& path) {
   if (path.empty()) return recording.waypoints();
   std::vector<Waypoint> places;
   for (const StampedPose& pose : path)
@@ -76,8 +76,8 @@ Walked walked(const std::vector<odo_step>& steps, int64_t from_ns, int64_t to_ns
   return sum;
 }
 
-void add_distance(const std::vector<odo_step>& steps, const std::vector<TrueStretch>& stretches, const Trajectory& path,
-                  WalkTruthFigures& f) {
+void add_distance(const std::vector<odo_step>& steps, const std::vector<TrueStretch>& stretches,
+                  const StampedPoses& path, WalkTruthFigures& f) {
   f.true_m = f.estimated_m = std::nan("");
   if (stretches.empty()) return;
   f.true_m = 0;
@@ -98,7 +98,7 @@ void add_distance(const std::vector<odo_step>& steps, const std::vector<TrueStre
 }
 
 /// Least-squares alignment of the track with the reference positions; its rms and the directions of its stretches.
-void add_position(const Trajectory& track, const std::vector<Waypoint>& places, WalkTruthFigures& f) {
+void add_position(const StampedPoses& track, const std::vector<Waypoint>& places, WalkTruthFigures& f) {
   f.position_m = std::nan("");
   if (places.size() < 2 || track.empty()) return;
   Pairs pairs;
@@ -106,7 +106,7 @@ void add_position(const Trajectory& track, const std::vector<Waypoint>& places, 
     pairs.reference.push_back({place.t_ns, Eigen::Quaterniond::Identity(), place.p_n});
     pairs.estimate.push_back({place.t_ns, Eigen::Quaterniond::Identity(), position_at(track, place.t_ns)});
   }
-  const Trajectory aligned = align(pairs, Alignment::yaw, nullptr);
+  const StampedPoses aligned = align(pairs, Alignment::yaw, nullptr);
   double squares = 0;
   for (size_t i = 0; i < aligned.size(); ++i) {
     squares += (aligned[i].p - places[i].p_n).head<2>().squaredNorm();
@@ -124,7 +124,7 @@ WalkTruthFigures::Composed composed_errors(const std::vector<odo_step>& steps, d
   const bool headings =
       std::all_of(steps.begin(), steps.end(), [](const odo_step& s) { return s.header.flags & ODO_STEP_HEADING; });
   if (places.size() < 2 || steps.empty() || !headings) return {std::nan(""), std::nan("")};
-  Trajectory composed{{steps.front().t_start_ns, Eigen::Quaterniond::Identity(), Eigen::Vector3d::Zero()}};
+  StampedPoses composed{{steps.front().t_start_ns, Eigen::Quaterniond::Identity(), Eigen::Vector3d::Zero()}};
   for (const odo_step& step : steps) {
     StampedPose next = composed.back();
     if (step.t_start_ns > next.t_ns) next.t_ns = step.t_start_ns, composed.push_back(next);
@@ -151,7 +151,7 @@ WalkTruthFigures::Composed composed_errors(const std::vector<odo_step>& steps, d
   return errors;
 }
 
-void add_floors(const Recording& recording, const Trajectory& track, WalkTruthFigures& f) {
+void add_floors(const Recording& recording, const StampedPoses& track, WalkTruthFigures& f) {
   constexpr double kFloor_m = 3;  // minimum height between two floors
   const auto& floors = recording.true_floors;
   for (size_t i = 1; i < floors.size(); ++i) {
@@ -164,7 +164,7 @@ void add_floors(const Recording& recording, const Trajectory& track, WalkTruthFi
 }
 
 /// Floor numbers, each relative to the first place.
-void add_floor_numbers(const Recording& recording, const Trajectory& track, WalkTruthFigures& f) {
+void add_floor_numbers(const Recording& recording, const StampedPoses& track, WalkTruthFigures& f) {
   f.floor_probability = std::nan("");
   const auto& places = recording.true_floors;
   if (places.empty() || track.empty()) return;
@@ -208,7 +208,7 @@ size_t plain_peak_count(const Recording& recording) {
 }
 
 WalkTruthFigures walk_truth_figures(const Recording& recording, const std::vector<odo_step>& steps,
-                                    const Trajectory& track) {
+                                    const StampedPoses& track) {
   WalkTruthFigures f;
   f.true_steps = static_cast<double>(recording.true_steps.size());
   f.peaks = static_cast<double>(plain_peak_count(recording));
@@ -216,7 +216,7 @@ WalkTruthFigures walk_truth_figures(const Recording& recording, const std::vecto
     return f.true_steps > 0 ? 100 * (count - f.true_steps) / f.true_steps : std::nan("");
   };
   f.count_percent = percent(static_cast<double>(steps.size())), f.peaks_percent = percent(f.peaks);
-  const Trajectory path = smoothed(recording.truth);
+  const StampedPoses path = smoothed(recording.truth);
   const auto places = places_of(recording, path);
   add_distance(steps, stretches_of(recording, places), path, f);
   add_position(track, places, f);

@@ -41,7 +41,7 @@ struct WalkTruthFigures {
 /// For everybody: the pedometers' rule of thumb at the default height of 1.70 m.
 constexpr double kFixedStep_m = 0.41 * 1.70;
 WalkTruthFigures walk_truth_figures(const Recording& recording, const std::vector<odo_step>& steps,
-                                    const Trajectory& track);
+                                    const StampedPoses& track);
 
 /// Baseline step count: peaks of the acceleration's norm, smoothed over 0.1 s, that exceed its mean over a second by
 /// 0.5 m/s^2 and are 0.3 s apart.

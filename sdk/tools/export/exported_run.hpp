@@ -18,7 +18,7 @@ using Origin = std::optional<std::array<double, 3>>;
 /// Input of the exporters: a track with its recording, and the run's other output.
 struct ExportedRun {
   Recording recording;
-  Trajectory track;  ///< of the camera if the recording has one, in n; the truth if the input is a recording
+  StampedPoses track;  ///< of the camera if the recording has one, in n; the truth if the input is a recording
   Origin origin;
   struct Scale {
     int64_t t_ns;

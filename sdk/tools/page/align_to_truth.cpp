@@ -28,10 +28,10 @@ double AlignedRun::rms_m() const {
 AlignedRun align_to_truth(const Recording& recording, const RunResult& result, std::optional<Alignment> alignment) {
   AlignedRun aligned;
   aligned.metric = is_metric(recording, result);
-  const Trajectory& track = result.track;
+  const StampedPoses& track = result.track;
   if (track.empty()) return aligned;
   const auto since_start = [&](int64_t t_ns) { return seconds(t_ns - track.front().t_ns); };
-  Trajectory from, to;
+  StampedPoses from, to;
   if (!recording.truth.empty()) {
     const Pairs pairs = associate(recording.truth, track, kTogether_s);
     if (pairs.reference.size() < 3) return aligned;

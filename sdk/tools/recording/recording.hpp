@@ -106,7 +106,7 @@ struct Recording {
   std::string format;  // "EuRoC/ASL", ...
   std::filesystem::path path;
   std::vector<RecordedMessage> messages;
-  Trajectory truth;  // of the camera if there is one, otherwise of the body; may be empty
+  StampedPoses truth;  // of the camera if there is one, otherwise of the body; may be empty
   /// The phone's own orientation, if recorded: q from b to n (magnetic north). For comparison only, not an input.
   std::vector<StampedPose> phone_attitudes;
   std::vector<odo_step> true_steps;

@@ -16,7 +16,8 @@ inline std::filesystem::path track_of_run(const std::filesystem::path& folder) {
 
 /// A file's poses: EuRoC's by its ending, KITTI's, whose twelve numbers a line would also be read as TUM's eight, or
 /// TUM's.
-inline Result<Trajectory> read_poses(const std::filesystem::path& file, const std::filesystem::path& kitti_times = {}) {
+inline Result<StampedPoses> read_poses(const std::filesystem::path& file,
+                                       const std::filesystem::path& kitti_times = {}) {
   if (file.extension() == ".csv") return read_euroc_truth(file);
   auto kitti = read_kitti_poses(file, kitti_times);
   return kitti ? std::move(kitti) : read_tum(file);

@@ -50,7 +50,7 @@ std::string format_seconds(int64_t t_ns) {
 
 namespace {
 
-Result<bool> add_pose(Trajectory& trajectory, const TextRow& row, int64_t t_ns, const Eigen::Quaterniond& q,
+Result<bool> add_pose(StampedPoses& trajectory, const TextRow& row, int64_t t_ns, const Eigen::Quaterniond& q,
                       const Eigen::Vector3d& p) {
   const double norm = q.norm();
   if (!(norm > 0.5 && norm < 2.0)) return row.wrong("the quaternion has norm " + std::to_string(norm) + ", expected 1");
@@ -58,15 +58,15 @@ Result<bool> add_pose(Trajectory& trajectory, const TextRow& row, int64_t t_ns, 
   return true;
 }
 
-Result<Trajectory> not_empty(Trajectory trajectory, const std::filesystem::path& path) {
+Result<StampedPoses> not_empty(StampedPoses trajectory, const std::filesystem::path& path) {
   if (trajectory.empty()) return Failure{ODO_E_DATA, path.string() + ": no poses in it"};
   return trajectory;
 }
 
 }  // namespace
 
-Result<Trajectory> read_tum(const std::filesystem::path& path) {
-  Trajectory trajectory;
+Result<StampedPoses> read_tum(const std::filesystem::path& path) {
+  StampedPoses trajectory;
   const auto done = read_rows(path, [&](const TextRow& row) -> Result<bool> {
     const auto v = numbers(row, 8);
     if (!v) return v.failure();
@@ -78,7 +78,7 @@ Result<Trajectory> read_tum(const std::filesystem::path& path) {
   return not_empty(std::move(trajectory), path);
 }
 
-Result<Trajectory> read_kitti_poses(const std::filesystem::path& path, const std::filesystem::path& times) {
+Result<StampedPoses> read_kitti_poses(const std::filesystem::path& path, const std::filesystem::path& times) {
   std::vector<int64_t> stamps;
   if (!times.empty()) {
     const auto done = read_rows(times, [&](const TextRow& row) -> Result<bool> {
@@ -89,7 +89,7 @@ Result<Trajectory> read_kitti_poses(const std::filesystem::path& path, const std
     });
     if (!done) return done.failure();
   }
-  Trajectory trajectory;
+  StampedPoses trajectory;
   const auto done = read_rows(path, [&](const TextRow& row) -> Result<bool> {
     const auto v = numbers(row, 12);
     if (!v) return v.failure();
@@ -108,8 +108,8 @@ Result<Trajectory> read_kitti_poses(const std::filesystem::path& path, const std
   return not_empty(std::move(trajectory), path);
 }
 
-Result<Trajectory> read_euroc_truth(const std::filesystem::path& path) {
-  Trajectory trajectory;
+Result<StampedPoses> read_euroc_truth(const std::filesystem::path& path) {
+  StampedPoses trajectory;
   const auto done = read_rows(path, [&](const TextRow& row) -> Result<bool> {
     const auto v = numbers(row, 8);
     const auto t = row.time_ns(0);
@@ -121,13 +121,13 @@ Result<Trajectory> read_euroc_truth(const std::filesystem::path& path) {
   return not_empty(std::move(trajectory), path);
 }
 
-double path_length(const Trajectory& trajectory) {
+double path_length(const StampedPoses& trajectory) {
   double length = 0;
   for (size_t i = 1; i < trajectory.size(); ++i) length += (trajectory[i].p - trajectory[i - 1].p).norm();
   return length;
 }
 
-void write_tum(std::ostream& out, const Trajectory& trajectory) {
+void write_tum(std::ostream& out, const StampedPoses& trajectory) {
   out << std::setprecision(12);
   for (const auto& x : trajectory)
     out << format_seconds(x.t_ns) << ' ' << x.p.x() << ' ' << x.p.y() << ' ' << x.p.z() << ' ' << x.q.x() << ' '
@@ -136,7 +136,7 @@ void write_tum(std::ostream& out, const Trajectory& trajectory) {
 
 namespace {
 
-void write_kitti(std::ostream& out, const Trajectory& trajectory) {
+void write_kitti(std::ostream& out, const StampedPoses& trajectory) {
   for (const auto& x : trajectory) {
     const Eigen::Matrix3d R = x.q.toRotationMatrix();
     for (int i = 0; i < 3; ++i)
@@ -144,7 +144,7 @@ void write_kitti(std::ostream& out, const Trajectory& trajectory) {
   }
 }
 
-void write_csv(std::ostream& out, const Trajectory& trajectory) {
+void write_csv(std::ostream& out, const StampedPoses& trajectory) {
   out << "t_ns,x_m,y_m,z_m,qw,qx,qy,qz\n";
   for (const auto& x : trajectory)
     out << x.t_ns << ',' << x.p.x() << ',' << x.p.y() << ',' << x.p.z() << ',' << x.q.w() << ',' << x.q.x() << ','
@@ -162,7 +162,7 @@ std::string iso_time(int64_t unix_ns) {
   return text;
 }
 
-void write_gpx(std::ostream& out, const Trajectory& trajectory, const ToGeodetic& to_geodetic) {
+void write_gpx(std::ostream& out, const StampedPoses& trajectory, const ToGeodetic& to_geodetic) {
   out << "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<gpx version=\"1.1\" creator=\"Odograph\" "
          "xmlns=\"http://www.topografix.com/GPX/1/1\">\n<trk><name>Odograph</name><trkseg>\n";
   for (const auto& x : trajectory) {
@@ -176,7 +176,7 @@ void write_gpx(std::ostream& out, const Trajectory& trajectory, const ToGeodetic
 }
 
 /// With times, a track that viewers can play; otherwise a line.
-void write_kml(std::ostream& out, const Trajectory& trajectory, const ToGeodetic& to_geodetic) {
+void write_kml(std::ostream& out, const StampedPoses& trajectory, const ToGeodetic& to_geodetic) {
   const bool timed = !trajectory.empty() && is_unix_time(trajectory.front().t_ns);
   out << "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<kml xmlns=\"http://www.opengis.net/kml/2.2\" "
          "xmlns:gx=\"http://www.google.com/kml/ext/2.2\"><Document><Placemark><name>Odograph</name>"
@@ -195,7 +195,7 @@ void write_kml(std::ostream& out, const Trajectory& trajectory, const ToGeodetic
 }
 
 /// Times as `coordTimes`, as GPX converters write them.
-void write_geojson(std::ostream& out, const Trajectory& trajectory, const ToGeodetic& to_geodetic) {
+void write_geojson(std::ostream& out, const StampedPoses& trajectory, const ToGeodetic& to_geodetic) {
   out << "{\"type\":\"Feature\",\"properties\":{\"name\":\"Odograph\"";
   if (!trajectory.empty() && is_unix_time(trajectory.front().t_ns)) {
     out << ",\"coordTimes\":[";
@@ -212,7 +212,7 @@ void write_geojson(std::ostream& out, const Trajectory& trajectory, const ToGeod
 
 }  // namespace
 
-Result<bool> write_trajectory(const std::filesystem::path& path, const Trajectory& trajectory,
+Result<bool> write_trajectory(const std::filesystem::path& path, const StampedPoses& trajectory,
                               const ToGeodetic& to_geodetic) {
   const std::string kind = path.extension().string();
   const bool on_earth = kind == ".gpx" || kind == ".kml" || kind == ".geojson";

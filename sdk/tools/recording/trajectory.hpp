@@ -20,7 +20,7 @@ struct StampedPose {
   Eigen::Quaterniond q = Eigen::Quaterniond::Identity();
   Eigen::Vector3d p = Eigen::Vector3d::Zero();
 };
-using Trajectory = std::vector<StampedPose>;
+using StampedPoses = std::vector<StampedPose>;
 
 /// A surveyed position and the time at which it was passed.
 struct Waypoint {
@@ -34,12 +34,12 @@ Result<int64_t> parse_seconds(std::string_view text);
 std::string format_seconds(int64_t t_ns);
 
 /// TUM: `seconds x y z qx qy qz qw`; lines with '#' are comments. Failures state file:line.
-Result<Trajectory> read_tum(const std::filesystem::path& path);
+Result<StampedPoses> read_tum(const std::filesystem::path& path);
 /// KITTI odometry: twelve numbers per line, the upper 3x4 of T_world_camera. Times from `times` (seconds, one per
 /// line), or 10 Hz.
-Result<Trajectory> read_kitti_poses(const std::filesystem::path& path, const std::filesystem::path& times);
+Result<StampedPoses> read_kitti_poses(const std::filesystem::path& path, const std::filesystem::path& times);
 /// EuRoC state_groundtruth_estimate0/data.csv: t_ns, p, q (w x y z), ...
-Result<Trajectory> read_euroc_truth(const std::filesystem::path& path);
+Result<StampedPoses> read_euroc_truth(const std::filesystem::path& path);
 
 /// Whether a sensor clock's time must be Unix time: after 2001 and before 2096.
 constexpr bool is_unix_time(int64_t t_ns) {
@@ -47,15 +47,15 @@ constexpr bool is_unix_time(int64_t t_ns) {
 }
 
 /// Writes a track in TUM format, with 12 digits.
-void write_tum(std::ostream& out, const Trajectory& trajectory);
+void write_tum(std::ostream& out, const StampedPoses& trajectory);
 /// Writers by the file's extension: .tum/.txt, .kitti, .csv, and georeferenced .gpx, .kml, .geojson (`to_geodetic`
 /// returns latitude and longitude in rad and height in m for a position; without it these formats are refused). The
 /// latter have times if the clock is Unix time.
 using ToGeodetic = std::function<std::array<double, 3>(const Eigen::Vector3d& p_n)>;
-Result<bool> write_trajectory(const std::filesystem::path& path, const Trajectory& trajectory,
+Result<bool> write_trajectory(const std::filesystem::path& path, const StampedPoses& trajectory,
                               const ToGeodetic& to_geodetic);
 
 /// Length of the polyline through all positions, m.
-double path_length(const Trajectory& trajectory);
+double path_length(const StampedPoses& trajectory);
 
 }  // namespace odograph

@@ -30,7 +30,7 @@ void on_pose(void* user, const odo_header* event) {
 /// Gives the session true positions from its first metric pose on, in the frame of its track, with a simulated error.
 class Marks {
  public:
-  Marks(const MarkOptions& options, const Trajectory& truth) : a_(options), truth_(truth), random_(options.seed) {}
+  Marks(const MarkOptions& options, const StampedPoses& truth) : a_(options), truth_(truth), random_(options.seed) {}
 
   std::optional<Failure> push_due_fix(odo_session* session, const Poses& poses, int64_t t_ns) {
     if (a_.sigma_m <= 0 || poses.empty() || t_ns < next_ns_) return std::nullopt;
@@ -56,7 +56,7 @@ class Marks {
 
  private:
   const MarkOptions a_;
-  const Trajectory& truth_;
+  const StampedPoses& truth_;
   std::mt19937_64 random_;
   std::normal_distribution<double> normal_;
   std::optional<YawAlignment> alignment_;

@@ -199,8 +199,8 @@ Result<bool> write_run(const std::filesystem::path& folder, const Recording& rec
   if (error) return Failure{ODO_E_IO, folder.string() + ": cannot be created: " + error.message()};
   RunFiles files(folder);
   const size_t from = result.first_metric < result.track.size() ? result.first_metric : 0;
-  const auto add_track = [&](const char* name, const Trajectory& track) {
-    const Trajectory known(track.begin() + static_cast<std::ptrdiff_t>(from), track.end());
+  const auto add_track = [&](const char* name, const StampedPoses& track) {
+    const StampedPoses known(track.begin() + static_cast<std::ptrdiff_t>(from), track.end());
     files.add(name, [&](std::ostream& out) { write_tum(out, known); });
   };
   add_track("trajectory.tum", result.track);

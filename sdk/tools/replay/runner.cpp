@@ -98,9 +98,9 @@ struct Collector {
 
   /// Each pose, moved by all later corrections: rigidly, so that a change of scale does not alter the past. Empty if no
   /// correction followed the first metric pose.
-  Trajectory corrected() const {
+  StampedPoses corrected() const {
     if (corrections.empty() || corrections.back().end <= result.first_metric) return {};
-    Trajectory track = result.track;
+    StampedPoses track = result.track;
     Eigen::Isometry3d since = Eigen::Isometry3d::Identity();
     auto next = corrections.rbegin();
     for (size_t i = track.size(); i-- > 0;) {

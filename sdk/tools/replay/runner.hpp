@@ -23,8 +23,8 @@ struct RunResult {
     odo_fix fix;
     bool accepted;
   };
-  Trajectory track;                       // in n; of the camera if the recording has one, otherwise of the body
-  Trajectory corrected;                   // the same with later corrections; empty without corrections
+  StampedPoses track;                     // in n; of the camera if the recording has one, otherwise of the body
+  StampedPoses corrected;                 // the same with later corrections; empty without corrections
   std::vector<uint32_t> states, reasons;  // of each pose
   size_t first_metric = 0;  // number of poses before the first metric one; the track's size if there is none
   std::optional<std::array<double, 3>> origin;  // of n: latitude, longitude (rad), height (m), if known

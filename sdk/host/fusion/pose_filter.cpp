@@ -1,0 +1,354 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sdk/host/fusion/pose_filter.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Cholesky>
+
+#include "sdk/math/rotation.hpp"
+
+namespace odograph {
+
+using Eigen::Matrix3d;
+using Eigen::Quaterniond;
+using Eigen::Vector3d;
+
+namespace {
+
+/// rad, of the track's direction between a pose and a kept one near it: a front-end's rotation over seconds; judgement.
+constexpr double kTurnedSigma_rad = 0.01;
+
+/// Expands a covariance of (heading, position) to (rotation, position).
+Eigen::Matrix<double, 6, 6> spread(const Eigen::Matrix4d& of_pose, double tilt_variance) {
+  Eigen::Matrix<double, 6, 6> out = Eigen::Matrix<double, 6, 6>::Zero();
+  out.bottomRightCorner<4, 4>() = of_pose;
+  out(0, 0) = out(1, 1) = tilt_variance;
+  return out;
+}
+
+/// Share of a position shift that a kept pose takes: 0 up to the last fixed position, 1 now, linear in path length
+/// between, for an error that grew along the path. Without a fixed position n itself was wrong, and every pose takes
+/// the whole shift.
+double share_of_shift(double path_m, double fixed_m, double now_m) {
+  if (fixed_m < 0 || path_m >= now_m) return 1.0;
+  return path_m <= fixed_m ? 0.0 : (path_m - fixed_m) / (now_m - fixed_m);
+}
+
+Eigen::Index position_row(size_t pose) { return 4 * static_cast<Eigen::Index>(pose) + 1; }
+
+/// Whether a symmetric matrix is positive semidefinite up to rounding: elimination in place of its lower triangle.
+bool is_semidefinite(Eigen::Ref<Eigen::MatrixXd> a) {
+  constexpr double kRounding = 1e-9;
+  const Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kStates + 4 * PoseFilter::kMostKept, 1> scale = a.diagonal();
+  const Eigen::Index n = a.rows();
+  for (Eigen::Index j = 0; j < n; ++j) {
+    if (a(j, j) < -kRounding * scale[j]) return false;
+    const bool determined = a(j, j) <= kRounding * scale[j];  // by the preceding rows
+    for (Eigen::Index i = j + 1; i < n; ++i) {
+      if (!determined)
+        a.col(i).tail(n - i) -= a.col(j).tail(n - i) * (a(i, j) / a(j, j));
+      else if (std::abs(a(i, j)) > 1e3 * kRounding * std::sqrt(scale[i] * scale[j]))
+        return false;
+    }
+  }
+  return true;
+}
+
+/// Change of a heading-dependent displacement under a finite rotation: the chord of the arc, not its tangent.
+Vector3d along_arc(const Vector3d& tangent, double turned_rad) {
+  return left_jacobian(turned_rad * Vector3d::UnitZ()) * tangent;
+}
+
+}  // namespace
+
+void PoseFilter::move(const Vector3d& d_n, std::initializer_list<std::pair<StateIndex, Vector3d>> by,
+                      const Matrix3d& noise) {
+  x_.head<3>() += d_n;
+  Eigen::Matrix<double, 3, kStates> F = Eigen::Matrix<double, 3, kStates>::Zero();
+  F.leftCols<3>().setIdentity();
+  for (const auto& [state, derivative] : by) F.col(state) += derivative;
+  const Eigen::Matrix<double, 3, kStates> FP = F.lazyProduct(P_);
+  const Matrix3d FPF = FP.lazyProduct(F.transpose());
+  P_.topRows<3>() = FP;
+  P_.leftCols<3>() = FP.transpose();
+  P_.topLeftCorner<3, 3>() = 0.5 * (FPF + FPF.transpose());
+  P_.topLeftCorner<3, 3>() += noise;
+  if (!kept_.empty()) kept_with_state_.leftCols<3>() = kept_with_state_.lazyProduct(F.transpose()).eval();
+}
+
+void PoseFilter::add_multiple(StateIndex to, StateIndex from, double factor) {
+  x_[to] += factor * x_[from];
+  P_.row(to) += factor * P_.row(from);
+  P_.col(to) += factor * P_.col(from);
+  kept_with_state_.col(to) += factor * kept_with_state_.col(from);
+}
+
+void PoseFilter::decay(StateIndex i, double mean, double keep, double variance) {
+  x_[i] = mean + keep * (x_[i] - mean);
+  P_.row(i) *= keep;
+  P_.col(i) *= keep;
+  P_(i, i) += variance;
+  kept_with_state_.col(i) *= keep;
+}
+
+void PoseFilter::set(StateIndex i, double value, double variance) {
+  x_[i] = value;
+  decay(i, value, 0, variance);
+}
+
+void PoseFilter::set_variance(StateIndex i, double variance) {
+  if (P_(i, i) <= 0) return set(i, x_[i], variance);
+  decay(i, x_[i], std::sqrt(variance / P_(i, i)), 0);
+}
+
+void PoseFilter::copy_error(StateIndex to, StateIndex from) {
+  P_.row(to) = P_.row(from);
+  P_.col(to) = P_.col(from);
+  P_(to, to) = P_(from, from);
+  kept_with_state_.col(to) = kept_with_state_.col(from);
+}
+
+void PoseFilter::shift(const Vector3d& by_n, const Matrix3d& covariance, double fixed_m, double now_m) {
+  x_.head<3>() += by_n;
+  P_.topLeftCorner<3, 3>() += covariance;
+  const auto share = [&](size_t i) { return share_of_shift(kept_[i].point.path_m, fixed_m, now_m); };
+  for (size_t i = 0; i < kept_.size(); ++i) {
+    const Eigen::Index row = position_row(i);
+    kept_[i].p_n_b += share(i) * by_n;
+    kept_with_state_.block<3, 3>(row, 0) += share(i) * covariance;
+    for (size_t j = 0; j < kept_.size(); ++j)
+      kept_with_kept_.block<3, 3>(row, position_row(j)) += share(i) * share(j) * covariance;
+  }
+}
+
+void PoseFilter::rotate(double by_rad, const Vector3d& about_n) {
+  const Quaterniond q = about_down(by_rad);
+  const Matrix3d R = q.toRotationMatrix();
+  x_.head<3>() = about_n + R * (p_n() - about_n);
+  x_[kHeading] += by_rad, x_[kAttitudeHeading] += by_rad;
+  P_.topRows<3>() = (R * P_.topRows<3>()).eval();
+  P_.leftCols<3>() = (P_.leftCols<3>() * R.transpose()).eval();
+  for (size_t i = 0; i < kept_.size(); ++i) {
+    const Eigen::Index row = position_row(i);
+    kept_[i].q_n_b = (q * kept_[i].q_n_b).normalized();
+    kept_[i].p_n_b = about_n + R * (kept_[i].p_n_b - about_n);
+    kept_with_state_.middleRows<3>(row) = (R * kept_with_state_.middleRows<3>(row)).eval();
+    kept_with_kept_.middleRows<3>(row) = (R * kept_with_kept_.middleRows<3>(row)).eval();
+    kept_with_kept_.middleCols<3>(row) = (kept_with_kept_.middleCols<3>(row) * R.transpose()).eval();
+  }
+  if (!kept_.empty()) kept_with_state_.leftCols<3>() = (kept_with_state_.leftCols<3>() * R.transpose()).eval();
+}
+
+void PoseFilter::inflate_heading(double sigma_rad) {
+  const double variance = sigma_rad * sigma_rad;
+  for (const int i : {kHeading, kAttitudeHeading})
+    for (const int j : {kHeading, kAttitudeHeading}) P_(i, j) += variance;
+  Eigen::VectorXd by(4 * kept_.size());  // rotated with the rest, about the body's position
+  for (size_t i = 0; i < kept_.size(); ++i)
+    by.segment<4>(4 * static_cast<Eigen::Index>(i)) << 1, across(kept_[i].p_n_b - p_n());
+  kept_with_kept_ += variance * by * by.transpose();
+  for (const int i : {kHeading, kAttitudeHeading}) kept_with_state_.col(i) += variance * by;
+}
+
+uint64_t PoseFilter::keep_pose(const TrackPoint& then, const TrackPoint& now) {
+  if (kept_.size() >= kMostKept) return 0;
+  const Vector3d since_n = q_n_o() * (now.p_o_b - then.p_o_b);
+  Eigen::Matrix<double, 4, kStates> H = Eigen::Matrix<double, 4, kStates>::Zero();
+  for (int i = 0; i < 4; ++i) H(i, kPose[i]) = 1;
+  H.block<3, 1>(1, kHeading) = -across(since_n);
+  H.block<3, 1>(1, kLogScale) = -since_n;
+  const StateVector since = noise_between(drift_of(then), drift_of(now));
+  Eigen::Matrix<double, 4, kStates> with_state = H.lazyProduct(P_);
+  with_state -= H * since.asDiagonal();
+  Eigen::Matrix4d own = with_state.lazyProduct(H.transpose());
+  own = (0.5 * (own + own.transpose())).eval();
+  const Eigen::Index n = kept_with_state_.rows();
+  const KeptGain with_kept = kept_with(H.transpose(), drift_of(then), since);
+  kept_with_state_.conservativeResize(n + 4, kStates);
+  kept_with_state_.bottomRows<4>() = with_state;
+  kept_with_kept_.conservativeResize(n + 4, n + 4);
+  kept_with_kept_.topRightCorner(n, 4) = with_kept;
+  kept_with_kept_.bottomLeftCorner(4, n) = with_kept.transpose();
+  kept_with_kept_.bottomRightCorner<4, 4>() = own;
+  kept_.push_back({++last_pose_id_, then, q_n_o() * then.q_o_b, p_n() - since_n});
+  return last_pose_id_;
+}
+
+void PoseFilter::release_pose(uint64_t id) {
+  const int row = row_of(id);
+  if (row < 0) return;
+  const Eigen::Index rest = kept_with_state_.rows() - row - 4;
+  kept_.erase(kept_.begin() + row / 4);
+  kept_with_state_.middleRows(row, rest) = kept_with_state_.bottomRows(rest).eval();
+  kept_with_kept_.middleRows(row, rest) = kept_with_kept_.bottomRows(rest).eval();
+  kept_with_kept_.middleCols(row, rest) = kept_with_kept_.rightCols(rest).eval();
+  kept_with_state_.conservativeResize(row + rest, kStates);
+  kept_with_kept_.conservativeResize(row + rest, row + rest);
+}
+
+KeptPoses::Near PoseFilter::nearest_kept(const TrackPoint& point, double sigma_m) const {
+  KeptPoses::Near near;
+  double least = squared(sigma_m);
+  for (const Kept& kept : kept_) {
+    const Vector3d apart_o = point.p_o_b - kept.point.p_o_b;
+    const double variance = (point.drift_m2 - kept.point.drift_m2).cwiseAbs().maxCoeff() +
+                            apart_o.squaredNorm() * (P_(kLogScale, kLogScale) + kTurnedSigma_rad * kTurnedSigma_rad);
+    if (variance > least) continue;
+    least = variance;
+    const Quaterniond q_b_o = kept.point.q_o_b.conjugate();
+    near = {kept.id, {q_b_o * point.q_o_b, q_b_o * apart_o}, variance};
+  }
+  return near;
+}
+
+std::optional<KeptPoses::Neighbours> PoseFilter::crowded() const {
+  if (kept_.size() < kMostKept) return std::nullopt;
+  size_t nearest = 1;
+  const auto path_m = [&](size_t i) { return std::abs(kept_[i].point.path_m - kept_[i - 1].point.path_m); };
+  for (size_t i = 2; i < kept_.size(); ++i)
+    if (path_m(i) < path_m(nearest)) nearest = i;
+  return KeptPoses::Neighbours{kept_[nearest].id, kept_[nearest - 1].id};
+}
+
+int PoseFilter::row_of(uint64_t id) const {
+  const auto found = std::find_if(kept_.begin(), kept_.end(), [id](const Kept& pose) { return pose.id == id; });
+  return id == 0 || found == kept_.end() ? -1 : 4 * static_cast<int>(found - kept_.begin());
+}
+
+PoseFilter PoseFilter::without_kept_poses() const {
+  PoseFilter out;
+  out.x_ = x_, out.P_ = P_;
+  return out;
+}
+
+Eigen::MatrixXd PoseFilter::whole_covariance() const {
+  const Eigen::Index n = kept_with_state_.rows();
+  Eigen::MatrixXd whole(kStates + n, kStates + n);
+  whole.topLeftCorner<kStates, kStates>() = P_;
+  whole.bottomLeftCorner(n, kStates) = kept_with_state_;
+  whole.topRightCorner(kStates, n) = kept_with_state_.transpose();
+  whole.bottomRightCorner(n, n) = kept_with_kept_;
+  return whole;
+}
+
+/// Process noise between two times as far as the covariance still contains it, so that it stays positive semidefinite
+/// without it: updates since may have removed a part, and a heading that is the attitude source's has no own noise.
+StateVector PoseFilter::noise_between(const StateVector& drift_then, const StateVector& drift_now) const {
+  StateVector noise = (drift_now - drift_then).cwiseMax(0).cwiseMin(0.5 * P_.diagonal());
+  for (int tries = 0; tries < 6 && !noise.isZero(0); ++tries) {
+    Covariance before = P_;
+    before.diagonal() -= noise;
+    if (is_semidefinite(before)) return noise;
+    tries == 0 ? void(noise[kHeading] = 0) : void(noise *= 0.5);
+  }
+  return StateVector::Zero();
+}
+
+Eigen::Matrix<double, 6, 6> PoseFilter::pose_covariance(double tilt_variance) const {
+  Eigen::Matrix4d of_pose;
+  for (int i = 0; i < 4; ++i)
+    for (int j = 0; j < 4; ++j) of_pose(i, j) = P_(kPose[i], kPose[j]);
+  return spread(of_pose, tilt_variance);
+}
+
+bool PoseFilter::kept_pose(uint64_t id, double tilt_variance, KeptPose& out) const {
+  const int row = row_of(id);
+  if (row < 0) return false;
+  Eigen::Matrix4d cross;
+  for (int j = 0; j < 4; ++j) cross.col(j) = kept_with_state_.block<4, 1>(row, kPose[j]);
+  const Kept& pose = kept_[static_cast<size_t>(row / 4)];
+  out = {pose.q_n_b, pose.p_n_b, spread(kept_with_kept_.block<4, 4>(row, row), tilt_variance),
+         pose_covariance(tilt_variance), spread(cross, 0)};
+  return true;
+}
+
+Eigen::Matrix4d PoseFilter::covariance_of(uint64_t one, uint64_t other) const {
+  const int row = row_of(one), col = row_of(other);
+  return row < 0 || col < 0 ? Eigen::Matrix4d::Zero() : Eigen::Matrix4d(kept_with_kept_.block<4, 4>(row, col));
+}
+
+/// Covariance of the kept poses with a linear function Ht of the state without a noise that entered it since. Poses
+/// kept meanwhile have a part of the noise. If updates since have left too little of it for that, all have as much in
+/// common with it as with the state, which always leaves the whole positive semidefinite.
+PoseFilter::KeptGain PoseFilter::kept_with(const UpTo4<kStates>& Ht, const StateVector& drift_then,
+                                           const StateVector& noise) const {
+  if (kept_.empty() || noise.isZero(0)) return kept_with_state_.lazyProduct(Ht);
+  Eigen::MatrixXd before = whole_covariance();
+  before.diagonal().head<kStates>() -= noise;
+  const auto part = [&](size_t pose, int i) {
+    return std::clamp(drift_of(kept_[pose].point)[i] - drift_then[i], 0.0, noise[i]);
+  };
+  for (int k = 0; k < 4; ++k)
+    for (size_t pose = 0; pose < kept_.size(); ++pose) {
+      const Eigen::Index row = kStates + 4 * static_cast<Eigen::Index>(pose) + k;
+      before(row, kPose[k]) -= part(pose, kPose[k]);
+      for (size_t other = 0; other < kept_.size(); ++other)
+        before(row, kStates + 4 * static_cast<Eigen::Index>(other) + k) -=
+            std::min(part(pose, kPose[k]), part(other, kPose[k]));
+    }
+  const Eigen::MatrixXd with_state = before.bottomLeftCorner(kept_with_state_.rows(), kStates);
+  if (is_semidefinite(before)) return with_state.lazyProduct(Ht);
+  const StateVector diagonal = noise;
+  const Covariance rest = Covariance::Identity() - P_.ldlt().solve(Covariance(diagonal.asDiagonal()));
+  const UpTo4<kStates> by_state = rest.lazyProduct(Ht);
+  return kept_with_state_.lazyProduct(by_state);
+}
+
+/// Products coefficient by coefficient: at these sizes Eigen's blocked ones are no faster, and cost seconds to compile.
+UpdateResult PoseFilter::update(const Innovation& innovation, double max_nis, StateSet considered) {
+  using Gain = UpTo4<kStates>;
+  using Square = Innovation::Square;
+  const auto& H = innovation.H;
+  const int rows = static_cast<int>(H.rows());
+  Gain PHt = P_.lazyProduct(H.transpose());
+  // Process noise since the measurement is not correlated with it.
+  const bool of_kept = innovation.kept[0].id != 0 || innovation.kept[1].id != 0;
+  const StateVector since = of_kept ? StateVector::Zero() : noise_between(innovation.drift_then, innovation.drift_now);
+  for (int i = 0; i < kStates; ++i) PHt.row(i) -= since[i] * H.col(i).transpose();
+  KeptGain kept_PHt = kept_with(H.transpose(), innovation.drift_then, since);
+  for (const auto& [id, by] : innovation.kept) {
+    const int row = row_of(id);
+    if (id != 0 && row < 0) return {false, 0.0, rows};  // no longer kept
+    if (row < 0) continue;
+    PHt += kept_with_state_.middleRows<4>(row).transpose().lazyProduct(by.transpose());
+    kept_PHt += kept_with_kept_.middleCols<4>(row).lazyProduct(by.transpose());
+  }
+  Square S = H.lazyProduct(PHt);
+  for (const auto& [id, by] : innovation.kept)
+    if (const int row = row_of(id); row >= 0) S += by.lazyProduct(kept_PHt.middleRows<4>(row));
+  S += innovation.noise;
+  S = (0.5 * (S + S.transpose())).eval();
+  const Eigen::LLT<Square> llt(S);
+  if (llt.info() != Eigen::Success) return {false, 0.0, rows};
+  const Square inverse = llt.solve(Square::Identity(rows, rows));
+  const double nis = innovation.residual.dot(inverse.lazyProduct(innovation.residual));
+  if (!(nis >= 0) || !std::isfinite(nis) || (max_nis > 0 && nis > max_nis)) return {false, nis, rows};
+
+  Gain K = PHt.lazyProduct(inverse);
+  for (int i = 0; i < kStates; ++i)
+    if (considered[static_cast<size_t>(i)]) K.row(i).setZero();
+  const Gain KS = K.lazyProduct(S);
+  const Gain half = PHt - 0.5 * KS;
+  KeptGain kept_K = kept_PHt.lazyProduct(inverse);
+  for (size_t pose = 0; pose < kept_.size(); ++pose) {
+    const auto row = 4 * static_cast<Eigen::Index>(pose);
+    for (int i = 0; i < 4; ++i)  // what is considered of the current pose is considered of a kept one
+      if (considered[static_cast<size_t>(kPose[i])]) kept_K.row(row + i).setZero();
+    const Eigen::Vector4d moved = kept_K.middleRows<4>(row).lazyProduct(innovation.residual);
+    kept_[pose].q_n_b = (about_down(moved[0]) * kept_[pose].q_n_b).normalized();
+    kept_[pose].p_n_b += along_arc(moved.tail<3>(), moved[0]);
+  }
+  if (!kept_.empty()) {
+    const KeptGain kept_half = kept_PHt - 0.5 * kept_K.lazyProduct(S);
+    kept_with_state_ += kept_K.lazyProduct((KS - PHt).transpose()) - kept_PHt.lazyProduct(K.transpose());
+    kept_with_kept_ -= kept_K.lazyProduct(kept_half.transpose()) + kept_half.lazyProduct(kept_K.transpose());
+  }
+  StateVector moved = K.lazyProduct(innovation.residual);
+  moved.head<3>() = along_arc(moved.head<3>(), moved[kHeading]);
+  x_ += moved;
+  P_ -= K.lazyProduct(half.transpose()) + half.lazyProduct(K.transpose());
+  return {true, nis, rows};
+}
+
+}  // namespace odograph

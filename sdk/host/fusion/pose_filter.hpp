@@ -1,0 +1,186 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <bitset>
+#include <cmath>
+#include <cstdint>
+#include <initializer_list>
+#include <utility>
+#include <vector>
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+#include "sdk/host/fusion/kept_poses.hpp"
+#include "sdk/host/fusion/outputs.hpp"
+#include "sdk/host/fusion/trajectory.hpp"
+#include "sdk/math/scalar.hpp"
+
+namespace odograph {
+
+/// State of the filter, in this order. Position and heading belong to the newest pose of the track; together with the
+/// track they define T_n_o.
+enum StateIndex : int {
+  kNorth,
+  kEast,
+  kDown,             ///< of the body in n, m
+  kHeading,          ///< of o in n, rad: q_n_b = Rz(heading) q_o_b
+  kHeadingRate,      ///< its rate, rad/s; 0 unless the orientation is integrated from a gyroscope
+  kLogScale,         ///< log of metres per unit of the front-end's displacements
+  kLogFactor,        ///< log of the true step length over the stated one
+  kStepHeading,      ///< walking direction minus the heading that the steps state, rad
+  kAttitudeHeading,  ///< of the attitude source's frame in n, rad: q_n_b = Rz(.) q_attitude
+  kBarometer,        ///< barometric height downwards minus down, m
+  kClimb,            ///< vertical velocity downwards while steps move the track, m/s
+  kStates
+};
+
+/// Columns of a pose's errors in the filter's state.
+inline constexpr int kPose[4] = {kHeading, kNorth, kEast, kDown};
+
+using StateVector = Eigen::Matrix<double, kStates, 1>;
+using StateSet = std::bitset<kStates>;
+
+/// Of up to four rows: residual z - h(x), Jacobian of h by the state and by kept poses, and covariance of z.
+struct Innovation {
+  static constexpr int kMaxRows = 4;
+  using Vector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMaxRows, 1>;
+  using Square = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMaxRows, kMaxRows>;
+
+  explicit Innovation(int rows)
+      : residual(Vector::Zero(rows)), H(decltype(H)::Zero(rows, kStates)), noise(Square::Zero(rows, rows)) {}
+
+  Vector residual;
+  Eigen::Matrix<double, Eigen::Dynamic, kStates, 0, kMaxRows, kStates> H;
+  Square noise;
+  /// Drift of the track at the measurement's time and now: the noise between them entered the state after a late
+  /// measurement of the state alone, eq. (9).
+  StateVector drift_then = StateVector::Zero(), drift_now = StateVector::Zero();
+  /// Jacobian by (heading, position) of kept poses; id 0: unused.
+  struct OfKept {
+    uint64_t id = 0;
+    Eigen::Matrix<double, Eigen::Dynamic, 4, 0, kMaxRows, 4> H;
+  } kept[2];
+};
+
+/// Kalman filter of T_n_o, scale, steps, heading and height, and of kept poses of the past (docs/estimator.md). Only
+/// its functions change the covariance, and each leaves it positive semidefinite. Fixed size; allocates only to keep
+/// poses. Not thread-safe.
+class PoseFilter {
+ public:
+  static constexpr int kMostKept = 64;
+  using Covariance = Eigen::Matrix<double, kStates, kStates>;
+
+  const StateVector& x() const { return x_; }
+  const Covariance& P() const { return P_; }
+  Eigen::Vector3d p_n() const { return x_.head<3>(); }
+  Eigen::Quaterniond q_n_o() const {
+    return Eigen::Quaterniond(Eigen::AngleAxisd(x_[kHeading], Eigen::Vector3d::UnitZ()));
+  }
+  double sigma(StateIndex i) const { return std::sqrt(std::max(0.0, P_(i, i))); }
+
+  /// Moves the body by d_n, m. `by`: the states whose errors it depends on, with its derivative by each; plus own
+  /// noise, m^2. Eq. (3).
+  void move(const Eigen::Vector3d& d_n, std::initializer_list<std::pair<StateIndex, Eigen::Vector3d>> by,
+            const Eigen::Matrix3d& noise);
+  /// x[to] += factor * x[from], eq. (4).
+  void add_multiple(StateIndex to, StateIndex from, double factor);
+  void add_variance(StateIndex i, double variance) { P_(i, i) += variance; }
+  /// Adds one error that two states have in common.
+  void add_variance(StateIndex i, StateIndex j, double variance) {
+    P_(i, i) += variance, P_(j, j) += variance, P_(i, j) += variance, P_(j, i) += variance;
+  }
+  /// Sets a state and keeps its error.
+  void set_value(StateIndex i, double value) { x_[i] = value; }
+  void set_position(const Eigen::Vector3d& p_n) { x_.head<3>() = p_n; }
+  /// Propagates a Gauss-Markov state: its distance from `mean` is multiplied by `keep`, and a variance is added.
+  void decay(StateIndex i, double mean, double keep, double variance);
+  /// Re-initialises a state, uncorrelated with all others.
+  void set(StateIndex i, double value, double variance);
+  /// Sets the variance of a state and scales its correlations accordingly.
+  void set_variance(StateIndex i, double variance);
+  /// Makes the error of one state identical to that of another.
+  void copy_error(StateIndex to, StateIndex from);
+
+  /// Kalman update with a gate on the normalised innovation squared (0: none), eq. (6) to (8). Considered states
+  /// (Schmidt 1966) contribute their covariance but are not changed.
+  UpdateResult update(const Innovation& innovation, double max_nis, StateSet considered = {});
+  /// Shifts the position, and kept poses by their share (n was wrong, not the path), and sets its covariance.
+  void shift(const Eigen::Vector3d& by_n, const Eigen::Matrix3d& covariance, double fixed_m, double now_m);
+  /// Rotates everything in n about a point: body, kept poses and headings.
+  void rotate(double by_rad, const Eigen::Vector3d& about_n);
+  /// Adds a common variance to the headings in n, about the body's position.
+  void inflate_heading(double sigma_rad);
+
+  /// Keeps a pose of the track as a state until it is released, eq. (11), (12). Returns its id, from 1; 0 if kMostKept
+  /// are kept.
+  uint64_t keep_pose(const TrackPoint& then, const TrackPoint& now);
+  void release_pose(uint64_t id);
+  /// The kept pose with the least error of the track to a point, if its sigma is at most this, m.
+  KeptPoses::Near nearest_kept(const TrackPoint& point, double sigma_m) const;
+  /// If there is no room: the two kept poses with the shortest path between them.
+  std::optional<KeptPoses::Neighbours> crowded() const;
+  /// False if it is not kept. `tilt_variance` fills the horizontal part of the rotation.
+  bool kept_pose(uint64_t id, double tilt_variance, KeptPose& out) const;
+  /// Covariance of (heading, position) of one kept pose with another.
+  Eigen::Matrix4d covariance_of(uint64_t one, uint64_t other) const;
+  Eigen::Matrix<double, 6, 6> pose_covariance(double tilt_variance) const;
+  /// The current state alone, to try an update on.
+  PoseFilter without_kept_poses() const;
+  /// Covariance of the state and of (heading, position) of all kept poses.
+  Eigen::MatrixXd whole_covariance() const;
+
+ private:
+  struct Kept {
+    uint64_t id = 0;
+    TrackPoint point;  ///< when it was kept
+    Eigen::Quaterniond q_n_b;
+    Eigen::Vector3d p_n_b;
+  };
+  int row_of(uint64_t id) const;
+  template <int rows>
+  using UpTo4 = Eigen::Matrix<double, rows, Eigen::Dynamic, 0, rows, Innovation::kMaxRows>;
+  using KeptGain = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 4 * kMostKept, Innovation::kMaxRows>;
+  KeptGain kept_with(const UpTo4<kStates>& Ht, const StateVector& drift_then, const StateVector& noise) const;
+  StateVector noise_between(const StateVector& drift_then, const StateVector& drift_now) const;
+
+  StateVector x_ = StateVector::Zero();
+  Covariance P_ = Covariance::Zero();
+  std::vector<Kept> kept_;
+  // Errors of (heading, position) of the kept poses: with the state, and among themselves.
+  Eigen::Matrix<double, Eigen::Dynamic, kStates> kept_with_state_;
+  Eigen::MatrixXd kept_with_kept_;
+  uint64_t last_pose_id_ = 0;
+};
+
+/// Drift of a point of the track, as variances of the state.
+inline StateVector drift_of(const TrackPoint& point) {
+  StateVector drift = StateVector::Zero();
+  drift.head<3>() = point.drift_m2;
+  drift[kHeading] = point.heading_drift_rad2;
+  return drift;
+}
+
+inline Eigen::Quaterniond about_down(double rad) {
+  return Eigen::Quaterniond(Eigen::AngleAxisd(rad, Eigen::Vector3d::UnitZ()));
+}
+
+/// Derivative of a rotated vector by the heading: z x r.
+inline Eigen::Vector3d across(const Eigen::Vector3d& r_n) { return {-r_n.y(), r_n.x(), 0.0}; }
+
+/// All states but these: for the considered states of a measurement.
+inline StateSet all_but(std::initializer_list<StateIndex> states) {
+  StateSet out;
+  out.set();
+  for (const StateIndex i : states) out.reset(static_cast<size_t>(i));
+  return out;
+}
+inline StateSet only(std::initializer_list<StateIndex> states) { return ~all_but(states); }
+
+/// Gate on the normalised innovation squared, by degrees of freedom: 99.9 % of good measurements pass (chi-square).
+inline constexpr double kGate[] = {0, 10.83, 13.82, 16.27, 18.47};
+
+/// Sigma of an unknown heading, rad: uniform over the circle, pi / sqrt(3).
+inline constexpr double kUnknownHeading_rad = 1.8;
+
+}  // namespace odograph
