@@ -15,6 +15,9 @@
 #include <sys/mman.h>
 #include <sys/wait.h>
 #include <unistd.h>
+#if defined(__linux__)
+#include <sys/prctl.h>
+#endif
 
 namespace odograph {
 namespace {
@@ -86,6 +89,14 @@ struct Child {
   bool ended() const { return text.ends_with(kEnd); }
 };
 
+/// In a child: it is killed when its parent ends, so that nothing is left of a child that is killed with its own
+/// children.
+void end_with([[maybe_unused]] pid_t parent) {
+#if defined(__linux__)
+  if (prctl(PR_SET_PDEATHSIG, SIGKILL, 0, 0, 0) == 0 && getppid() != parent) _exit(1);  // it ended before the call
+#endif
+}
+
 Child begin(size_t number, const std::function<std::string(size_t)>& work) {
   Child child{number};
   int ends[2];
@@ -96,8 +107,10 @@ Child begin(size_t number, const std::function<std::string(size_t)>& work) {
   }
   note_phase("");
   std::fflush(nullptr);
+  const pid_t parent = getpid();
   child.pid = fork();
   if (child.pid == 0) {
+    end_with(parent);
     for (const int fatal : {SIGABRT, SIGBUS, SIGFPE, SIGILL, SIGSEGV, SIGTERM}) signal(fatal, SIG_DFL);
     close(ends[0]);
     result_pipe = ends[1];

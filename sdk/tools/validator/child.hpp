@@ -16,7 +16,8 @@ struct ChildResult {
 
 /// Runs foreign code in a child process, so that a crash, an exit, an endless loop or memory exhaustion becomes a
 /// result instead of ending this program. The child is killed after `limit_s`, or if one call takes longer than 20 s.
-/// `work` calls `note_phase` before each phase. [control] Forks: call only while single-threaded.
+/// `work` calls `note_phase` before each phase. It may run children of its own; on Linux a child ends with its parent.
+/// [control] Forks: call only while single-threaded.
 ChildResult run_in_child(double limit_s, const std::function<std::string()>& work);
 
 /// Runs many numbered jobs, `side_by_side` in parallel, without a time limit. `done` receives each outcome as it ends,
