@@ -157,6 +157,18 @@ TEST_CASE("a call that hangs is named and not made again: its other cases are no
   }
 }
 
+TEST_CASE("the limits are longer on a slow machine, up to a multiple") {
+  CheckOptions options;
+  options.only = {"process.works"};
+  const auto detail = [&](double call_s, double input_s) {
+    options.parameters = {.call_s = call_s, .input_s = input_s, .most = 3};
+    return check_plugin(kFaultyPlugins / "process_works__hangs.so", options).front().detail;
+  };
+  CHECK(contains(detail(0.5, 1e-9), "took longer than 1.5 s in process"));  // any machine is slower than this
+  CHECK(contains(detail(0.5, 1e9), "took longer than 0.5 s in process"));   // and faster than that
+  CHECK(CheckParameters().call_s * CheckParameters().most <= 60);           // the other minute is for other cases
+}
+
 TEST_CASE("a fault that several cases find is printed once; the others refer to it, the statement names them") {
   using Outcome = PluginCheck::Outcome;
   const std::vector<PluginCheck> checks = {{"a.one", "starts", Outcome::failed, "no model", 0},

@@ -6,16 +6,26 @@
 
 TEST_SUITE_BEGIN("frame_store");
 
-TEST_CASE("plugins may keep all frames of the quota but one, which stays free for the next frame") {
-  FrameStore store(3);
-  std::vector<uint8_t> pixels(8 * 8, 90);
-  std::vector<odo_frame> frames(4, make_message<odo_frame>(ODO_TYPE_FRAME, 1'000'000'000));
+namespace {
+
+/// Frames that must be copied, of the same pixels.
+std::vector<odo_frame> small_frames(size_t count) {
+  static const std::vector<uint8_t> pixels(8 * 8, 90);
+  std::vector<odo_frame> frames(count, make_message<odo_frame>(ODO_TYPE_FRAME, 1'000'000'000));
   for (odo_frame& f : frames) {
     f.format = ODO_FORMAT_GREY8;
     f.width = f.height = 8;
     f.planes[0] = {pixels.data(), 8, 1, 0};
     f.loan.retain = nullptr, f.loan.release = nullptr;
   }
+  return frames;
+}
+
+}  // namespace
+
+TEST_CASE("plugins may keep all frames of the quota but one, which stays free for the next frame") {
+  FrameStore store(3);
+  std::vector<odo_frame> frames = small_frames(4);
   for (size_t i = 0; i < 2; ++i) {
     REQUIRE(store.adopt(reinterpret_cast<odo_borrowed&>(frames[i])) == ODO_OK);
     CHECK(frames[i].loan.retain(frames[i].loan.owner) == ODO_OK);  // a plugin's
@@ -27,6 +37,31 @@ TEST_CASE("plugins may keep all frames of the quota but one, which stays free fo
   frames[2].loan.release(frames[2].loan.owner);
   CHECK(store.adopt(reinterpret_cast<odo_borrowed&>(frames[3])) == ODO_OK);  // there is room for the next one
   for (const size_t i : {0, 1, 3}) frames[i].loan.release(frames[i].loan.owner);
+  CHECK(store.in_use() == 0);
+}
+
+TEST_CASE("a frame beyond the quota is refused until one is released; a held frame can be retained again") {
+  FrameStore store(2);
+  std::vector<odo_frame> frames = small_frames(3);
+  const auto adopt = [&](size_t i) { return store.adopt(reinterpret_cast<odo_borrowed&>(frames[i])); };
+  const auto retain = [&](size_t i) { return frames[i].loan.retain(frames[i].loan.owner); };
+  const auto release = [&](size_t i) { frames[i].loan.release(frames[i].loan.owner); };
+  REQUIRE(adopt(0) == ODO_OK);
+  REQUIRE(retain(0) == ODO_OK);  // by a plugin
+  REQUIRE(adopt(1) == ODO_OK);
+  frames[2].loan.owner = &store;  // the app's
+  REQUIRE(adopt(2) == ODO_E_EXHAUSTED);
+  CHECK(!frames[2].loan.owner);
+  CHECK(store.in_use() == 2);
+  REQUIRE(retain(0) == ODO_OK);  // by another plugin: no further frame is held
+  CHECK(retain(1) == ODO_E_EXHAUSTED);
+  for (int holder = 0; holder < 3; ++holder) {
+    CHECK(store.in_use() == 2);
+    release(0);
+  }
+  CHECK(store.in_use() == 1);
+  REQUIRE(adopt(2) == ODO_OK);
+  release(1), release(2);
   CHECK(store.in_use() == 0);
 }
 

@@ -158,6 +158,30 @@ TEST_CASE("only the host sets the accepted flag of a plugin's event") {
   CHECK(app.statistics().fixes_rejected == 1);
 }
 
+TEST_CASE("header.reserved is 0 for the plugins, whatever the app sets, and for the app, whatever a plugin sets") {
+  const TestPlugins plugins{"listens", "echo"};
+  RunningApp app(kListens, ODO_RUN_REPLAY, plugins.path());
+  const auto push = [&](auto message) {
+    message.header.reserved = 7;
+    CHECK(app.push(message) == ODO_OK);
+    app.flush();
+    const auto got = given<decltype(message)>(app, message.header.type);
+    REQUIRE(got.size() == 1);
+    CHECK(got[0].header.reserved == 0);
+  };
+  push(calibration(64, 48));
+  push(make_message<odo_imu_noise>(ODO_TYPE_IMU_NOISE, 1'000'000'000));
+  static const std::vector<uint8_t> pixels(64 * 48, 90);
+  push(grey_frame_at(2'000'000'000, pixels.data(), 64, 48));
+  RunningApp other("odograph: 1\nvo_frontend: {plugin: test/echo}\n", ODO_RUN_REPLAY, plugins.path());
+  auto scale = make_message<odo_scale>(ODO_TYPE_SCALE, 0);
+  scale.header.reserved = 7, scale.scale = 1, scale.sigma = 0.1;
+  echo(other, scale, 1'000'000'000);
+  const auto scales = other.all<odo_scale>(ODO_TYPE_SCALE);
+  REQUIRE(scales.size() == 1);
+  CHECK(scales[0].header.reserved == 0);
+}
+
 TEST_CASE("a fix far from the origin of n is rejected, counted and reported") {
   const std::string config = kWalk +
                              "coupling: {type: localizer}\nnavigation: {origin: {latitude: 48 deg, longitude: 11 deg, "

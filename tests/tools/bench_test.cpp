@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <unistd.h>
 
+#include <csignal>
+
 #include "sdk/host/config/overrides.hpp"
 #include "sdk/tools/benchmarks/bench_case.hpp"
 #include "sdk/tools/replay/replayed.hpp"
@@ -224,3 +226,16 @@ TEST_CASE(
   CHECK(ended == std::vector<size_t>{1, 0});
   CHECK(run_in_child(0.1, [] { return usleep(3000000), std::string(); }).text == "took longer than 0.1 s");
 }
+
+#if defined(__linux__)
+TEST_CASE("a child's own children end with it") {
+  const auto killed_by_its_child = [] {
+    run_in_child(10, [] { return kill(getppid(), SIGKILL), sleep(20), std::string(); });
+    return std::string("not killed");
+  };
+  // The inner child holds the outer one's pipe open: its end is noticed once both have ended.
+  const ChildResult outer = run_in_child(10, killed_by_its_child);
+  CHECK_FALSE(outer.finished);
+  CHECK(outer.text == "killed by Killed");
+}
+#endif

@@ -117,18 +117,29 @@ Verdict decoded(const std::string& text) {
 
 namespace {
 
+/// How many times longer than the reference this machine takes; 1 if it is faster.
+double slowness(const CheckParameters& parameters) {
+  constexpr double kInput_s = 100;  // long enough to be slowed down by other programs as a case is
+  const ChildResult made = run_in_child(parameters.most * parameters.input_s, [] {
+    const TestInput input(kInput_s);
+    return std::to_string(input.messages.size());
+  });
+  return std::max(1.0, std::min(made.seconds / parameters.input_s, parameters.most));
+}
+
 /// `hung` collects the calls that did not return, each with the reason not to make it again.
-PluginCheck run_case(const Case& one, const std::filesystem::path& library, const CheckOptions& options,
+PluginCheck run_case(const Case& one, const std::filesystem::path& library, const CheckOptions& options, double slower,
                      std::map<std::string, std::string>& hung) {
-  const ChildResult result =
-      run_in_child(options.limit_s > 0 ? std::min(options.limit_s, one.limit_s) : one.limit_s, [&]() -> std::string {
-        for (const auto& [call, reason] : hung) avoid_call(call, encoded({PluginCheck::Outcome::not_run, reason}));
-        CaseFixture fixture(library, options.settings, one.input_s);
-        fixture.signer = options.signer;
-        if (one.loaded)
-          if (const std::string fault = fixture.load(); !fault.empty()) return encoded(fault);
-        return encoded(one.run(fixture));
-      });
+  const auto work = [&]() -> std::string {
+    for (const auto& [call, reason] : hung) avoid_call(call, encoded({PluginCheck::Outcome::not_run, reason}));
+    CaseFixture fixture(library, options.settings, one.input_s);
+    fixture.signer = options.signer;
+    if (one.loaded)
+      if (const std::string fault = fixture.load(); !fault.empty()) return encoded(fault);
+    return encoded(one.run(fixture));
+  };
+  const double limit_s = options.limit_s > 0 ? std::min(options.limit_s, slower * one.limit_s) : slower * one.limit_s;
+  const ChildResult result = run_in_child(limit_s, work, slower * options.parameters.call_s);
   const Verdict verdict = result.finished ? decoded(result.text) : Verdict(PluginCheck::Outcome::failed, result.text);
   if (!result.hung_call.empty()) hung.emplace(result.hung_call, result.hung_call + " hangs, see " + one.id);
   return {one.id, one.what, verdict.outcome, verdict.detail, result.seconds};
@@ -184,19 +195,21 @@ std::vector<PluginCheck> check_plugin(const std::filesystem::path& library, cons
     if (options.ended) options.ended(checks);
   };
   bool loads = true;
+  const double slower = slowness(options.parameters);
   std::map<std::string, std::string> hung;
   for (const Case& one : cases) {
     if (one.loaded && !loads)
       add({one.id, one.what, PluginCheck::Outcome::not_applicable, "it does not load", 0});
     else
-      add(run_case(one, path, options, hung));
+      add(run_case(one, path, options, slower, hung));
     if (checks.back().id == "entry.fills_table") loads = checks.back().outcome == PluginCheck::Outcome::passed;
   }
   const bool wanted =
       options.only.empty() || std::find(options.only.begin(), options.only.end(), "recording") != options.only.end();
   if (!options.recording || !loads || !wanted) return checks;
   if (hung.empty())
-    for (PluginCheck& check : check_on_recording(path, options)) add(std::move(check));
+    for (PluginCheck& check : check_on_recording(path, options, slower * options.parameters.call_s))
+      add(std::move(check));
   else
     add({"recording.given", "receives messages that it accepts", PluginCheck::Outcome::not_run, hung.begin()->second,
          0});

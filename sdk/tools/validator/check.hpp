@@ -24,14 +24,26 @@ struct PluginCheck {
 /// Passes all messages of a recording in time order, each valid for the duration of the call.
 using Messages = std::function<void(const std::function<void(const odo_header&)>& give)>;
 
+/// Time limits of the check.
+struct CheckParameters {
+  /// Longest single call, s. The longest whole case of this project's plugins takes 0.6 s on two cores of an x86-64
+  /// server (vo/odograph, process.flags).
+  double call_s = 20;
+  /// What it takes there to make 100 s of the cases' input in a child process, s, measured 0.04 to 0.07 s. All limits
+  /// are multiplied by what it takes here over this, at least 1.
+  double input_s = 0.05;
+  double most = 3;  ///< of that factor: a minute for a call that hangs, and another one for the cases before it
+};
+
 struct CheckOptions {
+  CheckParameters parameters;
   /// Parameters, name and value, for plugins without good defaults.
   std::vector<std::pair<std::string, std::string>> settings;
   /// Ed25519 public key that must have signed the manifest, 64 hexadecimal digits; empty: not checked.
   std::string signer;
   /// Only cases whose id has one of these prefixes; empty: all.
   std::vector<std::string> only;
-  /// Upper bound for the time limit of a case, s; 0: each case's own.
+  /// Upper bound for the time limit of a case, s, on any machine; 0: each case's own.
   double limit_s = 0;
   /// A recording that is passed to the plugin in the recording cases; may be empty.
   Messages recording;
@@ -39,10 +51,10 @@ struct CheckOptions {
   std::function<void(const std::vector<PluginCheck>&)> ended;
 };
 
-/// Tests a plugin library. Each case runs in its own child process with a time limit, so that a crash, an exit or an
-/// endless loop counts as a failure of that case. Later cases end as not run where they would make a call that did not
-/// return. If the library does not load, the first cases fail and the others are skipped. [control] Forks: call only
-/// while single-threaded.
+/// Tests a plugin library. Each case runs in its own child process with a time limit, longer on a slow machine, so that
+/// a crash, an exit or an endless loop counts as a failure of that case. Later cases end as not run where they would
+/// make a call that did not return. If the library does not load, the first cases fail and the others are skipped.
+/// [control] Forks: call only while single-threaded.
 std::vector<PluginCheck> check_plugin(const std::filesystem::path& library, const CheckOptions& options);
 
 /// All cases in order of execution: id and required behaviour.

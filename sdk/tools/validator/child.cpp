@@ -15,14 +15,17 @@
 #include <sys/mman.h>
 #include <sys/wait.h>
 #include <unistd.h>
+#if defined(__linux__)
+#include <sys/prctl.h>
+#endif
 
 namespace odograph {
 namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr double kCall_s = 20;      // a call that takes longer hangs
-constexpr double kCallShare = 0.5;  // of the child's time: a single call with more of it hangs too
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kCallShare = 0.5;  // of the child's time: a single call with more of it hangs
 constexpr char kEnd[] =
     "\x04"
     "end";  // sent last: a premature exit cannot send it
@@ -86,6 +89,14 @@ struct Child {
   bool ended() const { return text.ends_with(kEnd); }
 };
 
+/// In a child: it is killed when its parent ends, so that nothing is left of a child that is killed with its own
+/// children.
+void end_with([[maybe_unused]] pid_t parent) {
+#if defined(__linux__)
+  if (prctl(PR_SET_PDEATHSIG, SIGKILL, 0, 0, 0) == 0 && getppid() != parent) _exit(1);  // it ended before the call
+#endif
+}
+
 Child begin(size_t number, const std::function<std::string(size_t)>& work) {
   Child child{number};
   int ends[2];
@@ -96,8 +107,10 @@ Child begin(size_t number, const std::function<std::string(size_t)>& work) {
   }
   note_phase("");
   std::fflush(nullptr);
+  const pid_t parent = getpid();
   child.pid = fork();
   if (child.pid == 0) {
+    end_with(parent);
     for (const int fatal : {SIGABRT, SIGBUS, SIGFPE, SIGILL, SIGSEGV, SIGTERM}) signal(fatal, SIG_DFL);
     close(ends[0]);
     result_pipe = ends[1];
@@ -138,37 +151,39 @@ ChildResult finish(Child& child, double limit_s, bool in_time) {
   return result;
 }
 
+struct Limits {
+  double whole_s = kInfinity, call_s = kInfinity;
+};
+
 /// Waits until one of them ends or times out, and moves it to the end.
-ChildResult finish_one(std::vector<Child>& running, double limit_s) {
-  const bool limited = limit_s < std::numeric_limits<double>::infinity();
+ChildResult finish_one(std::vector<Child>& running, const Limits& limits) {
   for (;;) {
     std::vector<pollfd> pipes;
-    double left_s = limited ? kCall_s : limit_s;
+    double left_s = limits.call_s - call_s();
     for (const Child& child : running) {
       pipes.push_back({child.pipe, POLLIN, 0});
-      left_s = std::min(left_s, limit_s - seconds_since(child.started));
+      left_s = std::min(left_s, limits.whole_s - seconds_since(child.started));
     }
-    if (limited) left_s = std::min(left_s, kCall_s - call_s());
     const bool all_there = std::all_of(running.begin(), running.end(), [](const Child& c) { return c.pid > 0; });
     const int wait_ms = !all_there || left_s <= 0 ? 0 : left_s < 1e6 ? static_cast<int>(left_s * 1e3) + 1 : -1;
     if (poll(pipes.data(), pipes.size(), wait_ms) < 0) continue;
     for (size_t i = 0; i < running.size(); ++i) {
-      const bool hangs = limited && call_s() >= kCall_s;
-      const bool in_time = running[i].pid < 0 || (!hangs && seconds_since(running[i].started) < limit_s);
+      const bool hangs = call_s() >= limits.call_s;
+      const bool in_time = running[i].pid < 0 || (!hangs && seconds_since(running[i].started) < limits.whole_s);
       if (running[i].pid > 0 && in_time && (!pipes[i].revents || read_some(running[i]))) continue;
       std::swap(running[i], running.back());
-      return finish(running.back(), hangs ? kCall_s : limit_s, in_time);
+      return finish(running.back(), hangs ? limits.call_s : limits.whole_s, in_time);
     }
   }
 }
 
-void run_all(size_t count, size_t side_by_side, double limit_s, const std::function<std::string(size_t)>& work,
+void run_all(size_t count, size_t side_by_side, const Limits& limits, const std::function<std::string(size_t)>& work,
              const std::function<bool(size_t, const ChildResult&)>& done) {
   std::vector<Child> running;
   bool more = true;
   for (size_t next = 0; (more && next < count) || !running.empty();) {
     while (more && next < count && running.size() < side_by_side) running.push_back(begin(next++, work));
-    const ChildResult result = finish_one(running, limit_s);
+    const ChildResult result = finish_one(running, limits);
     more &= done(running.back().number, result);
     running.pop_back();
   }
@@ -187,10 +202,10 @@ void note_phase(const std::string& call, const std::string& where) {
 
 void avoid_call(const std::string& call, const std::string& text) { avoided.emplace_back(call, text); }
 
-ChildResult run_in_child(double limit_s, const std::function<std::string()>& work) {
+ChildResult run_in_child(double limit_s, const std::function<std::string()>& work, double call_limit_s) {
   ChildResult result;
   run_all(
-      1, 1, limit_s, [&](size_t) { return work(); },
+      1, 1, {limit_s, call_limit_s}, [&](size_t) { return work(); },
       [&](size_t, const ChildResult& one) {
         result = one;
         return true;
@@ -200,7 +215,7 @@ ChildResult run_in_child(double limit_s, const std::function<std::string()>& wor
 
 void run_in_children(size_t count, size_t side_by_side, const std::function<std::string(size_t)>& work,
                      const std::function<bool(size_t, const ChildResult&)>& done) {
-  run_all(count, side_by_side, std::numeric_limits<double>::infinity(), work, done);
+  run_all(count, side_by_side, {}, work, done);
 }
 
 }  // namespace odograph

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <limits>
 #include <string>
 
 namespace odograph {
@@ -15,9 +16,11 @@ struct ChildResult {
 };
 
 /// Runs foreign code in a child process, so that a crash, an exit, an endless loop or memory exhaustion becomes a
-/// result instead of ending this program. The child is killed after `limit_s`, or if one call takes longer than 20 s.
-/// `work` calls `note_phase` before each phase. [control] Forks: call only while single-threaded.
-ChildResult run_in_child(double limit_s, const std::function<std::string()>& work);
+/// result instead of ending this program. The child is killed after `limit_s`, or when one call has taken
+/// `call_limit_s`. `work` calls `note_phase` before each phase. It may run children of its own; on Linux a child ends
+/// with its parent. [control] Forks: call only while single-threaded.
+ChildResult run_in_child(double limit_s, const std::function<std::string()>& work,
+                         double call_limit_s = std::numeric_limits<double>::infinity());
 
 /// Runs many numbered jobs, `side_by_side` in parallel, without a time limit. `done` receives each outcome as it ends,
 /// and returns whether to start further jobs.

@@ -5,7 +5,7 @@
 
 namespace odograph {
 
-ChildResult run_in_child(double, const std::function<std::string()>& work) { return {true, work(), 0, ""}; }
+ChildResult run_in_child(double, const std::function<std::string()>& work, double) { return {true, work(), 0, ""}; }
 
 void note_phase(const std::string&, const std::string&) {}
 void avoid_call(const std::string&, const std::string&) {}

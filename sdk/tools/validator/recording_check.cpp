@@ -45,13 +45,15 @@ std::string verdicts(CaseFixture& fixture) try {
 
 }  // namespace
 
-std::vector<PluginCheck> check_on_recording(const std::filesystem::path& library, const CheckOptions& options) {
-  const ChildResult result = run_in_child(options.limit_s > 0 ? options.limit_s : kCheckLimit_s, [&]() -> std::string {
+std::vector<PluginCheck> check_on_recording(const std::filesystem::path& library, const CheckOptions& options,
+                                            double call_limit_s) {
+  const auto work = [&]() -> std::string {
     CaseFixture fixture(library, options.settings, 0);
     if (const std::string fault = fixture.load(); !fault.empty()) return encoded(fault);
     fixture.replay(options.recording);
     return verdicts(fixture);
-  });
+  };
+  const ChildResult result = run_in_child(options.limit_s > 0 ? options.limit_s : kCheckLimit_s, work, call_limit_s);
   std::vector<PluginCheck> checks;
   std::string left = result.text;
   for (const Case& row : rows()) {

@@ -9,7 +9,7 @@
 
 namespace odograph {
 namespace {
-constexpr double kLimit_s = 20;  // for loading a library and reading its table on a busy machine
+constexpr double kLimit_s = 60;  // for loading a library and reading its table on a busy or emulated machine
 }
 
 Result<std::filesystem::path> write_manifest_beside(const std::filesystem::path& file) {
