@@ -163,7 +163,7 @@ def draw(build, seed, number):
             return name, at, kind, chance.choice([new for one, new in found if one == kind])
 
 
-def verdict_of(build, mutant, options, measured):
+def verdict_of(build, mutant, options, measured, state):
     name, at, _, new = mutant
     seconds, failing = measured
     tests = {test: words for test, words in build.tests_of(name).items() if test not in failing}
@@ -172,8 +172,12 @@ def verdict_of(build, mutant, options, measured):
     lines = (build.root / name).read_text().splitlines()
     lines[at] = new
     (build.root / name).write_text("\n".join(lines) + "\n")
-    if not build.compile({word for words in tests.values() for word in words}, options.jobs):
+    targets, stale = {word for words in tests.values() for word in words}, set(state.get("stale", []))
+    state["stale"] = sorted(targets | stale)
+    # What the mutant before was built into is built again: tests also load plugins that are not in their command.
+    if not build.compile(targets | stale, options.jobs):
         return {"verdict": "does not compile", "by": ""}
+    state["stale"] = sorted(targets)
     failed, started = build.first_failure(sorted(tests), seconds, options.jobs, options.budget)
     return {"verdict": "caught", "by": failed} if failed else {"verdict": "survived", "by": f"{started} of {len(tests)} tests"}
 
@@ -193,7 +197,7 @@ def main():
     if "original" in state:  # stopped within a mutant
         (build.root / state["original"][0]).write_text(state["original"][1])
     if state.get("seed") != options.seed:
-        state = {"seed": options.seed, "mutants": {}, "measured": state.get("measured")}
+        state = {"seed": options.seed, "mutants": {}, "measured": state.get("measured"), "stale": state.get("stale", [])}
     if not state["measured"]:
         print("all tests without a mutant", flush=True)
         run("ctest", f"-j{options.jobs}", "-R", options.tests or ".", "-E", LEFT_OUT.pattern, cwd=build.folder)
@@ -212,7 +216,7 @@ def main():
             try:
                 if text.splitlines()[mutant[1]] != before:
                     sys.exit(f"{mutant[0]}:{mutant[1] + 1} has changed since it was drawn")
-                row = {"mutant": mutant, "before": before, **verdict_of(build, mutant, options, measured)}
+                row = {"mutant": mutant, "before": before, **verdict_of(build, mutant, options, measured, state)}
             finally:
                 (build.root / mutant[0]).write_text(text)
             state["mutants"][str(number)] = row
