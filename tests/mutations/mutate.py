@@ -7,14 +7,18 @@
 
 BUILD is a Ninja build of a tree that may be changed: each mutant is written into it, built and tested, and the file restored. The tests are
 those whose command has a program or library that ninja builds of the mutated file; they run by `ctest --stop-on-failure`, quick ones first,
-for at most --budget seconds after the build, of those that match --tests. Kept results take no part: they show that something changed, not what is right. Nor do tests
+for at most --budget seconds after the build, of those that match --tests. A test that uses the processor for five times as long as without a
+mutant has noticed it; on a busy machine it may take longer. Kept results take no part: they show that something changed, not what is right. Nor do tests
 that fail without a mutant: the first run executes all tests once. A stopped run continues where it was (BUILD/mutants.json); --again
 repeats the survivors with the tests as they are now, on the same lines."""
 import argparse
 import json
+import os
 import pathlib
 import random
 import re
+import resource
+import signal
 import subprocess
 import sys
 import time
@@ -34,6 +38,18 @@ NOT_CODE = re.compile(r"^\s*(#|//|\*|/\*|using\b|template\b|static_assert|extern
 
 def run(*command, **options):
     return subprocess.run(command, capture_output=True, text=True, check=False, **options)
+
+
+def output_within(seconds, cpu_s, command, folder):
+    """What a command prints until it ends or the time is over; then it is stopped with all programs that it started, none of which may use the
+    processor for longer than cpu_s."""
+    with subprocess.Popen(command, cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True, start_new_session=True,
+                          preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_CPU, (cpu_s, cpu_s))) as started:
+        try:
+            return started.communicate(timeout=seconds)[0]
+        except subprocess.TimeoutExpired:
+            os.killpg(started.pid, signal.SIGKILL)
+            return started.communicate()[0]
 
 
 def blanked(line):
@@ -122,14 +138,12 @@ class Build:
             if not batch or left_s <= 0:
                 continue
             names = "^(" + "|".join(re.escape(test) for test in batch) + ")$"
-            command = ["ctest", "--stop-on-failure", f"-j{jobs}", "--timeout", str(int(10 + 5 * max(seconds.get(test, 5) for test in batch))), "-R", names]
-            try:
-                text = run(*command, cwd=self.folder, timeout=left_s).stdout
-            except subprocess.TimeoutExpired as stopped:
-                text = (stopped.stdout or b"").decode()
+            limit_s = int(10 + 5 * max(seconds.get(test, 5) for test in batch))  # of the processor; on a busy machine it takes longer
+            command = ["ctest", "--stop-on-failure", f"-j{jobs}", "--timeout", str(10 * limit_s), "-R", names]
+            text = output_within(left_s, limit_s, command, self.folder)
             started += len(re.findall(r"Test +#\d+:", text))
-            if found := re.search(r"Test +#\d+: (\S+) .*\*\*\*(?!Skipped|Not Run)", text):
-                return found.group(1), started
+            if found := re.search(r"Test +#\d+: (\S+) .*\*\*\*(?!Skipped|Not Run)(Timeout)?", text):
+                return found.group(1) + (", which took too long" if found.group(2) else ""), started
         return None, started
 
 
@@ -149,7 +163,7 @@ def draw(build, seed, number):
             return name, at, kind, chance.choice([new for one, new in found if one == kind])
 
 
-def verdict_of(build, mutant, options, measured):
+def verdict_of(build, mutant, options, measured, state):
     name, at, _, new = mutant
     seconds, failing = measured
     tests = {test: words for test, words in build.tests_of(name).items() if test not in failing}
@@ -158,8 +172,12 @@ def verdict_of(build, mutant, options, measured):
     lines = (build.root / name).read_text().splitlines()
     lines[at] = new
     (build.root / name).write_text("\n".join(lines) + "\n")
-    if not build.compile({word for words in tests.values() for word in words}, options.jobs):
+    targets, stale = {word for words in tests.values() for word in words}, set(state.get("stale", []))
+    state["stale"] = sorted(targets | stale)
+    # What the mutant before was built into is built again: tests also load plugins that are not in their command.
+    if not build.compile(targets | stale, options.jobs):
         return {"verdict": "does not compile", "by": ""}
+    state["stale"] = sorted(targets)
     failed, started = build.first_failure(sorted(tests), seconds, options.jobs, options.budget)
     return {"verdict": "caught", "by": failed} if failed else {"verdict": "survived", "by": f"{started} of {len(tests)} tests"}
 
@@ -179,7 +197,7 @@ def main():
     if "original" in state:  # stopped within a mutant
         (build.root / state["original"][0]).write_text(state["original"][1])
     if state.get("seed") != options.seed:
-        state = {"seed": options.seed, "mutants": {}, "measured": state.get("measured")}
+        state = {"seed": options.seed, "mutants": {}, "measured": state.get("measured"), "stale": state.get("stale", [])}
     if not state["measured"]:
         print("all tests without a mutant", flush=True)
         run("ctest", f"-j{options.jobs}", "-R", options.tests or ".", "-E", LEFT_OUT.pattern, cwd=build.folder)
@@ -198,7 +216,7 @@ def main():
             try:
                 if text.splitlines()[mutant[1]] != before:
                     sys.exit(f"{mutant[0]}:{mutant[1] + 1} has changed since it was drawn")
-                row = {"mutant": mutant, "before": before, **verdict_of(build, mutant, options, measured)}
+                row = {"mutant": mutant, "before": before, **verdict_of(build, mutant, options, measured, state)}
             finally:
                 (build.root / mutant[0]).write_text(text)
             state["mutants"][str(number)] = row

@@ -4,7 +4,7 @@
 #include "sdk/host/plugin_host/instance.hpp"
 #include "sdk/math/rotation.hpp"
 #include "tests/support/messages.hpp"
-#include "tests/support/support.hpp"
+#include "tests/support/plugin_run.hpp"
 
 using namespace odograph::vo;
 using Eigen::Vector3d;
@@ -100,4 +100,32 @@ TEST_CASE(
     CHECK_FALSE(is_discarded(0, SensorRange::force_mps2));
     CHECK(is_discarded(0, 1.001 * SensorRange::force_mps2));
   }
+}
+
+TEST_CASE("an attitude source turns by the rate times the time between samples, whatever that is, but 0.2 s at most") {
+  constexpr double kRate_radps = 0.5, kTurn_s = 2;
+  for (const char* name : {"attitude_vqf", "attitude_magyq"})
+    for (const int64_t step_ms : {2, 5, 10, 20, 50, 400}) {
+      CAPTURE(name);
+      CAPTURE(step_ms);
+      PluginRun run(name, {{"magnetometer", "false"}});
+      std::vector<odograph::AnyMessage> samples;
+      int64_t ms = 1000;
+      // At rest until the filter has started, then turning about the vertical.
+      for (; ms < 3000; ms += 10) samples.emplace_back(imu_at(ms * kMilli, {0, 0, 0}, {0, 0, 9.81}).header);
+      const auto started = run(samples);
+      samples.clear();
+      const auto steps = static_cast<int64_t>(kTurn_s * 1000) / step_ms;
+      ms -= 10;  // of the last sample
+      for (int64_t i = 0; i < steps; ++i)
+        samples.emplace_back(imu_at((ms += step_ms) * kMilli, {0, 0, kRate_radps}, {0, 0, 9.81}).header);
+      const auto turned = run(samples);
+      REQUIRE((!started.empty() && !turned.empty()));
+      const auto q_of = [](const odograph::AnyMessage& event) {
+        return odograph::quaternion(as<odo_attitude>(event.header()).q_n_b);
+      };
+      const double angle = q_of(started.back()).angularDistance(q_of(turned.back()));
+      const double expected = kRate_radps * static_cast<double>(steps * std::min<int64_t>(step_ms, 200)) * 1e-3;
+      CHECK(angle == doctest::Approx(expected).epsilon(0.03));
+    }
 }

@@ -258,3 +258,30 @@ TEST_CASE("a joint update of landmarks equals consecutive ones if the equations 
   CHECK((together.P - together.P.transpose()).norm() == 0);
   CHECK(together.P.diagonal().sum() < state.P.diagonal().sum());
 }
+
+TEST_CASE("a track says less of the motion the more its corners may slide") {
+  Trial trial;
+  trial.duration_s = 3;
+  const State state = trial.run().state;
+  REQUIRE(!state.landmarks.empty());
+  const Vector3d point = state.point(state.landmarks.front());
+  std::vector<Observation> track;
+  for (const Clone& clone : state.clones)
+    if (const auto o = observe(clone, state.camera, point, 200)) track.push_back({clone.id, o->pixel, 200});
+  REQUIRE(track.size() > 4);
+  const auto left = [&](double walk_px, bool as_landmark) {
+    State updated = state;
+    FilterParameters p;
+    p.corner_walk_px = walk_px;
+    const auto outcome = as_landmark ? add_landmark(updated, 1000, track, p) : update_with_track(updated, track, p);
+    CHECK(outcome.accepted);
+    return updated.P.diagonal().head(state.P.rows()).sum();
+  };
+  const double before = state.P.diagonal().sum();
+  for (const bool as_landmark : {false, true}) {
+    CAPTURE(as_landmark);
+    CHECK(left(0, as_landmark) < left(0.3, as_landmark));
+    CHECK(left(0.3, as_landmark) < left(3, as_landmark));
+    CHECK(left(3, as_landmark) < before);
+  }
+}

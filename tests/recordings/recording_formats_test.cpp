@@ -3,6 +3,7 @@
 // Every number of every format: written and read again, or read from a synthetic file with distinct numbers.
 #include <opencv2/imgcodecs.hpp>
 
+#include "sdk/tools/recording/mcap_writer.hpp"
 #include "sdk/tools/recording/odo_file.hpp"
 #include "tests/support/messages.hpp"
 #include "tests/support/support.hpp"
@@ -286,4 +287,34 @@ TEST_CASE("an EuRoC folder's truth has the states' numbers, is converted to the 
   CHECK(copy.truth[0].p == Vector3d(1, 2, 3));
   CHECK(copy.truth[0].q.angularDistance(kQ) < 1e-12);
   CHECK_FALSE(write_euroc(r, folder / "a", nullptr).ok());
+}
+
+TEST_CASE("a log's transforms are the camera's mount; a frame without a name is not the parent of another one") {
+  struct Row {
+    std::string camera, imu, parent, child;
+    bool given;
+  };
+  for (const Row& row : {Row{"c", "i", "i", "c", true}, {"", "i", "", "i", false}, {"c", "", "", "c", false}}) {
+    CAPTURE(row.child);
+    CAPTURE(row.camera);
+    const TemporaryFolder folder;
+    auto writer = required(McapWriter::create(folder / "log.mcap", ""));
+    const auto write = [&](const std::string& topic, const std::string& type, const std::string& json) {
+      (*writer)->write((*writer)->add({topic, "json", type, "jsonschema", "{}"}), 100'000'000'000, json);
+    };
+    const std::string now = R"("timestamp":{"sec":100,"nsec":0},)";
+    write("/imu", "sensor_msgs/msg/Imu",
+          R"({"header":{"stamp":{"sec":100,"nanosec":0},"frame_id":")" + row.imu +
+              R"("},"angular_velocity":{"x":0.1,"y":0,"z":0},"linear_acceleration":{"x":0,"y":0,"z":9.8}})");
+    write("/tf", "foxglove.FrameTransform",
+          "{" + now + R"("parent_frame_id":")" + row.parent + R"(","child_frame_id":")" + row.child +
+              R"(","translation":{"x":1,"y":2,"z":3},"rotation":{"x":1,"y":0,"z":0,"w":0}})");
+    write("/camera", "foxglove.RawImage",
+          "{" + now + R"("frame_id":")" + row.camera +
+              R"(","width":2,"height":1,"encoding":"mono8","step":2,"data":"AAA="})");
+    REQUIRE((*writer)->finish().ok());
+    const Recording recording = read(folder / "log.mcap");
+    CHECK(recording.guessed.mount != row.given);
+    if (row.given) check_list(first<odo_calibration>(recording, ODO_TYPE_CALIBRATION).p_b_c, {1, 2, 3});
+  }
 }

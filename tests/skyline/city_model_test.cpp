@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // What fix/skyline derives from a city model: ground, buildings' feet, edges of CityGML.
+#include <set>
+
 #include "plugins/fix/skyline/city_gml.hpp"
 #include "plugins/fix/skyline/ground.hpp"
 #include "plugins/shared/projection.hpp"
@@ -112,6 +114,9 @@ TEST_CASE("CityGML is read as CityJSON is: the finest level, each object's edges
           "</dem:ReliefFeature></core:cityObjectMember>"),
       "town.gml", {});
   CHECK(std::count_if(two.begin(), two.end(), [](const Edge& e) { return e.object == Edge::kGround; }) == 3);
+  std::set<int> objects;  // the second building stands where the first does
+  for (const Edge& e : two) objects.insert(e.object), objects.insert(e.also);
+  CHECK(objects == std::set<int>{Edge::kGround, Edge::kUnknown, 0, 1});
   // A German survey's reference system, transformed to n by a geodetic origin: 9 degrees east is the central meridian
   // of zone 32.
   const auto placed =
