@@ -18,12 +18,14 @@ TEST_CASE("isolated implausible times are never accepted, however many, while go
   }
   CHECK(order.size() == 20);
   CHECK(order.imu(200 * kMilli) == Verdict::accepted);
-  // Each stream has its own count.
+  // Each stream has its own count, unless another one agrees.
   CHECK(order.imu(1000 * kSecond) == Verdict::implausible);
-  CHECK(order.add(ODO_TYPE_MAGNETOMETER, 1000 * kSecond) == Verdict::implausible);
-  CHECK(order.add(ODO_TYPE_FRAME, 1000 * kSecond) == Verdict::implausible);
+  CHECK(order.add(ODO_TYPE_MAGNETOMETER, 2000 * kSecond) == Verdict::implausible);
   CHECK(order.imu(1000 * kSecond + 1) == Verdict::implausible);
   CHECK(order.imu(1000 * kSecond + 2) == Verdict::accepted);  // the third of one stream, which has had a pause
+  CHECK(order.imu(3000 * kSecond) == Verdict::implausible);
+  CHECK(order.add(ODO_TYPE_FRAME, 3000 * kSecond + 1) == Verdict::accepted);  // agrees
+  CHECK(order.imu(3000 * kSecond + 2) == Verdict::accepted);
 }
 
 TEST_CASE(
@@ -155,7 +157,7 @@ TEST_CASE("slow sensors and unknown messages are accepted however late, define n
   for (const uint32_t type : slow) {
     CHECK(order.add(type, kSecond) == Verdict::accepted);
     CHECK(order.add(type, kSecond) == Verdict::accepted);  // the same time again
-    CHECK(order.add(type, 5000 * kSecond) == Verdict::accepted);
+    CHECK(order.add(type, 5000 * kSecond) == Verdict::held);
   }
   CHECK(order.imu(5 * kSecond + 1) == Verdict::accepted);
   std::vector<uint32_t> types;

@@ -2,6 +2,7 @@
 #include "sdk/host/core/time_order.hpp"
 
 #include <algorithm>
+#include <cstdlib>
 
 #include "sdk/host/base/saturating.hpp"
 #include "sdk/host/messages/messages.hpp"
@@ -53,7 +54,7 @@ TimeOrder::Stream& TimeOrder::stream_of(const odo_header& message) {
       return stream;
   for (Stream& stream : streams_)
     if (!stream.used) {
-      stream = {message.type, message.source, part, INT64_MIN, 0, 0, true, false};
+      stream = {message.type, message.source, part, INT64_MIN, 0, 0, 0, true, false};
       return stream;
     }
   return streams_.back();
@@ -96,8 +97,11 @@ TimeOrder::Verdict TimeOrder::classify(const odo_header& message) {
     Stream& stream = stream_of(message);
     if (t_ns == stream.latest_ns) return Verdict::duplicate;
     if (is_far_ahead(t_ns)) {
-      const bool agreed = std::any_of(streams_.begin(), streams_.end(),
-                                      [&](const Stream& other) { return &other != &stream && other.ahead > 0; });
+      const bool agreed = std::any_of(streams_.begin(), streams_.end(), [&](const Stream& other) {
+        const int64_t apart_ns = saturating_difference(t_ns, other.ahead_ns);
+        return &other != &stream && other.ahead > 0 && std::abs(apart_ns) <= parameters_.far_ahead_ns;
+      });
+      stream.ahead_ns = t_ns;
       if (++stream.ahead < parameters_.consecutive_ahead && !agreed) return Verdict::implausible;
     }
     for (Stream& any : streams_) any.ahead = 0;  // decided, or contradicted by this one

@@ -77,7 +77,8 @@ class TimeOrder {
   struct Stream {
     uint32_t type = 0, source = 0, part = 0;  // part: which half of an IMU that delivers its sensors separately
     int64_t latest_ns = 0;
-    int ahead = 0;   // consecutive samples far ahead
+    int ahead = 0;  // consecutive samples far ahead, the newest of them at ahead_ns
+    int64_t ahead_ns = 0;
     int behind = 0;  // consecutive late ones that are also behind the stream's own latest time
     bool used = false;
     bool joined = false;  // in time at least once since it started or was silent

@@ -51,10 +51,9 @@ UpdateResult Fusion::update(uint32_t reason, bool report_small, Outputs& out, Ap
     after.header.t_ns = *last;
     correct(*before, after, reason, report_small, out);
   }
-  for (size_t i = published; i < out.poses.size(); ++i) {
-    odo_pose& pose = *(out.poses.begin() + i);
-    count(pose);
-    pose.distance_m = distance_m_;
+  for (odo_pose* pose = out.poses.begin() + published; pose != out.poses.end(); ++pose) {
+    count(*pose);
+    pose->distance_m = distance_m_;
   }
   if (source() != reported_source_ && source() != MotionSource::camera_not_moving) {
     reported_source_ = source();
@@ -146,10 +145,6 @@ void Fusion::on_motion(const odo_vo_motion& m, const odo_scale* scale, Outputs& 
     publish(t_ns, state, motion.reason, out);
     return {};
   });
-}
-
-void Fusion::count(const Odometry::Motion& motion) {
-  if (shown_) distance_m_ += motion.caught_up_m;  // it also corrects the newest pose, so that no pose counts it
 }
 
 UpdateResult Fusion::on_scale(const odo_scale& scale, Outputs& out) {
@@ -287,8 +282,7 @@ odo_pose Fusion::make_pose(const TrackPoint& point) const {
     pose.scale = std::exp(filter.x()[kLogScale]);
     pose.scale_sigma = pose.scale * filter.sigma(kLogScale);
   }
-  pose.distance_m = distance_m_;
-  pose.state = last_state_, pose.reason = last_reason_;
+  pose.distance_m = distance_m_, pose.state = last_state_, pose.reason = last_reason_;
   return pose;
 }
 

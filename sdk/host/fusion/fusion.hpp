@@ -34,8 +34,6 @@ class Fusion : public KeptPoses {
 
   Fusion(const CouplingConfig& config, const StartPose& start, FusionInputs inputs)
       : Fusion(config, start, inputs, std::type_identity<Odometry>()) {}
-  Fusion(const Fusion&) = delete;
-  Fusion& operator=(const Fusion&) = delete;
 
   void on_calibration(const odo_calibration& calibration) { odometry_->on_calibration(calibration); }
   /// Takes a complete sample, gyroscope and accelerometer.
@@ -91,7 +89,7 @@ class Fusion : public KeptPoses {
   virtual void move_by(const odo_step& step, Outputs& out);
   virtual void settle_steps(int64_t now_ns, Outputs& out);
   /// Adds to the distance: by a motion, and by a new pose.
-  virtual void count(const Odometry::Motion& motion);
+  virtual void count(const Odometry::Motion& motion) { distance_m_ += shown_ ? motion.caught_up_m : 0.0; }
   virtual void count(const odo_pose& pose);
   virtual bool has_position() const { return shown_; }
   virtual bool is_metric() const { return shown_; }
