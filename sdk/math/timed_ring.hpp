@@ -11,12 +11,12 @@ namespace odograph {
 template <class T, size_t N>
 class TimedRing : public Ring<T, N> {
  public:
-  /// A value that is not newer than the newest replaces it.
+  /// A value of the newest's time replaces it; an older one is ignored.
   void push(const T& value) {
-    if (!this->empty() && value.t_ns <= this->back(0).t_ns)
-      this->back(0) = value;
-    else
+    if (this->empty() || value.t_ns > this->back(0).t_ns)
       Ring<T, N>::push(value);
+    else if (value.t_ns == this->back(0).t_ns)
+      this->back(0) = value;
   }
   /// How many of the newest values are later than a time: back() of it is the one at that time or before. size() if
   /// all are.

@@ -6,8 +6,8 @@ BASE, SAMPLES, EVENTS, APP, PLUGIN = (H + name for name in ("base.h", "samples.h
 MAP = "sdk/host/odograph.map"
 OUTPUT = "sdk/host/core/pose_publisher.cpp"
 WEINBERG = "plugins/step/weinberg2002/plugin.cpp"
-CORRECTION = "  if (moved) publish_correction(correction, corrected);\n"
-NEW_POSES = "  for (; any && is_finite(pose); any = s_.composer.take_pose(pose)) publish_pose(pose, true);\n"
+CORRECTION = "publish_correction(fusion, *correction);\n"
+NEW_POSES = "    publish_pose(fusion, pose, true);\n  }\n"
 
 # Permitted additions.
 GROWTH = [
@@ -52,7 +52,7 @@ ROWS = [
                               "    type name;                                                                                                         \\\n    uint32_t name##_bits;")], "targets", "i386-linux-gnu"),
     ("name missing in the linker's map", [(MAP, "    odo_session_save;\n", "")], "contract", "odo_session_save: declared, but not in odograph.map"),
     # Behaviour of the host.
-    ("correction after the pose", [(OUTPUT, CORRECTION, ""), (OUTPUT, NEW_POSES, NEW_POSES + CORRECTION)], "conformance", "fail  a correction comes before the pose that it corrected"),
+    ("correction after the pose", [(OUTPUT, CORRECTION, "\n"), (OUTPUT, NEW_POSES, NEW_POSES + "  if (const auto& correction = outputs.correction) " + CORRECTION)], "conformance", "fail  a correction comes before the pose that it corrected"),
     ("host's bits pass in", [("sdk/host/core/intake.cpp", "  copy.header().flags &= ~ODO_FLAG_HOST_MASK;\n", "")], "conformance", "fail  the host's bits are cleared on odo_gnss"),
     ("host's bits pass out", [("sdk/host/plugin_host/instance.cpp", "  copy.header().flags &= ~ODO_FLAG_HOST_MASK;\n", "")], "conformance", "fail  a vendor's event is published with its bytes, its source and without the host's bits"),
     ("default of a key", [("sdk/host/config/pipeline_spec.cpp", 'real("max_wait", "s", 0, 5, "0.2"', 'real("max_wait", "s", 0, 5, "0.3"')], "config", "max_wait"),

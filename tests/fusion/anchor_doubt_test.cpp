@@ -24,7 +24,7 @@ namespace {
 /// Returns the given covariance of the held and the present pose.
 struct TwoPoses : KeptPoses {
   KeptPose held, now;
-  Near keep_pose(int64_t) override { return {1, {}, 0}; }
+  Near keep_pose(int64_t) override { return {.id = 1}; }
   std::optional<Neighbours> crowded() const override { return {}; }
   Eigen::Matrix4d covariance_of(uint64_t, uint64_t) const override { return Eigen::Matrix4d::Zero(); }
   void release_pose(uint64_t) override {}

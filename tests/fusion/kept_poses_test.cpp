@@ -126,6 +126,7 @@ class RandomCalls {
  public:
   RandomCalls(PoseFilter& filter, uint64_t seed, size_t max_kept) : filter_(filter), random_(seed, 5), max_(max_kept) {
     for (int i = 0; i < kStates; ++i) filter_.set(state(i), 0, 1);
+    for (size_t i = 0; i < max_; ++i) keep_or_release();
   }
   void call() {
     const StateIndex i = any(), j = any();

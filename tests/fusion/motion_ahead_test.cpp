@@ -215,6 +215,19 @@ TEST_CASE("a correction moves the pose at once but not the smooth one, and clear
   still.at(1050 * kMs, ODO_NOT_READY);
 }
 
+TEST_CASE("a walker who makes no step keeps the place, within the step in progress") {
+  PosePredictor predictor;
+  PosePredictor::Base base;
+  base.pose = make_message<odo_pose>(ODO_TYPE_POSE, 0);
+  base.pose.header.flags = ODO_POSE_ORIENTATION | ODO_POSE_POSITION | ODO_POSE_METRIC | ODO_POSE_COVARIANCE;
+  base.pose.q_n[0] = 1, base.pose.state = ODO_TRACKING;
+  predictor.add_pose(0, base);
+  predictor.add_attitude(attitude_at(12'000 * kMs));
+  odo_pose pose{};
+  REQUIRE(predictor.at(12'000 * kMs, false, pose) == ODO_OK);
+  for (const int i : {21, 28, 35}) CHECK(std::sqrt(pose.covariance[i]) == Between{1.0, 2.0});
+}
+
 TEST_CASE("a walker's attitude alone gives the orientation at its own newer time") {
   PosePredictor predictor;
   const auto add = [&](int64_t t_ns, const Quaterniond& q) { predictor.add_attitude(attitude_at(t_ns, q)); };

@@ -99,7 +99,7 @@ TEST_CASE("nanoseconds are rounded to nearest, and seconds are the inverse") {
   CHECK(odograph::seconds(3 * odograph::kSecond_ns + 5 * odograph::kMillisecond_ns) == doctest::Approx(3.005));
 }
 
-TEST_CASE("a timed ring finds values by time, and a value that is not newer replaces the newest") {
+TEST_CASE("a timed ring finds values by time, and a value of the newest's time replaces it") {
   struct At {
     int64_t t_ns = 0;
     int value = 0;
@@ -112,7 +112,8 @@ TEST_CASE("a timed ring finds values by time, and a value that is not newer repl
   CHECK(ring.back(ring.later_than(450)).t_ns == 450);  // 256 are kept, from 450 on
   CHECK(ring.later_than(449) == ring.size());
   CHECK(odograph::weight_between(At{10}, At{20}, 14) == doctest::Approx(0.4));
-  ring.push({2000, 7});
+  ring.push({2000, 8});  // older: ignored
+  ring.push({3000, 7});
   CHECK(ring.size() == 256);
   CHECK(ring.back(0).value == 7);
 }

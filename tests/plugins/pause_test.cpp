@@ -139,7 +139,7 @@ double check_poses(const std::vector<odo_pose>& poses, size_t before, double pau
   for (size_t i = 0; i < poses.size(); ++i) {
     const odo_pose& pose = poses[i];
     CHECK(std::isfinite(pose.p_n[0] + pose.covariance[0] + pose.covariance[21] + pose.q_n[0]));
-    if ((pose.header.flags & ODO_POSE_VELOCITY) != 0)  // the localizer's limit (Tracker::Parameters)
+    if ((pose.header.flags & ODO_POSE_VELOCITY) != 0)  // the localizer's limit (FusionState::Parameters)
       CHECK(std::hypot(pose.velocity_n[0], pose.velocity_n[1]) < 5 * kFastest_mps + 0.01);
     const double since_s = static_cast<double>(pose.header.t_ns - last_ns) * 1e-9;
     if (placed && pause_s > 2 && since_s > pause_s)  // it may have been carried anywhere

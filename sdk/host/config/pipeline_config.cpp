@@ -111,7 +111,6 @@ void read_navigation(const Value& navigation, PipelineConfig& config) {
 CouplingConfig coupling_of(const Value& coupling) {
   CouplingConfig config;
   config.type = coupling["type"].text == "localizer" ? CouplingType::localizer : CouplingType::paper;
-  config.given = coupling["type"].given;
   const std::string& orientation = coupling["orientation"].text;
   config.orientation = orientation == "attitude"    ? Orientation::attitude
                        : orientation == "gyroscope" ? Orientation::gyroscope

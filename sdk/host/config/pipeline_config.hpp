@@ -54,7 +54,6 @@ struct CouplingConfig {
   double fastest_mps = 2.0;
   double odometry_covariance = 1.0;
   CouplingType type = CouplingType::paper;
-  bool given = true;  ///< the config names the type
 };
 
 struct OrderingConfig {

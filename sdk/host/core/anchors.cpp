@@ -160,12 +160,15 @@ Matrix34 by_pose(const Vector3d& from_pose_n) {
 }  // namespace
 
 void Anchors::attach_to_pose(Anchor& anchor, KeptPoses& poses) {
-  free_a_place(poses);
-  const KeptPoses::Near near = poses.keep_pose(anchor.seen_ns);
-  if (near.id == 0) return;
+  KeptPoses::Near near = poses.keep_pose(anchor.seen_ns);
+  if (near.full) free_a_place(poses), near = poses.keep_pose(anchor.seen_ns);
+  KeptPose kept;
+  if (near.id == 0 || !poses.kept_pose(near.id, kept)) return;
+  const Matrix3d R_kept_n = kept.q_n_b.conjugate().toRotationMatrix();
+  const Matrix34 by = by_pose(kept.q_n_b * (near.T_kept_b.q * anchor.T_b_a.p));
   anchor.pose_id = near.id;
   anchor.T_b_a = near.T_kept_b * anchor.T_b_a;
-  anchor.offset_covariance = near.variance * Matrix3d::Identity();
+  anchor.offset_covariance = R_kept_n * (by * near.covariance * by.transpose()) * R_kept_n.transpose();
   anchor.reference = Reference::pose;
 }
 

@@ -285,7 +285,8 @@ int32_t PosePredictor::at(int64_t t_ns, bool smooth, odo_pose& out) const {
     Vector3d::Map(out.velocity_n) = body.v_n_b + body.q_n_b * body.rate_b.cross(p_b_c_);
   }
   const double sigma = velocity_ == Velocity::none ? parameters_.unknown_sigma_mps : parameters_.velocity_sigma_mps;
-  const double moved_m = sigma * std::max(0.0, seconds(t_ns, base_.pose.header.t_ns));
+  const double since_s = std::max(0.0, seconds(t_ns, base_.pose.header.t_ns));
+  const double moved_m = sigma * (is_camera(base_.pose) ? since_s : std::min(since_s, parameters_.step_delay_s));
   for (const int i : {21, 28, 35}) out.covariance[i] += moved_m * moved_m;
   return ODO_OK;
 }

@@ -33,6 +33,7 @@ class PosePredictor {
     double gravity_mps2 = 9.80665;    ///< standard gravity; elsewhere 0.03 off at most
     double velocity_sigma_mps = 0.1;  ///< of a known velocity; growth of the position's covariance (judgement)
     double unknown_sigma_mps = 1.5;   ///< of an unknown velocity: walking speed
+    double step_delay_s = 1.0;        ///< s, from the start of a step to its report: longer without one is no motion
   };
 
   /// The pipeline's best estimate: a pose and the body's state at its time. That is the newest published pose, or a

@@ -26,11 +26,7 @@ class SensorWatch {
   /// Call with every message in order. Returns whether it ends a pause: no message came before it for longer than the
   /// maximum gap of a sensor.
   bool on_message(const odo_header& message) {
-    const bool gap = now_ns_ != INT64_MIN && saturating_difference(message.t_ns, now_ns_) > max_gap_ns_;
-    const bool steady = message.type == ODO_TYPE_IMU || message.type == ODO_TYPE_FRAME;
-    if (gap && !steady && (imu_ns_ != INT64_MIN || frame_ns_ != INT64_MIN))
-      return false;  // a single message's own time
-    const bool paused = gap;
+    const bool paused = now_ns_ != INT64_MIN && saturating_difference(message.t_ns, now_ns_) > max_gap_ns_;
     if (paused) pause_ = {now_ns_, message.t_ns};
     if (message.t_ns > now_ns_) now_ns_ = message.t_ns;
     if (message.type == ODO_TYPE_IMU) count_gap(imu_ns_, message.t_ns);

@@ -30,10 +30,6 @@ Result<std::unique_ptr<Session>> Session::make(PipelineConfig config, std::vecto
     return failure;
   }
   self.pipeline_ = std::move(*pipeline);
-  if (!self.config_.coupling.given)
-    self.host_.report(0, ODO_SEVERITY_INFO, "coupling",
-                      "the config names no coupling: the papers' rules apply, as in version 1.0; "
-                      "`coupling: {type: localizer}` is recommended");
   if (self.config_.camera) {
     odo_calibration camera = *self.config_.camera;
     self.cameras_.take_calibration(camera);
@@ -193,9 +189,6 @@ void Session::notify() {
 int32_t Session::flush() {
   Lock lock(mutex_);
   if (is_owner() || is_forked_child()) return ODO_E_STATE;
-  lock.unlock();
-  intake_.end();  // reports without the lock
-  lock.lock();
   if (live_) {
     const uint64_t mine = ++flushes_requested_;
     work_waiting_.notify_one();
@@ -204,6 +197,8 @@ int32_t Session::flush() {
   }
   const Ownership ownership(*this, lock);
   process_waiting(lock, intake_.latest_waiting_ns());
+  lock.unlock();
+  intake_.end();  // a live session may go on after a flush
   return ODO_OK;
 }
 

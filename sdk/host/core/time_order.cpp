@@ -2,7 +2,6 @@
 #include "sdk/host/core/time_order.hpp"
 
 #include <algorithm>
-#include <cstdlib>
 
 #include "sdk/host/base/saturating.hpp"
 #include "sdk/host/messages/messages.hpp"
@@ -92,14 +91,16 @@ TimeOrder::Verdict TimeOrder::classify(const odo_header& message) {
   const int64_t t_ns = message.t_ns;
   if (message.type == ODO_TYPE_CALIBRATION) expect_camera();
   if (may_be_late(message.type)) {
-    if (is_far_ahead(t_ns)) return held_.size() < parameters_.held ? Verdict::held : Verdict::implausible;
+    if (is_far_ahead(t_ns)) return Verdict::held;
   } else {
     Stream& stream = stream_of(message);
     if (t_ns == stream.latest_ns) return Verdict::duplicate;
     if (is_far_ahead(t_ns)) {
       const bool agreed = std::any_of(streams_.begin(), streams_.end(), [&](const Stream& other) {
         const int64_t apart_ns = saturating_difference(t_ns, other.ahead_ns);
-        return &other != &stream && other.ahead > 0 && std::abs(apart_ns) <= parameters_.far_ahead_ns;
+        const bool another = other.type != stream.type || other.source != stream.source;  // not a half of the same IMU
+        return another && other.ahead > 0 && apart_ns <= parameters_.far_ahead_ns &&
+               apart_ns >= -parameters_.far_ahead_ns;
       });
       stream.ahead_ns = t_ns;
       if (++stream.ahead < parameters_.consecutive_ahead && !agreed) return Verdict::implausible;
@@ -122,8 +123,9 @@ bool TimeOrder::is_far_ahead(int64_t t_ns) const {
 /// The steady sensors have come to the time of some held messages.
 void TimeOrder::admit_held() {
   for (size_t i = 0; i < held_.size();) {
-    ++held_[i].contradictions;
-    if (is_far_ahead(held_[i].message.header().t_ns) || heap_.size() == capacity_) {
+    const bool ahead = is_far_ahead(held_[i].message.header().t_ns);
+    if (ahead) ++held_[i].contradictions;
+    if (ahead || heap_.size() == capacity_) {
       ++i;
       continue;
     }
@@ -131,6 +133,11 @@ void TimeOrder::admit_held() {
     held_.erase(held_.begin() + static_cast<std::ptrdiff_t>(i));
     add(std::move(message));
   }
+}
+
+void TimeOrder::hold(OwnedMessage message) {
+  if (held_.size() == parameters_.held) held_.front().contradictions = parameters_.contradictions;  // the newest count
+  held_.push_back({std::move(message), 0});
 }
 
 void TimeOrder::discard(int contradictions, std::vector<OwnedMessage>& discarded) {

@@ -20,7 +20,8 @@ class TimeOrder {
     int64_t far_ahead_ns = 10'000'000'000;
     /// Consecutive samples this far ahead are accepted if no other sensor contradicts them: all have paused.
     int consecutive_ahead = 3;
-    /// Messages of slow sensors that wait, while they are far ahead, for a steady one to agree.
+    /// Messages of slow sensors that wait, while they are far ahead, for a steady one to agree; a further one takes the
+    /// place of the oldest.
     size_t held = 16;
     /// Samples of steady sensors after which such a message is discarded: half a second of an IMU.
     int contradictions = 100;
@@ -52,7 +53,7 @@ class TimeOrder {
   Verdict classify(const odo_header& message);
   void add(OwnedMessage message);
   /// Keeps a message that is held; those that the steady sensors have contradicted move to `discarded`.
-  void hold(OwnedMessage message) { held_.push_back({std::move(message), 0}); }
+  void hold(OwnedMessage message);
   void discard_contradicted(std::vector<OwnedMessage>& discarded) { discard(parameters_.contradictions, discarded); }
   /// Those that are still held, at the end of the input.
   void discard_held(std::vector<OwnedMessage>& discarded) { discard(0, discarded); }

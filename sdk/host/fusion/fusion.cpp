@@ -340,9 +340,7 @@ int32_t Fusion::at(Instant t, Estimate& out) const {
 KeptPoses::Near Fusion::keep_pose(int64_t t_ns) {
   if (!state_.started() || t_ns > state_.track.newest().t_ns) return {};
   const auto then = state_.track.stored(t_ns);
-  if (!then) return {};
-  const Near near = state_.filter.nearest_kept(*then, p_.near_sigma_m);
-  return near.id != 0 ? near : Near{state_.filter.keep_pose(*then, state_.track.newest()), {}, 0};
+  return then ? state_.filter.keep_near(*then, state_.track.newest(), p_.near_sigma_m, p_.near_sigma_rad) : Near{};
 }
 
 bool Fusion::pose_now(KeptPose& out) const {

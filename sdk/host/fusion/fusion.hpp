@@ -28,6 +28,7 @@ class Fusion : public KeptPoses {
     double announced_jump_m = 0.05;        ///< m: smaller corrections are not reported
     double announced_rotation_rad = 0.01;  ///< rad
     double counted_m = 0.1;                ///< m of path: less may be jitter; empirical
+    double near_sigma_rad = 5e-3;          ///< rad, likewise
     double near_sigma_m = 0.02;            ///< m, of the track to a kept pose that another can refer to
     double reference_scale_sigma = 0.03;   ///< relative: a scale with a larger sigma is no reference for steps
   };

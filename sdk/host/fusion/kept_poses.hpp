@@ -27,9 +27,10 @@ class KeptPoses {
  public:
   /// A pose of the body relative to a kept one near it.
   struct Near {
-    uint64_t id = 0;      ///< of the kept pose, from 1, never reused; 0: none
-    Rigid T_kept_b;       ///< the body there in the axes of the kept pose
-    double variance = 0;  ///< of this displacement, m^2 for each axis
+    uint64_t id = 0;                                       ///< of the kept pose, from 1, never reused; 0: none
+    Rigid T_kept_b;                                        ///< the body there in the axes of the kept pose
+    Eigen::Matrix4d covariance = Eigen::Matrix4d::Zero();  ///< of (heading, position) between both, in n
+    bool full = false;                                     ///< no further pose can be kept
   };
   /// Two kept poses, one of which can take over what refers to the other.
   struct Neighbours {

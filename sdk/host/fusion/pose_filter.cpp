@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <Eigen/Cholesky>
 
@@ -11,13 +12,11 @@
 namespace odograph {
 
 using Eigen::Matrix3d;
+using Eigen::Matrix4d;
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
 namespace {
-
-/// rad, of the track's direction between a pose and a kept one near it: a front-end's rotation over seconds; judgement.
-constexpr double kTurnedSigma_rad = 0.01;
 
 /// Expands a covariance of (heading, position) to (rotation, position).
 Eigen::Matrix<double, 6, 6> spread(const Eigen::Matrix4d& of_pose, double tilt_variance) {
@@ -151,27 +150,34 @@ void PoseFilter::inflate_heading(double sigma_rad) {
   for (const int i : {kHeading, kAttitudeHeading}) kept_with_state_.col(i) += variance * by;
 }
 
+PoseFilter::PastPose PoseFilter::past_pose(const TrackPoint& then, const TrackPoint& now) const {
+  const Vector3d since_n = q_n_o() * (now.p_o_b - then.p_o_b);
+  PastPose past;
+  past.q_n_b = q_n_o() * then.q_o_b, past.p_n_b = p_n() - since_n;
+  past.H.setZero();
+  for (int i = 0; i < 4; ++i) past.H(i, kPose[i]) = 1;
+  past.H.block<3, 1>(1, kHeading) = -across(since_n);
+  past.H.block<3, 1>(1, kLogScale) = -since_n;
+  past.since = noise_between(drift_of(then), drift_of(now));
+  past.with_state = past.H.lazyProduct(P_);
+  past.with_state -= past.H * past.since.asDiagonal();
+  past.own = past.with_state.lazyProduct(past.H.transpose());
+  past.own = (0.5 * (past.own + past.own.transpose())).eval();
+  return past;
+}
+
 uint64_t PoseFilter::keep_pose(const TrackPoint& then, const TrackPoint& now) {
   if (kept_.size() >= kMostKept) return 0;
-  const Vector3d since_n = q_n_o() * (now.p_o_b - then.p_o_b);
-  Eigen::Matrix<double, 4, kStates> H = Eigen::Matrix<double, 4, kStates>::Zero();
-  for (int i = 0; i < 4; ++i) H(i, kPose[i]) = 1;
-  H.block<3, 1>(1, kHeading) = -across(since_n);
-  H.block<3, 1>(1, kLogScale) = -since_n;
-  const StateVector since = noise_between(drift_of(then), drift_of(now));
-  Eigen::Matrix<double, 4, kStates> with_state = H.lazyProduct(P_);
-  with_state -= H * since.asDiagonal();
-  Eigen::Matrix4d own = with_state.lazyProduct(H.transpose());
-  own = (0.5 * (own + own.transpose())).eval();
+  const PastPose past = past_pose(then, now);
   const Eigen::Index n = kept_with_state_.rows();
-  const KeptGain with_kept = kept_with(H.transpose(), drift_of(then), since);
+  const KeptGain with_kept = kept_with(past.H.transpose(), drift_of(then), past.since);
   kept_with_state_.conservativeResize(n + 4, kStates);
-  kept_with_state_.bottomRows<4>() = with_state;
+  kept_with_state_.bottomRows<4>() = past.with_state;
   kept_with_kept_.conservativeResize(n + 4, n + 4);
   kept_with_kept_.topRightCorner(n, 4) = with_kept;
   kept_with_kept_.bottomLeftCorner(4, n) = with_kept.transpose();
-  kept_with_kept_.bottomRightCorner<4, 4>() = own;
-  kept_.push_back({++last_pose_id_, then, q_n_o() * then.q_o_b, p_n() - since_n});
+  kept_with_kept_.bottomRightCorner<4, 4>() = past.own;
+  kept_.push_back({++last_pose_id_, then, past.q_n_b, past.p_n_b});
   return last_pose_id_;
 }
 
@@ -187,28 +193,46 @@ void PoseFilter::release_pose(uint64_t id) {
   kept_with_kept_.conservativeResize(row + rest, row + rest);
 }
 
-KeptPoses::Near PoseFilter::nearest_kept(const TrackPoint& point, double sigma_m) const {
+KeptPoses::Near PoseFilter::nearest_kept(const TrackPoint& then, const TrackPoint& now, double sigma_m,
+                                         double sigma_rad) const {
+  if (kept_.empty()) return {};
+  const PastPose past = past_pose(then, now);
+  const KeptGain with_kept = kept_with_state_.lazyProduct(past.H.transpose());
   KeptPoses::Near near;
   double least = squared(sigma_m);
-  for (const Kept& kept : kept_) {
-    const Vector3d apart_o = point.p_o_b - kept.point.p_o_b;
-    const double variance = (point.drift_m2 - kept.point.drift_m2).cwiseAbs().maxCoeff() +
-                            apart_o.squaredNorm() * (P_(kLogScale, kLogScale) + kTurnedSigma_rad * kTurnedSigma_rad);
-    if (variance > least) continue;
+  for (size_t i = 0; i < kept_.size(); ++i) {
+    const auto row = 4 * static_cast<Eigen::Index>(i);
+    const Matrix4d common = with_kept.middleRows<4>(row);
+    const Matrix4d apart = past.own + kept_with_kept_.block<4, 4>(row, row) - common - common.transpose();
+    const double variance = apart.diagonal().tail<3>().maxCoeff();
+    if (variance > least || apart(0, 0) > squared(sigma_rad)) continue;
     least = variance;
-    const Quaterniond q_b_o = kept.point.q_o_b.conjugate();
-    near = {kept.id, {q_b_o * point.q_o_b, q_b_o * apart_o}, variance};
+    const Rigid T_n_kept{kept_[i].q_n_b, kept_[i].p_n_b};
+    near.id = kept_[i].id, near.T_kept_b = T_n_kept.inverse() * Rigid{past.q_n_b, past.p_n_b}, near.covariance = apart;
   }
+  return near;
+}
+
+KeptPoses::Near PoseFilter::keep_near(const TrackPoint& then, const TrackPoint& now, double sigma_m, double sigma_rad) {
+  KeptPoses::Near near = nearest_kept(then, now, sigma_m, sigma_rad);
+  if (near.id != 0) return near;
+  near.id = keep_pose(then, now);
+  near.full = near.id == 0;
   return near;
 }
 
 std::optional<KeptPoses::Neighbours> PoseFilter::crowded() const {
   if (kept_.size() < kMostKept) return std::nullopt;
-  size_t nearest = 1;
-  const auto path_m = [&](size_t i) { return std::abs(kept_[i].point.path_m - kept_[i - 1].point.path_m); };
-  for (size_t i = 2; i < kept_.size(); ++i)
-    if (path_m(i) < path_m(nearest)) nearest = i;
-  return KeptPoses::Neighbours{kept_[nearest].id, kept_[nearest - 1].id};
+  double least = std::numeric_limits<double>::infinity();
+  KeptPoses::Neighbours nearest{};
+  for (size_t i = 1; i < kept_.size(); ++i) {  // in order of time
+    const auto one = 4 * static_cast<Eigen::Index>(i), other = one - 4;
+    const Matrix4d apart = kept_with_kept_.block<4, 4>(one, one) + kept_with_kept_.block<4, 4>(other, other) -
+                           2 * kept_with_kept_.block<4, 4>(one, other);
+    const double variance = apart.diagonal().tail<3>().sum();
+    if (variance < least) least = variance, nearest = {kept_[i].id, kept_[i - 1].id};
+  }
+  return nearest;
 }
 
 int PoseFilter::row_of(uint64_t id) const {
@@ -235,7 +259,7 @@ Eigen::MatrixXd PoseFilter::whole_covariance() const {
 /// Process noise between two times as far as the covariance still contains it, so that it stays positive semidefinite
 /// without it: updates since may have removed a part, and a heading that is the attitude source's has no own noise.
 StateVector PoseFilter::noise_between(const StateVector& drift_then, const StateVector& drift_now) const {
-  StateVector noise = (drift_now - drift_then).cwiseMax(0).cwiseMin(0.5 * P_.diagonal());
+  StateVector noise = (drift_now - drift_then).cwiseMin(0.5 * P_.diagonal()).cwiseMax(0);
   for (int tries = 0; tries < 6 && !noise.isZero(0); ++tries) {
     Covariance before = P_;
     before.diagonal() -= noise;

@@ -116,9 +116,11 @@ class PoseFilter {
   /// are kept.
   uint64_t keep_pose(const TrackPoint& then, const TrackPoint& now);
   void release_pose(uint64_t id);
-  /// The kept pose with the least error of the track to a point, if its sigma is at most this, m.
-  KeptPoses::Near nearest_kept(const TrackPoint& point, double sigma_m) const;
-  /// If there is no room: the two kept poses with the shortest path between them.
+  /// The kept pose with the least error between it and a pose of the track, if its sigmas are at most these.
+  KeptPoses::Near nearest_kept(const TrackPoint& then, const TrackPoint& now, double sigma_m, double sigma_rad) const;
+  /// The same, or else a new kept pose.
+  KeptPoses::Near keep_near(const TrackPoint& then, const TrackPoint& now, double sigma_m, double sigma_rad);
+  /// If there is no room: the two kept poses with the least error between them.
   std::optional<KeptPoses::Neighbours> crowded() const;
   /// False if it is not kept. `tilt_variance` fills the horizontal part of the rotation.
   bool kept_pose(uint64_t id, double tilt_variance, KeptPose& out) const;
@@ -137,6 +139,17 @@ class PoseFilter {
     Eigen::Quaterniond q_n_b;
     Eigen::Vector3d p_n_b;
   };
+  using Matrix4X = Eigen::Matrix<double, 4, kStates>;
+  /// A pose of the track as a function of the state, with its derivative H, the noise since, and its covariances.
+  struct PastPose {
+    Eigen::Quaterniond q_n_b;
+    Eigen::Vector3d p_n_b;
+    Matrix4X H, with_state;
+    StateVector since;
+    Eigen::Matrix4d own;
+  };
+
+  PastPose past_pose(const TrackPoint& then, const TrackPoint& now) const;
   int row_of(uint64_t id) const;
   template <int rows>
   using UpTo4 = Eigen::Matrix<double, rows, Eigen::Dynamic, 0, rows, Innovation::kMaxRows>;
@@ -148,7 +161,7 @@ class PoseFilter {
   Covariance P_ = Covariance::Zero();
   std::vector<Kept> kept_;
   // Errors of (heading, position) of the kept poses: with the state, and among themselves.
-  Eigen::Matrix<double, Eigen::Dynamic, kStates> kept_with_state_;
+  Eigen::Matrix<double, Eigen::Dynamic, kStates, 0, 4 * kMostKept, kStates> kept_with_state_;
   Eigen::MatrixXd kept_with_kept_;
   uint64_t last_pose_id_ = 0;
 };
