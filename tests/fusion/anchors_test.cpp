@@ -99,11 +99,13 @@ TEST_CASE("an anchor is seen where it was placed, in n and in the view, at the r
 }
 
 TEST_CASE("a fix at the end of a walk moves each anchor by its own share, not by the newest correction") {
-  for (const auto& [coupling, crowd] : {std::pair(kInertial, 0), {kInertial, 40}, {kPaper, 0}}) {
+  for (const auto& row : {std::pair(kInertial, 0), {kInertial, 40}, {kPaper, 0}}) {
+    const std::string& coupling = row.first;
+    const int crowd = row.second;
     CAPTURE(coupling);
     CAPTURE(crowd);  // further anchors on the way, which need more kept poses than there are
     App app(kWalk + coupling + kStart + kMarks);
-    const auto walk = [&app, crowd = crowd](int from, int to) {
+    const auto walk = [&app, crowd](int from, int to) {
       for (int sample = from; sample < to; sample += crowd ? crowd : to - from) {
         app.walk(sample, std::min(to, sample + (crowd ? crowd : to - from)));
         for (int i = 0; i < crowd / 8; ++i) make(app, place(ODO_ANCHOR_VIEW, {0.1 * i, 0, 1}));

@@ -205,7 +205,8 @@ double smallest(const PoseFilter& filter) {
 TEST_CASE("after any calls in any order the covariance is symmetric and positive semidefinite") {
   const char* times = std::getenv("ODOGRAPH_RANDOM_CALLS");  // 1000000 takes some minutes
   const int calls = times ? std::atoi(times) : 50'000;
-  for (const auto& [max_kept, count, every] : {std::tuple{4, calls, 1}, std::tuple{64, calls / 50, 20}}) {
+  for (const auto& row : {std::tuple{4, calls, 1}, std::tuple{64, calls / 50, 20}}) {
+    const auto max_kept = std::get<0>(row), count = std::get<1>(row), every = std::get<2>(row);
     PoseFilter filter;
     std::optional<RandomCalls> random(std::in_place, filter, 1, static_cast<size_t>(max_kept));
     double worst = 0, asymmetry = 0;
