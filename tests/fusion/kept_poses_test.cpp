@@ -249,3 +249,27 @@ TEST_CASE("a relative pose between two kept poses is an ordinary measurement: it
   seen.kept[0].id = 99;
   CHECK_FALSE(filter.update(seen, 0).accepted);  // no longer kept
 }
+
+TEST_CASE(
+    "a kept pose is near only if neither unobserved motion nor a turned heading lies between, and neighbours merge") {
+  PoseFilter filter;
+  for (const StateIndex i : {kNorth, kEast, kDown, kHeading}) filter.set(i, 0, 1);
+  const TrackPoint here;
+  const uint64_t id = filter.keep_pose(here, here);
+  CHECK(filter.nearest_kept(here, here, 0.02, 5e-3).id == id);  // though both are known to a metre only
+  PoseFilter turned = filter, carried = filter;
+  turned.add_variance(kHeading, 1e-4);
+  CHECK(turned.nearest_kept(here, here, 0.02, 5e-3).id == 0);
+  carried.add_variance(kEast, 100);  // a camera that was covered while its carrier walked on
+  CHECK(carried.nearest_kept(here, here, 0.02, 5e-3).id == 0);
+  while (!carried.crowded()) {
+    carried.add_variance(kEast, carried.whole_covariance().rows() == 4 * 30 + kStates ? 1e-6 : 1);
+    REQUIRE(carried.keep_pose(here, here) != 0);
+  }
+  CHECK(carried.keep_pose(here, here) == 0);
+  const auto merge = required(carried.crowded());
+  CHECK(merge->given_up == 31);
+  CHECK(merge->stays == 30);
+  carried.release_pose(merge->given_up);
+  CHECK_FALSE(carried.crowded());
+}
