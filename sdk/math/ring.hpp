@@ -15,6 +15,7 @@ class Ring {
   void push(const T& value) { values_[count_++ % N] = value; }
   bool empty() const { return count_ == 0; }
   size_t size() const { return std::min(count_, N); }
+  static constexpr size_t capacity() { return N; }
   /// The i-th newest value: back(0) is the newest. i < size().
   const T& back(size_t i) const { return values_[(count_ - 1 - i) % N]; }
   T& back(size_t i) { return values_[(count_ - 1 - i) % N]; }

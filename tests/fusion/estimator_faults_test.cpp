@@ -197,3 +197,64 @@ TEST_CASE("a step faster than any walker is rejected and reported, and one of no
   step.length_m = 0.9;
   CHECK(fusion.update(&step).accepted);
 }
+
+TEST_CASE("steps that wait for a camera which never moves are all used") {
+  TestFusion fusion({.type = CouplingType::localizer}, {}, {true, false});
+  fusion.update(FrameTime{0});
+  for (int64_t k = 1; k <= 70; ++k) {
+    const int64_t t_ns = k * 100'000'000;
+    auto attitude = attitude_at(t_ns, Eigen::Quaterniond::Identity(), 1e-4);
+    fusion.update(&attitude);
+    if (k == 20 || k == 25) {
+      auto step = step_between(t_ns - 500'000'000, t_ns, t_ns, 0.7, 0.05);
+      fusion.update(&step);
+    }
+    fusion.update(FrameTime{t_ns});
+  }
+  CHECK(fusion.filter().p_n().head<2>().norm() == doctest::Approx(1.4).epsilon(0.05));
+}
+
+TEST_CASE("an attitude source that has stopped neither rotates the track nor corrects its inclination") {
+  for (const Orientation orientation : {Orientation::attitude, Orientation::vo}) {
+    CAPTURE(static_cast<int>(orientation));
+    CouplingConfig config{.type = CouplingType::localizer};
+    config.orientation = orientation;
+    TestFusion fusion(config, {}, {true, false});
+    for (int64_t k = 0; k <= 30; ++k) {  // it stops after 1 s; then the phone leans by 0.6 rad about north
+      const int64_t t_ns = k * 100'000'000;
+      auto attitude = attitude_at(t_ns, Eigen::Quaterniond::Identity(), 1e-4);
+      if (k <= 10) fusion.update(&attitude);
+      fusion.update(FrameTime{t_ns});
+      if (k == 0) continue;
+      auto motion = motion_between(t_ns - 100'000'000, t_ns, {0.1, 0, 0}, ODO_VO_ROTATION | ODO_VO_TRANSLATION);
+      const Eigen::Quaterniond q_b0_b1(Eigen::AngleAxisd(k <= 10 ? 0 : 0.03, Eigen::Vector3d::UnitX()));
+      put_quaternion(rear_camera_mount().conjugate() * q_b0_b1 * rear_camera_mount(), motion.q_c0_c1);
+      fusion.update(RelativeMotion{&motion, nullptr});
+    }
+    Estimate now;
+    REQUIRE(fusion.at({}, now) == ODO_OK);
+    CHECK(log_rotation(now.q_n_b).x() == doctest::Approx(0.6).epsilon(0.05));
+  }
+}
+
+TEST_CASE("an orientation composed from the gyroscope goes on after a gap from where the camera brought it") {
+  CouplingConfig config{.type = CouplingType::localizer};
+  config.orientation = Orientation::gyroscope;
+  TestFusion fusion(config, {}, {true, false});
+  const double rate_radps = 0.3;  // about down
+  for (int64_t k = 0; k <= 400; ++k) {
+    const int64_t t_ns = k * 10'000'000;
+    const bool gap = k > 100 && k < 300;
+    if (!gap) fusion->on_imu(imu_at(t_ns, {0, 0, rate_radps}, {0, 0, -9.81}));
+    if (k % 10) continue;
+    fusion.update(FrameTime{t_ns});
+    if (k == 0) continue;
+    auto motion = motion_between(t_ns - 100'000'000, t_ns, {0, 0, 0.1}, ODO_VO_ROTATION | ODO_VO_TRANSLATION);
+    const Eigen::Quaterniond q_b0_b1(Eigen::AngleAxisd(0.1 * rate_radps, Eigen::Vector3d::UnitZ()));
+    put_quaternion(rear_camera_mount().conjugate() * q_b0_b1 * rear_camera_mount(), motion.q_c0_c1);
+    fusion.update(RelativeMotion{&motion, nullptr});
+  }
+  Estimate now;
+  REQUIRE(fusion.at({}, now) == ODO_OK);
+  CHECK(log_rotation(now.q_n_b).z() == doctest::Approx(1.2).epsilon(0.03));
+}

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Updates by a fix and a scale, against the plain Kalman update with numeric derivatives.
+#include <string_view>
+
 #include <Eigen/LU>
 
 #include "tests/support/measured_walk.hpp"
@@ -211,4 +213,52 @@ TEST_CASE("a late fix is compared with its position as corrected by all later fi
   Vector3d::Map(late.p_n) = expected;
   CHECK((expected - Vector3d(then.p_n)).norm() > 1);
   CHECK(coupling.on_fix(late).nis < 1e-12);
+}
+
+TEST_CASE("a fix before the camera's first frame keeps its place when the camera starts") {
+  for (const CouplingType type : {CouplingType::localizer, CouplingType::paper}) {
+    TestFusion fusion({.type = type}, {}, {true, false});
+    auto attitude = attitude_at(0, Quaterniond::Identity(), 1e-4);
+    fusion.update(&attitude);
+    auto fix = make_message<odo_fix>(ODO_TYPE_FIX, 0);
+    fix.header.flags = kAll | ODO_FIX_COVARIANCE;
+    fix.p_n[0] = 100, fix.p_n[1] = -50, fix.p_n[2] = -3;
+    fix.covariance_n[0] = fix.covariance_n[4] = fix.covariance_n[8] = 1;
+    REQUIRE(fusion.update(&fix).accepted);
+    fusion.update(FrameTime{100'000'000});
+    Estimate now;
+    REQUIRE(fusion.at({}, now) == ODO_OK);
+    CHECK((now.p_n_b - Vector3d(100, -50, -3)).norm() < 1e-9);
+  }
+}
+
+TEST_CASE("a first height moves the barometer's offset and no floor") {
+  for (const double height_m : {7.0, 300.0}) {
+    CAPTURE(height_m);
+    TestFusion fusion({.type = CouplingType::localizer}, {}, {false, false});
+    int used = 0, floor_notices = 0;
+    double time_s = 0;
+    const auto stand = [&](double until_s) {
+      for (; time_s < until_s; time_s += 0.1) {
+        const auto t_ns = static_cast<int64_t>(time_s * 1e9);
+        auto attitude = attitude_at(t_ns, Quaterniond::Identity(), 1e-4);
+        auto barometer = pressure_at(t_ns, 95'000);
+        fusion.update(&attitude);
+        used += fusion.update(&barometer).accepted;
+      }
+      for (Notice notice = fusion.take_notice(); notice.key; notice = fusion.take_notice())
+        floor_notices += std::string_view(notice.key) == "floor";
+    };
+    stand(20);
+    const int before = used;
+    auto fix = make_message<odo_fix>(ODO_TYPE_FIX, 19'900'000'000);
+    fix.header.flags = ODO_FIX_DOWN | ODO_FIX_COVARIANCE;
+    fix.p_n[2] = -height_m, fix.covariance_n[8] = 0.25;
+    REQUIRE(fusion.update(&fix).accepted);
+    stand(40);
+    CHECK(used - before == 200);
+    CHECK(std::abs(fusion.filter().x()[kDown] + height_m) < 0.5);
+    CHECK(fusion->floor().floor == 0);
+    CHECK(floor_notices == 0);
+  }
 }

@@ -244,3 +244,43 @@ TEST_CASE("a first fix of the height alone gives no information about north and 
   CHECK(after.p_n_b.z() == doctest::Approx(before.p_n_b.z() - 30).epsilon(0.01));
   CHECK((after.pose.header.flags & ODO_POSE_POSITION) != 0);
 }
+
+TEST_CASE("a camera that starts during a walk continues it, without a pause, a jump or another part of the phone") {
+  for (uint64_t seed = 1; seed <= 5; ++seed) {
+    WalkMeasurements what;
+    what.start_s = 4;
+    what.odometry.inverse_scale = 1, what.odometry.scale_sigma = 0.02;
+    what.odometry.position_m = 0.003, what.odometry.rotation_rad = 0.0005;
+    what.odometry.from_s = 9;
+    what.step_factor_sigma = 0.02, what.step_offset_rad = 0;
+    what.change = [&](double t, odo_vo_motion& m) {
+      if (t > what.odometry.from_s + 2.4) return;
+      m.header.flags &= ~(ODO_VO_METRIC | ODO_VO_INERTIAL | ODO_VO_TRANSLATION);
+      m.state = ODO_DEGRADED, m.reason = ODO_REASON_INITIALISING, m.scale_group = 77;
+    };
+    MeasuredWalk walk(walk_scenario(30), what, seed);
+    TestFusion fusion({.type = CouplingType::localizer}, {}, {true, false});
+    double last_s = -1, longest_s = 0, jump_m = 0, worst_m = 0;
+    bool of_camera = true, metric = false;
+    std::optional<Vector3d> offset, last_error;
+    double moved_s = what.start_s;
+    Vector3d last_p = Vector3d::Zero();
+    walk.run(fusion, [&](double t, const odo_pose& pose) {
+      if ((pose.header.flags & ODO_POSE_METRIC) == 0) return;
+      of_camera = of_camera && (pose.header.flags & ODO_POSE_CAMERA);
+      const Vector3d p(pose.p_n), error = p - walk.truth(t).p_n_c;
+      if (!offset) offset = error;
+      worst_m = std::max(worst_m, (error - *offset).head<2>().norm());
+      if ((p - last_p).head<2>().norm() > 0.05) longest_s = std::max(longest_s, t - moved_s), moved_s = t;
+      metric = metric || t > what.odometry.from_s + 3;
+      if (metric && last_error) jump_m = std::max(jump_m, (error - *last_error).head<2>().norm());
+      last_error = error, last_p = p, last_s = t;
+    });
+    CAPTURE(seed);
+    CHECK(last_s > 20);
+    CHECK(of_camera);
+    CHECK(longest_s < 1.2);  // a step and its delay
+    CHECK(jump_m < 0.1);     // after the first metric motion
+    CHECK(worst_m < 1.6);    // steps lag by one
+  }
+}

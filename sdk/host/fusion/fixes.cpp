@@ -88,20 +88,23 @@ bool Fixes::outweighs_fixes(int64_t t_ns, const Context& at) const {
          seconds(t_ns - *fixed_) < p_.accepted_for_s;
 }
 
-/// The first position of an axis shifts the whole track to it and sets its covariance.
-void Fixes::place(PoseFilter& filter, Innovation& seen, uint32_t axes, double now_m) {
-  Vector3d moved_n = Vector3d::Zero();
-  Matrix3d covariance = Matrix3d::Zero();
-  const auto first = [&](int axis) { return (axes & (ODO_FIX_NORTH << axis)) != 0; };
-  for (int i = 0; i < 3; ++i) {
-    if (!first(i)) continue;
-    moved_n[i] = seen.residual[1 + i];
-    for (int j = 0; j < 3; ++j)
-      if (first(j)) covariance(i, j) = seen.noise(1 + i, 1 + j);
+/// The first position of an axis moves the whole track to it; so does one after many rejections.
+void Fixes::place(PoseFilter& filter, Innovation& seen, uint32_t axes, const Context& at) {
+  for (const uint32_t part : {axes & ~ever_placed_, axes & ever_placed_}) {
+    if (part == 0) continue;
+    PoseFilter::Position position{Vector3d::Zero(), Vector3d::Zero(), seen.noise.bottomRightCorner<3, 3>()};
+    double fixed_m = at.now.path_m;
+    for (int i = 0; i < 3; ++i)
+      if (part & (ODO_FIX_NORTH << i)) position.axes[i] = 1, fixed_m = std::min(fixed_m, fixed_m_[i]);
+    position.by_n = position.axes.cwiseProduct(seen.residual.tail<3>());
+    moved_down_m_ += position.by_n.z();
+    if (part & ever_placed_)
+      filter.shift(position, fixed_m, at.now.path_m);
+    else
+      filter.place(position, at.then, at.now);
+    for (int i = 0; i < 3; ++i)
+      if (position.axes[i] > 0) ignore_row(seen, 1 + i);
   }
-  filter.shift(moved_n, covariance, fixed_m_, now_m);
-  for (int i = 0; i < 3; ++i)
-    if (first(i)) ignore_row(seen, 1 + i);
 }
 
 /// A heading that is off by more than a small angle is corrected first, so that the position innovation is computed
@@ -115,8 +118,12 @@ UpdateResult Fixes::rotate(PoseFilter& filter, const odo_fix& fix, const Context
 void Fixes::accept(const odo_fix& fix, double now_m) {
   rejected_ = 0;
   ++accepted_;
+  any_ = true;
   placed_ |= fix.header.flags & kAllAxes;
-  if (fix.header.flags & kHorizontal) fixed_ = fix.header.t_ns, fixed_m_ = now_m;
+  ever_placed_ |= placed_;
+  for (int i = 0; i < 3; ++i)
+    if (fix.header.flags & (ODO_FIX_NORTH << i)) fixed_m_[i] = now_m;
+  if (fix.header.flags & kHorizontal) fixed_ = fix.header.t_ns;
 }
 
 UpdateResult Fixes::use(PoseFilter& filter, const odo_fix& fix, const Context& at) {
@@ -163,7 +170,7 @@ UpdateResult Fixes::try_on(PoseFilter& filter, const odo_fix& fix, const Context
     seen = innovation_of(filter, fix, at);
   }
   if (heading_used) ignore_row(seen, kYaw);
-  if (axes & ~placed_) place(filter, seen, axes & ~placed_, at.now.path_m);
+  if (axes & ~placed_) place(filter, seen, axes & ~placed_, at);
   return filter.update(seen, squared(gate_sigma_), at.kept_by_position);
 }
 

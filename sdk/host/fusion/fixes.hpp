@@ -26,7 +26,7 @@ class Fixes {
       : gate_sigma_(gate_sigma),
         heading_known_(heading_given || given),
         placed_(given ? kAllAxes : 0),
-        fixed_m_(given ? 0 : -1) {}
+        ever_placed_(placed_) {}
 
   /// The state of the track that a fix is compared with.
   struct Context {
@@ -44,22 +44,27 @@ class Fixes {
   uint32_t placed() const { return placed_; }
   /// Time of the newest accepted horizontal position.
   Instant fixed() const { return fixed_; }
+  /// Whether a fix was accepted.
+  bool any() const { return any_; }
+  /// Sum of the vertical shifts of n, m downwards: first heights, not corrections.
+  double moved_down_m() const { return moved_down_m_; }
 
  private:
   bool is_first_heading(const odo_fix& fix, const Context& at) const;
   bool outweighs_fixes(int64_t t_ns, const Context& at) const;
   UpdateResult try_on(PoseFilter& filter, const odo_fix& fix, const Context& at);
-  void place(PoseFilter& filter, Innovation& seen, uint32_t axes, double now_m);
+  void place(PoseFilter& filter, Innovation& seen, uint32_t axes, const Context& at);
   UpdateResult rotate(PoseFilter& filter, const odo_fix& fix, const Context& at);
   void accept(const odo_fix& fix, double now_m);
 
   Parameters p_;
   double gate_sigma_;
   bool heading_known_;
-  uint32_t placed_;
-  int rejected_ = 0, accepted_ = 0;  // consecutive
-  double fixed_m_;                   // path length at which the position was last fixed, m; negative if it never was
+  uint32_t placed_, ever_placed_;
+  int rejected_ = 0, accepted_ = 0;            // consecutive
+  double fixed_m_[3] = {}, moved_down_m_ = 0;  // by axis, path length at which the position was last fixed, m
   Instant fixed_;
+  bool any_ = false;
 };
 
 }  // namespace odograph

@@ -36,7 +36,7 @@ Correction between(const odo_pose& before, const odo_pose& after, uint32_t reaso
 template <class Apply>
 UpdateResult Fusion::update(uint32_t reason, bool report_small, Outputs& out, Apply&& apply) {
   const size_t published = out.poses.size();
-  const bool of_camera = odometry_->begun();
+  const bool of_camera = poses_are_of_camera();
   const auto point_before = last_ ? state_.track.stored(*last_) : std::nullopt;
   std::optional<odo_pose> before;
   if (reason && point_before) before = make_pose(*point_before);
@@ -44,8 +44,8 @@ UpdateResult Fusion::update(uint32_t reason, bool report_small, Outputs& out, Ap
   stepped_ = false;
   const UpdateResult result = apply();
   const auto point = before ? state_.track.stored(*last) : std::nullopt;
-  if (point && odometry_->begun() == of_camera) {  // otherwise poses now refer to another part of the pipeline
-    if (stepped_)                                  // even if late, this is motion in o, not a correction
+  if (point && poses_are_of_camera() == of_camera) {  // otherwise poses now refer to another part of the phone
+    if (stepped_)                                     // even if late, this is motion in o, not a correction
       Vector3d::Map(before->p_n) += state_.filter.q_n_o() * (point->p_o_b - point_before->p_o_b);
     odo_pose after = make_pose(*point);
     after.header.t_ns = *last;
@@ -83,7 +83,7 @@ void Fusion::begin_camera(int64_t t_ns) {
     state_.start_without_attitude(t_ns, odometry_->q_b_c());
     steps_.start();
   }
-  if (!odometry_->begun()) odometry_->begin(t_ns, steps_.any());
+  if (!odometry_->begun()) odometry_->begin(t_ns, steps_.moved().has_value(), fixes_.any());
 }
 
 void Fusion::on_frame(int64_t t_ns, Outputs& out) {
@@ -203,7 +203,7 @@ UpdateResult Fusion::apply(const odo_barometer& barometer, Outputs& out) {
   const UpdateResult result = state_.height.riding()
                                   ? ride(barometer, out)
                                   : state_.height.use(state_.filter, barometer, down_m, !state_.camera_leads());
-  floors_.add(t_ns, -state_.filter.x()[kDown]);
+  floors_.add(t_ns, fixes_.moved_down_m() - state_.filter.x()[kDown]);
   if (const auto floor = floors_.report()) out.notices.add(*floor);
   return result;
 }
@@ -253,7 +253,7 @@ void Fusion::on_pause(int64_t until_ns) {
 
 odo_pose Fusion::make_pose(const TrackPoint& point) const {
   const PoseFilter& filter = state_.filter;
-  const bool camera = odometry_->begun(), moves = state_.track.velocity() != Velocity::none;
+  const bool camera = poses_are_of_camera(), moves = state_.track.velocity() != Velocity::none;
   auto pose = make_message<odo_pose>(ODO_TYPE_POSE, point.t_ns);
   pose.header.flags = ODO_POSE_ORIENTATION | ODO_POSE_COVARIANCE;
   if (has_position()) pose.header.flags |= ODO_POSE_POSITION;

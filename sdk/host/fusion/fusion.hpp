@@ -115,6 +115,8 @@ class Fusion : public KeptPoses {
   UpdateResult apply(const odo_barometer& barometer, Outputs& out);
   UpdateResult apply(const odo_fix& fix, Outputs& out);
   UpdateResult ride(const odo_barometer& barometer, Outputs& out);
+  /// From the first sign of a camera on, so that one that starts late continues the track.
+  bool poses_are_of_camera() const { return odometry_->begun() || (inputs_.vo && odometry_->is_calibrated()); }
   void begin_camera(int64_t t_ns);
   void publish(int64_t t_ns, uint32_t state, uint32_t reason, Outputs& out);
   odo_pose make_pose(const TrackPoint& point) const;

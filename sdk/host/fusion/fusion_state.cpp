@@ -49,13 +49,12 @@ bool FusionState::add_attitude(const odo_attitude& attitude) {
   return first;
 }
 
-void FusionState::begin_camera(int64_t t_ns, const Vector3d& p_b_c, bool has_stepped) {
+void FusionState::begin_camera(int64_t t_ns, const Vector3d& p_b_c, bool has_stepped, bool was_placed) {
   propagate(t_ns);
   const Quaterniond q_o_b = at(t_ns).value_or(track.newest()).q_o_b;
-  if (!has_stepped) {
-    track.tracked.begin(t_ns);
+  if (!has_stepped) track.tracked.begin(t_ns);
+  if (!has_stepped && !was_placed)
     filter.set_position(Vector3d(start_pose.position_m.data()) - filter.q_n_o() * (q_o_b * p_b_c));
-  }
   track.push(t_ns, q_o_b, Vector3d::Zero());
   source_ = MotionSource::camera_not_moving;
 }

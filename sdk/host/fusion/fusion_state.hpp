@@ -39,9 +39,9 @@ class FusionState {
   void start_without_attitude(int64_t t_ns, const Eigen::Quaterniond& q_b_c);
   /// Takes an attitude; true for the first.
   bool add_attitude(const odo_attitude& attitude);
-  /// The camera's front-end rotates the track from now on. Without steps before, the camera, not the body, is at the
-  /// configured start position.
-  void begin_camera(int64_t t_ns, const Eigen::Vector3d& p_b_c, bool has_stepped);
+  /// The camera's front-end rotates the track from now on. Unless the track has moved or was placed before, the camera,
+  /// not the body, is at the configured start position.
+  void begin_camera(int64_t t_ns, const Eigen::Vector3d& p_b_c, bool has_stepped, bool was_placed);
 
   /// Propagates the drifting states to that time.
   void propagate(int64_t t_ns);

@@ -13,11 +13,17 @@ using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
 void GyroAttitude::reset(const Quaterniond& q_n_c, const Matrix3d& covariance_n) {
-  q_n_c_ = q_n_c;
   bias_c_.setZero();
   P_.setZero();
-  P_.topLeftCorner<3, 3>() = covariance_n;
   P_.bottomRightCorner<3, 3>() = Matrix3d::Identity() * p_.bias_sigma_radps * p_.bias_sigma_radps;
+  realign(q_n_c, covariance_n);
+}
+
+void GyroAttitude::realign(const Quaterniond& q_n_c, const Matrix3d& covariance_n) {
+  q_n_c_ = q_n_c;
+  P_.topRows<3>().setZero();
+  P_.leftCols<3>().setZero();
+  P_.topLeftCorner<3, 3>() = covariance_n;
 }
 
 void GyroAttitude::propagate(const Quaterniond& q_c0_c1, double dt_s) {

@@ -28,6 +28,8 @@ class GyroAttitude {
 
   GyroAttitude() { reset(Eigen::Quaterniond::Identity(), Eigen::Matrix3d::Identity()); }
   void reset(const Eigen::Quaterniond& q_n_c, const Eigen::Matrix3d& covariance_n);
+  /// Sets the orientation and its covariance, and keeps the bias: after a gap.
+  void realign(const Eigen::Quaterniond& q_n_c, const Eigen::Matrix3d& covariance_n);
 
   /// Propagates by the gyroscope's rotation over dt.
   void propagate(const Eigen::Quaterniond& q_c0_c1, double dt_s);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sdk/host/fusion/gyro_orientation.hpp"
 
+#include <utility>
+
 #include "sdk/math/rotation.hpp"
 #include "sdk/math/time.hpp"
 
@@ -13,15 +15,23 @@ using Eigen::Vector3d;
 void GyroOrientation::start(const Quaterniond& q_b_c) {
   if (!is_enabled()) return;
   q_b_c_ = q_b_c;
-  const double tilt_variance = state_.tilt_variance();
-  filter_.reset(state_.track.newest().q_o_b * q_b_c_, Vector3d(tilt_variance, tilt_variance, 0).asDiagonal());
+  filter_.reset(state_.track.newest().q_o_b * q_b_c_, tilt_covariance());
   if (!state_.heading.north() && !state_.start_pose.heading_given) state_.filter.inflate_heading(kUnknownHeading_rad);
+}
+
+Matrix3d GyroOrientation::tilt_covariance() const {
+  return Vector3d(state_.tilt_variance(), state_.tilt_variance(), 0).asDiagonal();
 }
 
 std::optional<Quaterniond> GyroOrientation::rotate(const odo_vo_motion& m, double rotation_sigma_rad) {
   const double dt_s = seconds(m.header.t_ns - m.t_from_ns);
   const auto from = state_.track.inertial_point(m.t_from_ns), to = state_.track.inertial_point(m.header.t_ns);
-  if (!is_enabled() || !from || !to || dt_s <= 0) return std::nullopt;
+  if (!is_enabled()) return std::nullopt;
+  if (!from || !to || dt_s <= 0) return gap_ = true, std::nullopt;
+  if (std::exchange(gap_, false)) {
+    const TrackPoint point = state_.track.stored(m.t_from_ns).value_or(state_.track.newest());
+    filter_.realign(point.q_o_b * q_b_c_, tilt_covariance());
+  }
   const Quaterniond q_c0_c1 = q_b_c_.conjugate() * from->q_e_b.conjugate() * to->q_e_b * q_b_c_;
   filter_.propagate(q_c0_c1, dt_s);
   // With parallax, rotation and translation are too correlated in a frame of a camera alone for the bias to be

@@ -97,14 +97,14 @@ bool Odometry::to_metres(Motion& motion, const odo_scale* scale) {
   return true;
 }
 
-/// Adds what the scale group moved before its scale was known, if the scale `applies` to that part too and nothing else
-/// has moved the track. Returns its length, m.
+/// Adds what the scale group moved before its scale was known, if the scale `applies` to that part too, as far as
+/// nothing else has moved the track. Returns its length, m.
 double Odometry::catch_up(bool applies, bool horizontal, bool uncertain) {
   const Vector3d waiting_o = group_.take_unscaled();
-  if (waiting_o.isZero() || !applies) return 0;
-  if (state_.track.tracked.missing(group_.unscaled_ns, state_.track.newest().t_ns) < 0.5) return 0;
+  const double missing = state_.track.tracked.missing(group_.unscaled_ns, state_.track.newest().t_ns);
+  if (waiting_o.isZero() || !applies || missing == 0) return 0;
   if (uncertain) state_.add_gap(group_.unscaled_ns);
-  Vector3d d_o = std::exp(state_.filter.x()[kLogScale]) * waiting_o;
+  Vector3d d_o = missing * std::exp(state_.filter.x()[kLogScale]) * waiting_o;
   if (horizontal) d_o.z() = 0;
   const Vector3d d_n = state_.filter.q_n_o() * d_o;
   state_.filter.move(d_n, {{kHeading, across(d_n)}, {kLogScale, d_n}}, Matrix3d::Zero());
@@ -128,9 +128,9 @@ void Odometry::level(Motion& motion) const {
   motion.q_o_b1 = (Quaterniond::Identity().slerp(share, up) * motion.q_o_b1).normalized();
 }
 
-/// The first metric motion. The displacement over the last seconds follows from the velocity and the inertial samples;
-/// what came before them since the first frame is unobserved.
-void Odometry::back_propagate_start(const Motion& motion) {
+/// The first metric motion, or the first after a gap. The displacement over the last seconds follows from the velocity
+/// and the inertial samples; what came before them is unobserved, or, unless the track is `fresh`, left to steps.
+void Odometry::back_propagate(const Motion& motion, bool fresh) {
   const int64_t to_ns = motion.m.header.t_ns;
   const int64_t from_ns =
       std::max({state_.track.tracked.until_ns(), to_ns - nanoseconds(p_.rewind_s), state_.track.inertia.oldest_ns()});
@@ -138,7 +138,10 @@ void Odometry::back_propagate_start(const Motion& motion) {
   const auto d_o =
       state_.track.inertial_displacement(from_ns, to_ns, motion.q_o_b1, v_o, Vector3d(motion.m.accel_bias_b));
   state_.add_gap(d_o ? from_ns : to_ns);
-  state_.track.tracked.begin(to_ns);
+  if (fresh)
+    state_.track.tracked.begin(to_ns);
+  else
+    state_.track.tracked.add(d_o ? from_ns : to_ns, to_ns);
   if (!d_o) return;
   const Vector3d d_n = state_.filter.q_n_o() * *d_o;
   const double sigma_m = p_.rewind_sigma_mps * seconds(to_ns - from_ns);
@@ -187,14 +190,16 @@ void Odometry::move(const Motion& motion) {
 }
 
 void Odometry::on_calibration(const odo_calibration& calibration) {
+  calibrated_ = true;
   if ((calibration.header.flags & ODO_CALIBRATION_EXTRINSICS) == 0) return;
   q_b_c_ = quaternion(calibration.q_b_c);
   p_b_c_ = Vector3d(calibration.p_b_c);
 }
 
-void Odometry::begin(int64_t t_ns, bool has_stepped) {
+void Odometry::begin(int64_t t_ns, bool has_stepped, bool was_placed) {
   first_frame_ = t_ns;
-  state_.begin_camera(t_ns, p_b_c_, has_stepped);
+  has_stepped_ = has_stepped;
+  state_.begin_camera(t_ns, p_b_c_, has_stepped, was_placed);
   gyroscope_.start(q_b_c_);
 }
 
@@ -256,10 +261,10 @@ Odometry::Motion Odometry::apply(const odo_vo_motion& m, const odo_scale* scale,
     motion.moves = moves_ = false;
     motion.state = ODO_DEGRADED, motion.reason = ODO_REASON_TOO_FAST;
   }
-  const bool begins = motion.moves && motion.inertial && fresh;
-  if (motion.moves && motion.uncertain && !begins) state_.add_gap(m.t_from_ns);
-  if (begins) {
-    back_propagate_start(motion);
+  const bool resumes = motion.moves && motion.inertial && (fresh || state_.track.tracked.until_ns() < m.t_from_ns);
+  if (motion.moves && motion.uncertain && !resumes) state_.add_gap(m.t_from_ns);
+  if (resumes) {
+    back_propagate(motion, fresh);
     motion.d_o.setZero();
   } else if (motion.moves && state_.track.tracked.until_ns() > m.t_from_ns) {  // steps have moved the track meanwhile
     motion.d_o *= state_.track.tracked.missing(m.t_from_ns, t_ns);
@@ -290,7 +295,7 @@ bool Odometry::is_metric_scale_known() const {
 
 bool Odometry::is_silent(int64_t now_ns) const {
   if (!first_frame_) return true;
-  if (!moved_) return seconds(now_ns - *first_frame_) > p_.silent_start_s;
+  if (!moved_) return has_stepped_ || seconds(now_ns - *first_frame_) > p_.silent_start_s;
   return lost_ || seconds(now_ns - *moved_) > state_.p.unobserved_s;
 }
 

@@ -35,8 +35,8 @@ class Odometry {
     double rotation_off_share = 0.05;  ///< of the rotation, for gyroscope scale factor and rolling shutter; empirical
     double tilt_time_s = 10;  ///< s, time constant with which the attitude corrects the inclination of a front-end
                               ///< without inertia; judgement
-    double rewind_s = 1.5;    ///< s before the first metric motion that inertia covers: an inclination error of 5 mrad
-                              ///< causes 6 cm; front-ends start in 1.2 s (odograph bench vo)
+    double rewind_s = 1.5;    ///< s before the first metric motion, or the first after a gap, that inertia covers: an
+                            ///< inclination error of 5 mrad causes 6 cm; front-ends start in 1.2 s (odograph bench vo)
     double rewind_sigma_mps = 0.1;       ///< m/s, of the velocity used in this back-propagation
     double silent_start_s = 6.0;         ///< s after the first frame of a camera that has never moved
     double unstated_scale_sigma = 0.02;  ///< relative, of a metric front-end that states none; judgement
@@ -69,8 +69,9 @@ class Odometry {
   Odometry& operator=(const Odometry&) = delete;
 
   void on_calibration(const odo_calibration& calibration);
+  bool is_calibrated() const { return calibrated_; }
   /// The camera starts: its first frame or its first motion.
-  void begin(int64_t t_ns, bool has_stepped);
+  void begin(int64_t t_ns, bool has_stepped, bool was_placed);
   bool begun() const { return first_frame_.has_value(); }
   /// No sensor delivered data for a while. Discards the displacement that waits for its scale, because it is unknown
   /// how much of that time it covers.
@@ -127,7 +128,7 @@ class Odometry {
   std::optional<Eigen::Quaterniond> rotated(const Motion& motion);
   bool rotates_with_gyroscope(const odo_vo_motion& motion) const;
   bool is_impossible(const Motion& motion) const;
-  void back_propagate_start(const Motion& motion);
+  void back_propagate(const Motion& motion, bool fresh);
   Eigen::Vector3d lever_velocity_o(const Motion& motion) const;
   void move(const Motion& motion);
   bool is_walking(int64_t t_ns) const;
@@ -140,7 +141,7 @@ class Odometry {
   GyroOrientation gyroscope_;
   ScaleGroup group_;
   Eigen::Vector3d camera_velocity_o_ = Eigen::Vector3d::Zero();  // m/s
-  bool moves_ = false;
+  bool moves_ = false, calibrated_ = false, has_stepped_ = false;
   Instant first_frame_, moved_, priority_since_;
   double outage_sigma_m_ = 0;  // of its motion since it last saw landmarks
 };

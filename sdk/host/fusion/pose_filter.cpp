@@ -27,10 +27,9 @@ Eigen::Matrix<double, 6, 6> spread(const Eigen::Matrix4d& of_pose, double tilt_v
 }
 
 /// Share of a position shift that a kept pose takes: 0 up to the last fixed position, 1 now, linear in path length
-/// between, for an error that grew along the path. Without a fixed position n itself was wrong, and every pose takes
-/// the whole shift.
+/// between, for an error that grew along the path.
 double share_of_shift(double path_m, double fixed_m, double now_m) {
-  if (fixed_m < 0 || path_m >= now_m) return 1.0;
+  if (path_m >= now_m) return 1.0;
   return path_m <= fixed_m ? 0.0 : (path_m - fixed_m) / (now_m - fixed_m);
 }
 
@@ -108,17 +107,42 @@ void PoseFilter::copy_error(StateIndex to, StateIndex from) {
   kept_with_state_.col(to) = kept_with_state_.col(from);
 }
 
-void PoseFilter::shift(const Vector3d& by_n, const Matrix3d& covariance, double fixed_m, double now_m) {
-  x_.head<3>() += by_n;
-  P_.topLeftCorner<3, 3>() += covariance;
-  const auto share = [&](size_t i) { return share_of_shift(kept_[i].point.path_m, fixed_m, now_m); };
+/// Every position error loses, by its share, the error of a point on these axes, and takes the new one; the barometer's
+/// offset does the opposite. The point: its covariance with the state and with kept poses, and its own plus the new.
+template <class Share>
+void PoseFilter::reposition(const Position& position, const Share& share, const Matrix3X& with_state,
+                            const KeptGain& with_kept, const Matrix3d& own) {
+  Eigen::Matrix<double, kStates, 3> by = Eigen::Matrix<double, kStates, 3>::Zero();
+  by.topRows<3>() = -position.axes.asDiagonal().toDenseMatrix();
+  by(kBarometer, 2) = position.axes.z();
+  Eigen::Matrix<double, Eigen::Dynamic, 3, 0, 4 * kMostKept, 3> by_kept(kept_with_state_.rows(), 3);
+  by_kept.setZero();
   for (size_t i = 0; i < kept_.size(); ++i) {
-    const Eigen::Index row = position_row(i);
-    kept_[i].p_n_b += share(i) * by_n;
-    kept_with_state_.block<3, 3>(row, 0) += share(i) * covariance;
-    for (size_t j = 0; j < kept_.size(); ++j)
-      kept_with_kept_.block<3, 3>(row, position_row(j)) += share(i) * share(j) * covariance;
+    kept_[i].p_n_b += share(i) * position.by_n;
+    by_kept.middleRows<3>(position_row(i)) = share(i) * by.topRows<3>();
   }
+  x_.head<3>() += position.by_n;
+  x_[kBarometer] -= position.by_n.z();
+  const Covariance lost = by.lazyProduct(with_state);
+  P_ += lost + lost.transpose() + by.lazyProduct(own).lazyProduct(by.transpose());
+  if (kept_.empty()) return;
+  kept_with_state_ += by_kept * with_state + with_kept * by.transpose() + by_kept * own * by.transpose();
+  const Eigen::MatrixXd lost_kept = by_kept * with_kept.transpose();
+  kept_with_kept_ += lost_kept + lost_kept.transpose() + by_kept * own * by_kept.transpose();
+}
+
+void PoseFilter::place(const Position& position, const TrackPoint& then, const TrackPoint& now) {
+  const PastPose past = past_pose(then, now);
+  const KeptGain with_kept = kept_with(past.H.transpose(), drift_of(then), past.since).rightCols(3);
+  reposition(
+      position, [](size_t) { return 1.0; }, past.with_state.bottomRows<3>(), with_kept,
+      past.own.bottomRightCorner<3, 3>() + position.covariance);
+}
+
+void PoseFilter::shift(const Position& position, double fixed_m, double now_m) {
+  reposition(
+      position, [&](size_t i) { return share_of_shift(kept_[i].point.path_m, fixed_m, now_m); }, Matrix3X::Zero(),
+      KeptGain::Zero(kept_with_state_.rows(), 3), position.covariance);
 }
 
 void PoseFilter::rotate(double by_rad, const Vector3d& about_n) {

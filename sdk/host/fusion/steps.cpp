@@ -115,7 +115,7 @@ UpdateResult StepModel::compare(PoseFilter& filter, const odo_step& step, const 
 
 void Steps::add(const odo_step& step) {
   model_.propagate(state_.filter, step, !odometry_.scale_rejected());
-  if (count_ == waiting_.size() && count_ > 0) pop();
+  if (count_ == waiting_.capacity()) pop();
   waiting_.push(step);
   ++count_;
 }

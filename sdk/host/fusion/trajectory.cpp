@@ -65,13 +65,13 @@ void Trajectory::add_attitude(const odo_attitude& attitude) {
 
 std::optional<Quaterniond> Trajectory::attitude(int64_t t_ns) const {
   if (attitudes_.empty()) return std::nullopt;
-  return attitudes_.back(std::min(attitudes_.later_than(t_ns), attitudes_.size() - 1)).q_a_b;
+  const Attitude& then = attitudes_.back(std::min(attitudes_.later_than(t_ns), attitudes_.size() - 1));
+  return t_ns - then.t_ns > nanoseconds(kParameters.attitude_gap_s) ? std::nullopt : std::optional(then.q_a_b);
 }
 
 std::optional<Quaterniond> Trajectory::by_attitude(int64_t t_ns) const {
-  if (attitudes_.empty() || t_ns - attitudes_.back(0).t_ns > nanoseconds(kParameters.attitude_gap_s))
-    return std::nullopt;
-  return q_o_a_ * *attitude(t_ns);
+  const auto q_a_b = attitude(t_ns);
+  return q_a_b ? std::optional<Quaterniond>(q_o_a_ * *q_a_b) : std::nullopt;
 }
 
 std::optional<InertialTrack::Point> Trajectory::inertial_point(int64_t t_ns) const {

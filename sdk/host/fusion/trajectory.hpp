@@ -84,7 +84,8 @@ class Trajectory {
   void add_heading_drift(double variance) { track_.back(0).heading_drift_rad2 += variance; }
 
   void add_attitude(const odo_attitude& attitude);
-  /// The newest orientation of the attitude source, q_a_b, that is not later than t, otherwise the oldest.
+  /// The newest orientation of the attitude source, q_a_b, that is not later than t, otherwise the oldest. Nothing
+  /// while the source is silent.
   std::optional<Eigen::Quaterniond> attitude(int64_t t_ns) const;
   /// The body's orientation in o from the attitude source, while that is active.
   std::optional<Eigen::Quaterniond> by_attitude(int64_t t_ns) const;
