@@ -15,7 +15,7 @@ GROWTH = [
     ("flag", [(SAMPLES, "#define ODO_RANGE_LEVER 2u", "#define ODO_RANGE_MORE 4u\n#define ODO_RANGE_LEVER 2u")]),
     ("function", [(APP, "ODO_API uint32_t ODO_CALL odo_abi_version(void);", "ODO_API uint32_t ODO_CALL odo_abi_version(void);\nODO_API uint32_t ODO_CALL odo_more(void);"),
                   (MAP, "  local: *;\n};", "  local: *;\n};\nODOGRAPH_1.1 {\n  global:\n    odo_more;\n};")]),
-    ("minor version", [(BASE, "ODO_ABI_MINOR 0u", "ODO_ABI_MINOR 1u")]),
+    ("minor version", [(BASE, "ODO_ABI_MINOR 1u", "ODO_ABI_MINOR 2u")]),
 ]
 
 ROWS = [

@@ -109,7 +109,7 @@ TEST_CASE("a shift of the position moves held poses linearly in the path since t
     TrackPoint here;
     for (size_t i = 0; i < 4; ++i) here.path_m = paths_m[i], ids[i] = filter.keep_pose(here, here);
     const Vector3d by_n(1, -2, 0.5);
-    filter.shift({by_n, Vector3d::Ones(), 0.09 * Eigen::Matrix3d::Identity()}, c.fixed_m, 10);
+    filter.place({by_n, Vector3d::Ones(), 0.09 * Eigen::Matrix3d::Identity(), c.fixed_m}, here, here);
     for (size_t i = 0; i < 4; ++i) {
       KeptPose held;
       REQUIRE(filter.kept_pose(ids[i], 0, held));
@@ -120,24 +120,24 @@ TEST_CASE("a shift of the position moves held poses linearly in the path since t
 }
 
 TEST_CASE("a first position leaves a pose its error alone, and other poses theirs relative to it") {
-  constexpr double kHeading_rad = 0.3, kWay_m = 100, kSigma_m = 5;
+  constexpr double kHeading_rad = 0.3, kPath_m = 100, kSigma_m = 5;
   PoseFilter filter;
   filter.set(kHeading, 0, squared(kHeading_rad));
   TrackPoint then, now;
   const uint64_t start = filter.keep_pose(then, then);
-  const Vector3d way_n(kWay_m, 0, 0);
-  filter.move(way_n, {{kHeading, across(way_n)}}, Eigen::Matrix3d::Zero());
-  now.p_o_b = way_n, now.path_m = kWay_m;
-  filter.place({{7, 8, 9}, {1, 1, 0}, squared(kSigma_m) * Eigen::Matrix3d::Identity()}, now, now);
-  CHECK((filter.p_n() - Vector3d(kWay_m + 7, 8, 9)).norm() < 1e-12);
+  const Vector3d path_n(kPath_m, 0, 0);
+  filter.move(path_n, {{kHeading, across(path_n)}}, Eigen::Matrix3d::Zero());
+  now.p_o_b = path_n, now.path_m = kPath_m;
+  filter.place({{7, 8, 9}, {1, 1, 0}, squared(kSigma_m) * Eigen::Matrix3d::Identity(), {}}, now, now);
+  CHECK((filter.p_n() - Vector3d(kPath_m + 7, 8, 9)).norm() < 1e-12);
   CHECK(filter.P()(kNorth, kNorth) == doctest::Approx(squared(kSigma_m)));
   CHECK(filter.P()(kEast, kEast) == doctest::Approx(squared(kSigma_m)));
-  CHECK(std::abs(filter.P()(kEast, kHeading)) < 1e-9);  // the way does not tell where n's origin is
+  CHECK(std::abs(filter.P()(kEast, kHeading)) < 1e-9);  // the path does not show where n's origin is
   CHECK(filter.P()(kHeading, kHeading) == doctest::Approx(squared(kHeading_rad)));
   KeptPose held;
   REQUIRE(filter.kept_pose(start, 0, held));
   CHECK((held.p_n_b - Vector3d(7, 8, 9)).norm() < 1e-12);
-  CHECK(held.own(4, 4) == doctest::Approx(squared(kSigma_m) + squared(kWay_m * kHeading_rad)));
+  CHECK(held.own(4, 4) == doctest::Approx(squared(kSigma_m) + squared(kPath_m * kHeading_rad)));
   CHECK(held.cross(4, 4) == doctest::Approx(squared(kSigma_m)));
   CHECK(held.own(5, 5) == doctest::Approx(0));  // not of these axes
 }
@@ -165,11 +165,11 @@ class RandomCalls {
       case 5: return filter_.set(i, x, y);
       case 6: return filter_.set_variance(i, y + 1e-3);
       case 7: return i != j ? filter_.copy_error(i, j) : void();
-      case 8: return filter_.shift({v, axes(), noise}, x, 1 + y);
+      case 8: return filter_.place({v, axes(), noise, x}, point(), point());
       case 9: return filter_.rotate(x, v);
       case 10: return filter_.inflate_heading(0.3 * x);
       case 11: return keep_or_release();
-      case 12: return filter_.place({v, axes(), noise}, point(), point());
+      case 12: return filter_.place({v, axes(), noise, {}}, point(), point());
       default: return update();
     }
   }

@@ -22,7 +22,7 @@ LARGE_CLASSES = {
     "sdk/tools odograph::World",
     "plugins/vo/odograph odograph::vo::Odometry", "plugins/fix/skyline odograph::skyline::Matcher"}
 # Folders of the host; each may include the preceding ones. The tools may include all of them.
-HOST = ["platform", "base", "messages", "config", "plugin_host", "fusion", "core"]
+HOST = ["platform", "base", "messages", "config", "plugin_host", "fusion", "checks", "core"]
 # The files of a plugin that may include the ABI; algorithms may not.
 GLUE = {"plugin.cpp", "step_plugin.hpp", "attitude_plugin.hpp", "horizontal_scale.hpp", "database_extension.hpp", "frame_view.hpp", "photograph_prior.hpp"}
 # A separate program, and the reader of ODOGRAPH_PLUGIN_PATH.

@@ -103,7 +103,7 @@ extern "C" {
 /* ABI version of these headers. An incompatible change raises the major version and renames the entry symbol; an
  * addition raises the minor version. */
 #define ODO_ABI_MAJOR 1u
-#define ODO_ABI_MINOR 0u
+#define ODO_ABI_MINOR 1u
 
 /* True if the struct at `ptr` contains `field`, according to its size, which is its first member. */
 #define ODO_HAS(ptr, field)                                                                                            \

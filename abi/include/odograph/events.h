@@ -74,6 +74,8 @@ typedef struct odo_motion_mode {
 #define ODO_REASON_SENSOR_SILENT 7u
 #define ODO_REASON_PLUGIN_FAILED 8u
 #define ODO_REASON_NO_SCALE 9u
+/* 10 to 12: anchor.h */
+#define ODO_REASON_WRONG_INPUT 13u /* since 1.1: a unit, sign, axis, mount or clock is wrong; a report has the words */
 
 /* Camera motion between two frames, up to scale. */
 #define ODO_VO_ROTATION 1u    /* q_c0_c1 is valid */

@@ -259,8 +259,9 @@ const char* odo_reason_text(uint32_t reason) {
                                       "no scale yet",
                                       "no start position and no position fix yet",
                                       "no ground known there",
-                                      "no origin on the Earth yet"};
-  return reason < 13 ? texts[reason] : "unknown";
+                                      "no origin on the Earth yet",
+                                      "wrong input"};
+  return reason < 14 ? texts[reason] : "unknown";
 }
 
 const char* odo_mode_text(uint32_t mode) {

@@ -1,13 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sdk/host/core/intake.hpp"
 
+#include <cmath>
+#include <cstdio>
 #include <utility>
+
+#include "sdk/host/base/saturating.hpp"
+#include "sdk/math/time.hpp"
 
 namespace odograph {
 
-Intake::Intake(const PipelineConfig& config, SharedPixels* shared, CameraTable& cameras, PoseStream& poses,
-               HostServices& host, Outbox& outbox)
+Intake::Intake(const PipelineConfig& config, SharedPixels* shared, CameraTable& cameras, InputChecks& checks,
+               PoseStream& poses, HostServices& host, Outbox& outbox)
     : cameras_(cameras),
+      checks_(checks),
       poses_(poses),
       host_(host),
       outbox_(outbox),
@@ -43,8 +49,8 @@ int32_t Intake::take(const odo_header& sample, OwnedMessage& out) {
   copy.header().reserved = 0;
   if (const std::string fault = message_fault(copy.header()); !fault.empty())
     return refuse_invalid(sample, ODO_E_DISCARD, fault);
-  if (!gate_.within_range(copy.header()))
-    return refuse(counts_.wild, "wild_", sample, ODO_E_DISCARD, "value outside the range of any such sensor");
+  if (const std::string fault = gate_.range_fault(copy.header()); !fault.empty())
+    return refuse(counts_.wild, "wild_", sample, ODO_E_DISCARD, fault);
   if (!is_first_source(sample))
     return refuse_invalid(sample, ODO_E_UNSUPPORTED,
                           "source = " + std::to_string(sample.source) + "; expected that of the first such sensor");
@@ -73,12 +79,15 @@ int32_t Intake::borrow(odo_borrowed& message) {
 
 int32_t Intake::add(OwnedMessage message) {
   const odo_header header = message.header();
+  checks_.on_push(header);
   std::vector<OwnedMessage> dropped, discarded;
   TimeOrder::Verdict verdict = TimeOrder::Verdict::accepted;
   int spikes = 0;
+  int64_t newest_ns = INT64_MIN;
   {
     const std::lock_guard lock(mutex_);
     if (closed_) return ODO_E_STATE;
+    newest_ns = order_.newest_ns();
     if (header.type == ODO_TYPE_IMU) {
       odo_imu imu = copy_as<odo_imu>(message.header());
       if (header.struct_size > sizeof imu)  // flags of fields beyond the host's struct are cleared with them
@@ -95,11 +104,12 @@ int32_t Intake::add(OwnedMessage message) {
     }
     order_.discard_contradicted(discarded);
   }
-  for (const OwnedMessage& held : discarded) refuse_unordered(held.header(), TimeOrder::Verdict::implausible);
+  for (const OwnedMessage& held : discarded)
+    refuse_unordered(held.header(), TimeOrder::Verdict::implausible, newest_ns);
   if (spikes > 0)
     refuse(counts_.wild, "wild_", header, ODO_E_DISCARD,
            "the previous sample is a spike: it differs from both its neighbours");
-  return verdict == TimeOrder::Verdict::accepted ? ODO_OK : refuse_unordered(header, verdict);
+  return verdict == TimeOrder::Verdict::accepted ? ODO_OK : refuse_unordered(header, verdict, newest_ns);
 }
 
 /// Requires the lock. Rejected messages are released without it.
@@ -150,11 +160,14 @@ int64_t Intake::latest_waiting_ns() const {
 
 void Intake::end() {
   std::vector<OwnedMessage> discarded;
+  int64_t newest_ns = INT64_MIN;
   {
     const std::lock_guard lock(mutex_);
+    newest_ns = order_.newest_ns();
     order_.discard_held(discarded);
   }
-  for (const OwnedMessage& held : discarded) refuse_unordered(held.header(), TimeOrder::Verdict::implausible);
+  for (const OwnedMessage& held : discarded)
+    refuse_unordered(held.header(), TimeOrder::Verdict::implausible, newest_ns);
 }
 
 void Intake::close() {
@@ -179,13 +192,22 @@ int32_t Intake::refuse(std::atomic<uint64_t>& count, const char* key, const odo_
   return status;
 }
 
-int32_t Intake::refuse_unordered(const odo_header& sample, TimeOrder::Verdict verdict) {
+int32_t Intake::refuse_unordered(const odo_header& sample, TimeOrder::Verdict verdict, int64_t newest_ns) {
   using Verdict = TimeOrder::Verdict;
-  const auto [count, why] =
-      verdict == Verdict::late        ? std::pair(&counts_.late, "arrived after its time had been processed")
-      : verdict == Verdict::duplicate ? std::pair(&counts_.duplicate, "same sensor and time as the previous one")
-      : verdict == Verdict::full      ? std::pair(&counts_.overflow, "the queue is full")
-                                      : std::pair(&counts_.invalid, "its time is far ahead of all others");
+  auto [count, why] =
+      verdict == Verdict::late ? std::pair(&counts_.late, std::string("arrived after its time had been processed"))
+      : verdict == Verdict::duplicate
+          ? std::pair(&counts_.duplicate, std::string("same sensor and time as the previous one"))
+      : verdict == Verdict::full ? std::pair(&counts_.overflow, std::string("the queue is full"))
+                                 : std::pair(&counts_.invalid, std::string("its time is far ahead of all others"));
+  const double ahead_s = seconds(saturating_difference(sample.t_ns, newest_ns));
+  const bool far = std::abs(ahead_s) > seconds(TimeOrder::Parameters().far_ahead_ns);
+  if (newest_ns != INT64_MIN && far && (verdict == Verdict::late || verdict == Verdict::implausible)) {
+    char text[128];
+    std::snprintf(text, sizeof text, ": %.6g s %s the steady sensors'; expected times of the IMU's clock",
+                  std::abs(ahead_s), ahead_s > 0 ? "after" : "before");
+    why += text;
+  }
   return refuse(*count, "dropped_", sample, verdict == Verdict::full ? ODO_E_EXHAUSTED : ODO_E_DISCARD, why);
 }
 

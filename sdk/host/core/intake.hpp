@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "sdk/host/checks/input_checks.hpp"
 #include "sdk/host/config/pipeline_config.hpp"
 #include "sdk/host/core/camera_table.hpp"
 #include "sdk/host/core/frame_store.hpp"
@@ -29,8 +30,8 @@ class Intake {
 
   /// `shared` may be null (see FrameStore). `poses` receives each inertial sample and is cleared when the clock is set
   /// back. The references outlive this object.
-  Intake(const PipelineConfig& config, SharedPixels* shared, CameraTable& cameras, PoseStream& poses,
-         HostServices& host, Outbox& outbox);
+  Intake(const PipelineConfig& config, SharedPixels* shared, CameraTable& cameras, InputChecks& checks,
+         PoseStream& poses, HostServices& host, Outbox& outbox);
 
   /// Converts a sample to a message, or refuses it. Unknown types are accepted: a plugin may know them.
   int32_t take(const odo_header& sample, OwnedMessage& out);
@@ -60,9 +61,10 @@ class Intake {
   int32_t refuse_invalid(const odo_header& sample, int32_t status, const std::string& why) {
     return refuse(counts_.invalid, "invalid_", sample, status, why);
   }
-  int32_t refuse_unordered(const odo_header& sample, TimeOrder::Verdict verdict);
+  int32_t refuse_unordered(const odo_header& sample, TimeOrder::Verdict verdict, int64_t newest_ns);
 
   CameraTable& cameras_;
+  InputChecks& checks_;
   PoseStream& poses_;
   HostServices& host_;
   Outbox& outbox_;

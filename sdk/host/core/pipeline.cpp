@@ -22,6 +22,7 @@ void Pipeline::process(const odo_header& message) {
   wake();
   events_.begin();
   if (watch_.on_message(message)) on_pause();
+  checks_.on_sample(message);
   if (is_description(message)) roster_.store_description(message);
   switch (message.type) {
     case ODO_TYPE_IMU: joiner_.push(as<odo_imu>(message), [this](const odo_imu& whole) { on_imu(whole); }); break;
@@ -47,7 +48,7 @@ void Pipeline::process(const odo_header& message) {
     default: dispatch(message);  // magnetometer, GNSS, waypoints, and types that only a plugin knows
   }
   handle_events();
-  publisher_.check_silence();
+  publisher_.check_input();
   if (!std::exchange(broken_, false)) return;
   host_.report(0, ODO_SEVERITY_ERROR, "broken_pose",
                "the fusion's pose is not finite: it is not published, and the pipeline restarts", ODO_E_ERROR);
@@ -63,6 +64,7 @@ void Pipeline::on_pause() {
 
 void Pipeline::on_imu(const odo_imu& imu) {
   events_.begin();
+  checks_.on_imu(imu);
   if ((imu.header.flags & ODO_IMU_ACCEL) == 0) {  // for front-ends only: all others need gravity
     roster_.forward_to_kind(ODO_INTERFACE_VO_FRONTEND, imu.header);
     return handle_events();
@@ -79,7 +81,12 @@ void Pipeline::wake() {
 
 /// Passes a sample to each plugin in turn and handles all resulting events before the next plugin.
 void Pipeline::dispatch(const odo_header& message) {
-  if (!roster_.dispatch(message, [this] { handle_events(); }) && !message_info(message.type)) ++counters_.unknown;
+  if (roster_.dispatch(message, [this] { handle_events(); })) return;
+  if (!message_info(message.type)) ++counters_.unknown;
+  const bool used = message.type == ODO_TYPE_BAROMETER && coupling_.type == CouplingType::localizer;
+  if (used || is_description(message) || !unused_.insert(message.type).second) return;
+  host_.report(0, ODO_SEVERITY_INFO, "unused_" + message_name(message.type),
+               "no plugin of this config uses " + message_name(message.type) + ": these samples have no effect");
 }
 
 void Pipeline::enqueue(const AnyMessage& event) {
@@ -102,45 +109,28 @@ void Pipeline::handle_events() {
 }
 
 void Pipeline::handle(AnyMessage& event) {
-  const odo_header& header = event.header();
+  odo_header& header = event.header();
+  const bool used = roster_.in_use(header);
   switch (header.type) {
-    case ODO_TYPE_FIX: return on_fix(reinterpret_cast<odo_fix&>(event.header()));
+    case ODO_TYPE_ATTITUDE: return on_attitude(reinterpret_cast<odo_attitude&>(header), used);
+    case ODO_TYPE_STEP: return on_step(as<odo_step>(header), used);
+    case ODO_TYPE_VO_MOTION:
+      if (!used || !is_of_main_camera(as<odo_vo_motion>(header))) return publish_(header);
+      return on_vo_motion(reinterpret_cast<odo_vo_motion&>(header));
+    case ODO_TYPE_SCALE: return on_scale(reinterpret_cast<odo_scale&>(header));
+    case ODO_TYPE_FIX: return on_fix(reinterpret_cast<odo_fix&>(header));
     case ODO_TYPE_POSE:  // a prior for fix plugins; already published
     case ODO_TYPE_CORRECTION: return roster_.forward_event(header);
-    case ODO_TYPE_VO_MOTION:
-      if (roster_.in_use(header) && is_of_main_camera(as<odo_vo_motion>(header)))
-        return on_vo_motion(reinterpret_cast<odo_vo_motion&>(event.header()));
-      break;
-    case ODO_TYPE_SCALE: return on_scale(reinterpret_cast<odo_scale&>(event.header()));
-    case ODO_TYPE_ATTITUDE: north_.complete(reinterpret_cast<odo_attitude&>(event.header())); break;
-    default: break;
-  }
-  publish_(header);
-  switch (header.type) {
-    case ODO_TYPE_ATTITUDE:
-      if (roster_.in_use(header)) on_attitude(as<odo_attitude>(header));
-      break;
-    case ODO_TYPE_STEP:
-      if (!roster_.in_use(header)) break;
-      roster_.forward_event(header);
-      if (watch_.pause().is_within(as<odo_step>(header).t_start_ns, as<odo_step>(header).t_end_ns)) break;
-      ++counters_.steps;
-      if (coupling_.type == CouplingType::paper && !inputs_.vo && (header.flags & ODO_STEP_HEADING) == 0)
-        host_.report(header.source, ODO_SEVERITY_WARNING, "no_heading",
-                     "a step without heading_rad (ODO_STEP_HEADING) and no camera: this coupling does not use it; "
-                     "`coupling: {type: localizer}` uses the phone's direction");
-      fusion_->on_step(as<odo_step>(header), outputs_);
-      break;
-    case ODO_TYPE_MOTION_MODE:
-      if (!roster_.in_use(header)) break;
-      roster_.forward_event(header);
-      break;
-    case ODO_TYPE_VO_MOTION: break;
-    default: roster_.forward_event(header);  // for plugins that declare it
+    default:  // motion modes, and events for plugins that declare them
+      publish_(header);
+      if (used || header.type != ODO_TYPE_MOTION_MODE) roster_.forward_event(header);
   }
 }
 
-void Pipeline::on_attitude(const odo_attitude& attitude) {
+void Pipeline::on_attitude(odo_attitude& attitude, bool used) {
+  north_.complete(attitude);
+  publish_(attitude.header);
+  if (!used) return;
   poses_.predictor().add_attitude(attitude);
   north_.observe(attitude);
   if (!publisher_.has_camera_bias() && (attitude.header.flags & ODO_ATTITUDE_GYRO_BIAS))
@@ -148,6 +138,19 @@ void Pipeline::on_attitude(const odo_attitude& attitude) {
   fusion_->on_attitude(attitude, outputs_);
   publish();
   roster_.forward_event(attitude.header);
+}
+
+void Pipeline::on_step(const odo_step& step, bool used) {
+  publish_(step.header);
+  if (!used) return;
+  roster_.forward_event(step.header);
+  if (watch_.pause().is_within(step.t_start_ns, step.t_end_ns)) return;
+  ++counters_.steps;
+  if (coupling_.type == CouplingType::paper && !inputs_.vo && (step.header.flags & ODO_STEP_HEADING) == 0)
+    host_.report(step.header.source, ODO_SEVERITY_WARNING, "no_heading",
+                 "a step without heading_rad (ODO_STEP_HEADING) and no camera: this coupling does not use it; "
+                 "`coupling: {type: localizer}` uses the phone's direction");
+  fusion_->on_step(step, outputs_);
 }
 
 /// A scale published outside of a motion callback.
@@ -269,6 +272,7 @@ void Pipeline::reset() {
       fusion_->on_calibration(as<odo_calibration>(description.header()));
   }
   joiner_.reset();
+  checks_.reset();
   watch_.reset();
   poses_.clear();
   scale_join_.reset();
@@ -284,6 +288,7 @@ Pipeline::Pipeline(const PipelineConfig& config, const Surroundings& surrounding
       inputs_{!config.vo_frontends.empty(), !config.scale_sources.empty()},
       fusion_(make_fusion(coupling_, start_, inputs_)),
       host_(surroundings.host),
+      checks_(surroundings.checks),
       geodesy_(surroundings.geodesy),
       poses_(surroundings.poses),
       anchors_(surroundings.anchors),
@@ -292,7 +297,7 @@ Pipeline::Pipeline(const PipelineConfig& config, const Surroundings& surrounding
       publish_(std::move(publish)),
       scale_join_(config.scale_sources.size()),
       north_(config.declination_rad, config.start.heading_given),
-      publisher_({roster_, watch_, north_, poses_, anchors_, surroundings.world_mutex}, publish_,
+      publisher_({roster_, watch_, checks_, north_, poses_, anchors_, surroundings.world_mutex}, publish_,
                  [this](const odo_header& event) {
                    if (event.type == ODO_TYPE_POSE ? plugins_want_poses_ : plugins_want_corrections_)
                      enqueue(AnyMessage(event));

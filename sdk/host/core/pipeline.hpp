@@ -4,6 +4,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <set>
 #include <vector>
 
 #include "sdk/host/base/geodesy.hpp"
@@ -49,6 +50,7 @@ class Pipeline {
   /// Objects that a pipeline uses; they outlive it.
   struct Surroundings {
     HostServices& host;
+    InputChecks& checks;
     Geodesy& geodesy;
     PoseStream& poses;        ///< receives every pose, attitude and state
     Anchors& anchors;         ///< updated with the estimate
@@ -89,7 +91,8 @@ class Pipeline {
   void enqueue(const AnyMessage& event);
   void handle_events();
   void handle(AnyMessage& event);
-  void on_attitude(const odo_attitude& attitude);
+  void on_attitude(odo_attitude& attitude, bool used);
+  void on_step(const odo_step& step, bool used);
   void on_vo_motion(odo_vo_motion& motion);
   void on_fix(odo_fix& fix);
   bool is_beyond_frame(const odo_fix& fix);
@@ -107,6 +110,8 @@ class Pipeline {
   Outputs outputs_;      // of the fusion, not yet published
   bool broken_ = false;  // a pose was not finite
   HostServices& host_;
+  InputChecks& checks_;
+  std::set<uint32_t> unused_;  // types of input that no plugin uses, reported
   Geodesy& geodesy_;
   PoseStream& poses_;
   Anchors& anchors_;

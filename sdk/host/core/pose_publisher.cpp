@@ -50,6 +50,7 @@ void PosePublisher::publish_pose(Fusion& fusion, odo_pose pose, bool is_new) {
   if (s_.roster.any_failed() && pose.state == ODO_TRACKING)
     pose.state = ODO_DEGRADED, pose.reason = ODO_REASON_PLUGIN_FAILED;
   if (sensor_silent()) pose.state = std::max(pose.state, ODO_DEGRADED), pose.reason = ODO_REASON_SENSOR_SILENT;
+  if (s_.checks.any()) pose.state = std::max(pose.state, ODO_DEGRADED), pose.reason = ODO_REASON_WRONG_INPUT;
   if (s_.north.is_true() && pose.covariance[14] < kPublisher.north_sigma_rad * kPublisher.north_sigma_rad)
     pose.header.flags |= ODO_POSE_NORTH;
   if (before_restart_ && (pose.header.flags & ODO_POSE_POSITION)) publish_restart(fusion, pose);
@@ -123,11 +124,12 @@ void PosePublisher::pause() {
   set_state(pause.to_ns, state_, reason_);
 }
 
-/// A silent sensor does not mean a lost track while another one yields poses.
-void PosePublisher::check_silence() {
-  if (!sensor_silent()) return;
+/// Neither a silent sensor nor a wrong one means a lost track while another one yields poses.
+void PosePublisher::check_input() {
+  if (!s_.checks.any() && !sensor_silent()) return;
   const bool poses = last_ && s_.watch.recent(last_->header.t_ns);
-  set_state(s_.watch.now_ns(), poses ? ODO_DEGRADED : ODO_LOST, ODO_REASON_SENSOR_SILENT);
+  set_state(s_.watch.now_ns(), poses ? ODO_DEGRADED : ODO_LOST,
+            s_.checks.any() ? ODO_REASON_WRONG_INPUT : ODO_REASON_SENSOR_SILENT);
 }
 
 void PosePublisher::set_state(int64_t t_ns, uint32_t state, uint32_t reason) {

@@ -6,6 +6,7 @@
 #include <optional>
 #include <utility>
 
+#include "sdk/host/checks/input_checks.hpp"
 #include "sdk/host/core/anchors.hpp"
 #include "sdk/host/core/north_reference.hpp"
 #include "sdk/host/core/plugin_roster.hpp"
@@ -28,6 +29,7 @@ class PosePublisher {
   struct Surroundings {
     const PluginRoster& roster;
     const SensorWatch& watch;
+    const InputChecks& checks;
     const NorthReference& north;
     PoseStream& poses;        ///< receives every pose and state
     Anchors& anchors;         ///< updated with the estimate
@@ -44,8 +46,8 @@ class PosePublisher {
   bool publish(Fusion& fusion, const Outputs& outputs);
   /// All sensors were silent (SensorWatch::pause): the pose is lost from then until the next one.
   void pause();
-  /// Call after each message: detects silence that no pose reports.
-  void check_silence();
+  /// Call after each message: detects silence and wrong input that no pose reports.
+  void check_input();
   /// The clock was set back: the next pose is announced as a correction of the last one.
   void reset();
 

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <string>
 
 #include <odograph/types.h>
 
@@ -28,8 +29,10 @@ class SampleGate {
   SampleGate() = default;
   explicit SampleGate(const Parameters& parameters) : parameters_(parameters) {}
 
-  /// False if a value is outside the range of any phone's sensor. Other message types always pass.
-  bool within_range(const odo_header& sample) const;
+  /// A value outside the range of any phone's sensor, with the unit that it may be in; empty if there is none. Other
+  /// message types always pass.
+  std::string range_fault(const odo_header& sample) const;
+  bool within_range(const odo_header& sample) const { return range_fault(sample).empty(); }
 
   /// Checks an inertial sample that is within range. Calls `take(const odo_imu&)` for each sample to pass on, in order
   /// of arrival: none (held), the sample, or the held one and the sample. Returns the number of spikes dropped, 0 or 1.

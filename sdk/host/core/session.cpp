@@ -21,9 +21,9 @@ Result<std::unique_ptr<Session>> Session::make(PipelineConfig config, std::vecto
   Session& self = *made;
   WorldView& world = self.world_;
   if (kPlatform.threads) self.call_watchdog_ = std::make_unique<CallWatchdog>(self.host_);
-  auto pipeline =
-      Pipeline::make(self.config_, {self.host_, world.geodesy(), world.poses(), world.anchors(), world.mutex()},
-                     [&self](const odo_header& event) { self.outbox_.publish(event); });
+  auto pipeline = Pipeline::make(
+      self.config_, {self.host_, self.checks_, world.geodesy(), world.poses(), world.anchors(), world.mutex()},
+      [&self](const odo_header& event) { self.outbox_.publish(event); });
   if (!pipeline) {
     Failure failure = pipeline.failure();
     if (const Failure last = self.outbox_.take_last_error(); last.status != ODO_OK) failure.text += "; " + last.text;
@@ -48,9 +48,10 @@ Session::Session(PipelineConfig config, std::vector<std::filesystem::path> asset
       host_(
           seed, std::move(assets), [this](const Report& report) { outbox_.add(report), notify(); }, app),
       cameras_(config_.camera),
+      checks_(host_),
       world_(cameras_, [this] { return pipeline_->camera(); }),
-      intake_(config_, runs_processes(config_) ? &host_.shared_pixels() : nullptr, cameras_, world_.poses(), host_,
-              outbox_) {
+      intake_(config_, runs_processes(config_) ? &host_.shared_pixels() : nullptr, cameras_, checks_, world_.poses(),
+              host_, outbox_) {
   host_.on_wake([this] { notify(); });
 }
 

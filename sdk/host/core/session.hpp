@@ -73,6 +73,7 @@ class Session {
   Outbox outbox_;
   HostServices host_;
   CameraTable cameras_;
+  InputChecks checks_;
   WorldView world_;
   Intake intake_;
 

@@ -81,7 +81,11 @@ TimeOrder::Verdict TimeOrder::classify_late(Stream& stream, const odo_header& me
   }
   if (stream.latest_ns == INT64_MIN || silent(stream)) stream.joined = false;
   stream.latest_ns = message.t_ns;
-  stream.behind = 0;
+  // The others began on a clock that is not the IMU's, which is the reference.
+  const bool another_clock = message.type == ODO_TYPE_IMU && !stream.joined &&
+                             saturating_difference(released_ns_, message.t_ns) > parameters_.far_ahead_ns;
+  stream.behind = another_clock ? stream.behind + 1 : 0;
+  if (stream.behind >= parameters_.consecutive_behind) return Verdict::restarted;
   const bool joins = !stream.joined && is_waited_for(message.type) &&
                      saturating_difference(released_ns_, message.t_ns) <= max_wait_ns_;
   return joins ? Verdict::accepted : Verdict::late;

@@ -69,6 +69,8 @@ class TimeOrder {
   bool ready() const { return !heap_.empty() && heap_.front().t_ns <= watermark(); }
 
   size_t size() const { return heap_.size(); }
+  /// Of the steady sensors; INT64_MIN before the first sample.
+  int64_t newest_ns() const { return newest_ns_; }
   /// Removes the waiting messages, one per call, regardless of their time; false if none is left.
   bool drain(OwnedMessage& out);
   /// Discards all times, after the sensor clock was set back.

@@ -92,16 +92,16 @@ bool Fixes::outweighs_fixes(int64_t t_ns, const Context& at) const {
 void Fixes::place(PoseFilter& filter, Innovation& seen, uint32_t axes, const Context& at) {
   for (const uint32_t part : {axes & ~ever_placed_, axes & ever_placed_}) {
     if (part == 0) continue;
-    PoseFilter::Position position{Vector3d::Zero(), Vector3d::Zero(), seen.noise.bottomRightCorner<3, 3>()};
-    double fixed_m = at.now.path_m;
-    for (int i = 0; i < 3; ++i)
-      if (part & (ODO_FIX_NORTH << i)) position.axes[i] = 1, fixed_m = std::min(fixed_m, fixed_m_[i]);
+    PoseFilter::Position position{Vector3d::Zero(), Vector3d::Zero(), seen.noise.bottomRightCorner<3, 3>(), {}};
+    if (part & ever_placed_) position.fixed_m = at.now.path_m;
+    for (int i = 0; i < 3; ++i) {
+      if ((part & (ODO_FIX_NORTH << i)) == 0) continue;
+      position.axes[i] = 1;
+      if (position.fixed_m) position.fixed_m = std::min(*position.fixed_m, fixed_m_[i]);
+    }
     position.by_n = position.axes.cwiseProduct(seen.residual.tail<3>());
     moved_down_m_ += position.by_n.z();
-    if (part & ever_placed_)
-      filter.shift(position, fixed_m, at.now.path_m);
-    else
-      filter.place(position, at.then, at.now);
+    filter.place(position, at.then, at.now);
     for (int i = 0; i < 3; ++i)
       if (position.axes[i] > 0) ignore_row(seen, 1 + i);
   }

@@ -79,10 +79,7 @@ void Fusion::correct(const odo_pose& before, const odo_pose& after, uint32_t rea
 }
 
 void Fusion::begin_camera(int64_t t_ns) {
-  if (!state_.started()) {
-    state_.start_without_attitude(t_ns, odometry_->q_b_c());
-    steps_.start();
-  }
+  if (!state_.started()) state_.start_without_attitude(t_ns, odometry_->q_b_c()), steps_.start();
   if (!odometry_->begun()) odometry_->begin(t_ns, steps_.moved().has_value(), fixes_.any());
 }
 
@@ -312,10 +309,8 @@ void Fusion::count(const odo_pose& pose) {
 
 void Fusion::prepare(odo_vo_motion& motion) const {
   Quaterniond q_n_c = odometry_->q_b_c();
-  if (state_.started()) {
-    const TrackPoint point = state_.track.stored(motion.t_from_ns).value_or(state_.track.newest());
-    q_n_c = state_.filter.q_n_o() * point.q_o_b * odometry_->q_b_c();
-  }
+  if (state_.started())
+    q_n_c = state_.filter.q_n_o() * state_.track.stored(motion.t_from_ns).value_or(state_.track.newest()).q_o_b * q_n_c;
   put_quaternion(q_n_c.normalized(), motion.q_n_c0);
   motion.header.flags |= ODO_FLAG_NAVIGATION;
 }
@@ -340,7 +335,10 @@ int32_t Fusion::at(Instant t, Estimate& out) const {
 KeptPoses::Near Fusion::keep_pose(int64_t t_ns) {
   if (!state_.started() || t_ns > state_.track.newest().t_ns) return {};
   const auto then = state_.track.stored(t_ns);
-  return then ? state_.filter.keep_near(*then, state_.track.newest(), p_.near_sigma_m, p_.near_sigma_rad) : Near{};
+  if (!then) return {};
+  Near near = state_.filter.nearest_kept(*then, state_.track.newest(), p_.near_sigma_m, p_.near_sigma_rad);
+  if (near.id == 0) near.id = state_.filter.keep_pose(*then, state_.track.newest()), near.full = near.id == 0;
+  return near;
 }
 
 bool Fusion::pose_now(KeptPose& out) const {

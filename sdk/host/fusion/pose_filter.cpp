@@ -107,42 +107,34 @@ void PoseFilter::copy_error(StateIndex to, StateIndex from) {
   kept_with_state_.col(to) = kept_with_state_.col(from);
 }
 
-/// Every position error loses, by its share, the error of a point on these axes, and takes the new one; the barometer's
-/// offset does the opposite. The point: its covariance with the state and with kept poses, and its own plus the new.
-template <class Share>
-void PoseFilter::reposition(const Position& position, const Share& share, const Matrix3X& with_state,
-                            const KeptGain& with_kept, const Matrix3d& own) {
-  Eigen::Matrix<double, kStates, 3> by = Eigen::Matrix<double, kStates, 3>::Zero();
-  by.topRows<3>() = -position.axes.asDiagonal().toDenseMatrix();
-  by(kBarometer, 2) = position.axes.z();
-  Eigen::Matrix<double, Eigen::Dynamic, 3, 0, 4 * kMostKept, 3> by_kept(kept_with_state_.rows(), 3);
-  by_kept.setZero();
-  for (size_t i = 0; i < kept_.size(); ++i) {
-    kept_[i].p_n_b += share(i) * position.by_n;
-    by_kept.middleRows<3>(position_row(i)) = share(i) * by.topRows<3>();
+/// Every position error loses, by its share, that of a point, and takes the new one; the barometer's offset does the
+/// opposite.
+void PoseFilter::place(const Position& position, const TrackPoint& then, const TrackPoint& now) {
+  Eigen::Matrix<double, 3, kStates> with_state = Eigen::Matrix<double, 3, kStates>::Zero();
+  Eigen::MatrixXd with_kept = Eigen::MatrixXd::Zero(kept_with_state_.rows(), 3);
+  Matrix3d own = position.covariance;  // of the point, and the new one
+  if (!position.fixed_m) {
+    const PastPose past = past_pose(then, now);
+    with_state = past.with_state.bottomRows<3>();
+    with_kept = kept_with(past.H.transpose(), drift_of(then), past.since).rightCols(3);
+    own += past.own.bottomRightCorner<3, 3>();
   }
-  x_.head<3>() += position.by_n;
-  x_[kBarometer] -= position.by_n.z();
+  Eigen::Matrix<double, kStates, 3> by = Eigen::Matrix<double, kStates, 3>::Zero();
+  by.topRows<3>().diagonal() = -position.axes;
+  by(kBarometer, 2) = position.axes.z();
+  Eigen::MatrixXd by_kept = Eigen::MatrixXd::Zero(kept_with_state_.rows(), 3);
+  for (size_t i = 0; i < kept_.size(); ++i) {
+    const double share = position.fixed_m ? share_of_shift(kept_[i].point.path_m, *position.fixed_m, now.path_m) : 1.0;
+    kept_[i].p_n_b += share * position.by_n;
+    by_kept.middleRows<3>(position_row(i)) = share * by.topRows<3>();
+  }
+  x_.head<3>() += position.by_n, x_[kBarometer] -= position.by_n.z();
   const Covariance lost = by.lazyProduct(with_state);
   P_ += lost + lost.transpose() + by.lazyProduct(own).lazyProduct(by.transpose());
   if (kept_.empty()) return;
   kept_with_state_ += by_kept * with_state + with_kept * by.transpose() + by_kept * own * by.transpose();
-  const Eigen::MatrixXd lost_kept = by_kept * with_kept.transpose();
-  kept_with_kept_ += lost_kept + lost_kept.transpose() + by_kept * own * by_kept.transpose();
-}
-
-void PoseFilter::place(const Position& position, const TrackPoint& then, const TrackPoint& now) {
-  const PastPose past = past_pose(then, now);
-  const KeptGain with_kept = kept_with(past.H.transpose(), drift_of(then), past.since).rightCols(3);
-  reposition(
-      position, [](size_t) { return 1.0; }, past.with_state.bottomRows<3>(), with_kept,
-      past.own.bottomRightCorner<3, 3>() + position.covariance);
-}
-
-void PoseFilter::shift(const Position& position, double fixed_m, double now_m) {
-  reposition(
-      position, [&](size_t i) { return share_of_shift(kept_[i].point.path_m, fixed_m, now_m); }, Matrix3X::Zero(),
-      KeptGain::Zero(kept_with_state_.rows(), 3), position.covariance);
+  kept_with_kept_ +=
+      by_kept * with_kept.transpose() + with_kept * by_kept.transpose() + by_kept * own * by_kept.transpose();
 }
 
 void PoseFilter::rotate(double by_rad, const Vector3d& about_n) {
@@ -234,14 +226,6 @@ KeptPoses::Near PoseFilter::nearest_kept(const TrackPoint& then, const TrackPoin
     const Rigid T_n_kept{kept_[i].q_n_b, kept_[i].p_n_b};
     near.id = kept_[i].id, near.T_kept_b = T_n_kept.inverse() * Rigid{past.q_n_b, past.p_n_b}, near.covariance = apart;
   }
-  return near;
-}
-
-KeptPoses::Near PoseFilter::keep_near(const TrackPoint& then, const TrackPoint& now, double sigma_m, double sigma_rad) {
-  KeptPoses::Near near = nearest_kept(then, now, sigma_m, sigma_rad);
-  if (near.id != 0) return near;
-  near.id = keep_pose(then, now);
-  near.full = near.id == 0;
   return near;
 }
 

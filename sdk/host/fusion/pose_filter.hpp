@@ -105,18 +105,16 @@ class PoseFilter {
   /// Kalman update with a gate on the normalised innovation squared (0: none), eq. (6) to (8). Considered states
   /// (Schmidt 1966) contribute their covariance but are not changed.
   UpdateResult update(const Innovation& innovation, double max_nis, StateSet considered = {});
-  /// A new position of the track along some axes (1, otherwise 0) in n, m, and the covariance of its error, m^2; the
-  /// barometer's offset moves with it.
+  /// A new position along some axes (1, otherwise 0), by_n m from the old one, and the covariance of its error, m^2.
   struct Position {
     Eigen::Vector3d by_n, axes;
     Eigen::Matrix3d covariance;
+    std::optional<double> fixed_m;  ///< path length of the last position on these axes; nothing: there was none
   };
-  /// The first one, of a pose of the track: n's origin was unknown, so that pose has the new error alone, and all other
-  /// poses keep theirs relative to it.
+  /// Gives it to a pose of the track. The first one: n's origin was unknown, so that pose has the new error alone, and
+  /// all others keep theirs relative to it. A further one: the track was wrong, and kept poses take their share of an
+  /// error that grew along the path since. The barometer's offset moves with it.
   void place(const Position& position, const TrackPoint& then, const TrackPoint& now);
-  /// A further one: the track was wrong. Kept poses take their share of an error that grew along the path from
-  /// `fixed_m` to `now_m`.
-  void shift(const Position& position, double fixed_m, double now_m);
   /// Rotates everything in n about a point: body, kept poses and headings.
   void rotate(double by_rad, const Eigen::Vector3d& about_n);
   /// Adds a common variance to the headings in n, about the body's position.
@@ -128,8 +126,6 @@ class PoseFilter {
   void release_pose(uint64_t id);
   /// The kept pose with the least error between it and a pose of the track, if its sigmas are at most these.
   KeptPoses::Near nearest_kept(const TrackPoint& then, const TrackPoint& now, double sigma_m, double sigma_rad) const;
-  /// The same, or else a new kept pose.
-  KeptPoses::Near keep_near(const TrackPoint& then, const TrackPoint& now, double sigma_m, double sigma_rad);
   /// If there is no room: the two kept poses with the least error between them.
   std::optional<KeptPoses::Neighbours> crowded() const;
   /// False if it is not kept. `tilt_variance` fills the horizontal part of the rotation.
@@ -164,10 +160,6 @@ class PoseFilter {
   template <int rows>
   using UpTo4 = Eigen::Matrix<double, rows, Eigen::Dynamic, 0, rows, Innovation::kMaxRows>;
   using KeptGain = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 4 * kMostKept, Innovation::kMaxRows>;
-  using Matrix3X = Eigen::Matrix<double, 3, kStates>;
-  template <class Share>
-  void reposition(const Position& position, const Share& share, const Matrix3X& with_state, const KeptGain& with_kept,
-                  const Eigen::Matrix3d& own);
   KeptGain kept_with(const UpTo4<kStates>& Ht, const StateVector& drift_then, const StateVector& noise) const;
   StateVector noise_between(const StateVector& drift_then, const StateVector& drift_now) const;
 

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "sdk/host/base/output_file.hpp"
+#include "sdk/host/base/printable.hpp"
 #include "sdk/tools/command_line/commands.hpp"
 #include "sdk/tools/page/run_page.hpp"
 #include "sdk/tools/text/text.hpp"
@@ -113,6 +114,11 @@ int compare(const CompareArguments& a) {
       if (!result) {
         const int status = print_failure(result.failure());
         return result.failure().status == ODO_E_NOT_FOUND ? kBadUsage : status;
+      }
+      if (!result->nothing.empty()) {
+        std::fprintf(stderr, "%s on %s came to nothing: %s\n", configs[c].c_str(), recordings[r].c_str(),
+                     printable(result->nothing).c_str());
+        done = std::max(done, int{kLostTracking});
       }
       done = exit_status(result->loss, done);
       results.push_back(std::move(*result));

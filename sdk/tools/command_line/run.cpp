@@ -130,7 +130,7 @@ int run(RunArguments& a) {
   print(a, *recording, *result);
   if (!result->state_failure.empty()) return kBadData;
   const bool stood = !inertial && result->statistics.distance_m == 0;
-  const bool lost = result->track.empty() || result->final_state == ODO_LOST || stood;
+  const bool lost = !result->nothing.empty() || result->final_state == ODO_LOST || stood;
   if (const uint64_t faults = result->statistics.plugin_faults; faults > 0) {
     std::fprintf(stderr, "plugins failed %llu times; the results are written\n",
                  static_cast<unsigned long long>(faults));

@@ -107,7 +107,7 @@ int view(ViewArguments& a) {
   }
   if (!result || a.once) server.stop();
   serving.join();
-  return status;
+  return result && !result->nothing.empty() ? int{kLostTracking} : status;
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 
 #include "sdk/host/base/output_file.hpp"
 #include "sdk/math/rotation.hpp"
+#include "sdk/tools/replay/outcome.hpp"
 #include "sdk/tools/replay/replayed.hpp"
 
 namespace odograph {
@@ -278,6 +279,8 @@ Result<RunResult> replay(const Recording& recording, const RunOptions& options) 
 
   result.corrected = collector.corrected();
   align_tracks(config->replay, recording, result);
+  result.nothing = why_nothing(recording, *config, result);
+  if (!result.nothing.empty()) result.reports.push_back("the run came to nothing: " + result.nothing);
   return result;
 }
 

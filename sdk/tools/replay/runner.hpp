@@ -51,8 +51,9 @@ struct RunResult {
   uint32_t final_reason = 0;
   double heading_offset_rad = 0;  // applied by replay.align_heading_over
   std::vector<std::string> reports;
-  std::string state_failure;      // why the state could not be saved; the results remain valid
-  RecordingLoss loss;             // of the recording, including unreadable pictures
+  std::string nothing;        // why the run came to nothing (outcome.hpp), which is also a report; empty if it did not
+  std::string state_failure;  // why the state could not be saved; the results remain valid
+  RecordingLoss loss;         // of the recording, including unreadable pictures
   std::shared_ptr<void> session;  // if requested by RunOptions
   /// Reports of plugins other than errors, by plugin and key: the latest text, and the count.
   struct Notice {

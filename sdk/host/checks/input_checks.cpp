@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sdk/host/checks/input_checks.hpp"
+
+#include <cmath>
+#include <cstdio>
+#include <string>
+
+#include "sdk/host/base/saturating.hpp"
+#include "sdk/host/messages/messages.hpp"
+#include "sdk/math/time.hpp"
+
+namespace odograph {
+namespace {
+
+/// What is said of a fault: %V the measured value, %A the axes that would fit. docs/troubleshooting.md has the limits.
+struct Row {
+  const char* key;
+  const char* text;
+};
+
+constexpr Row kRows[] = {
+    {"accel_in_g",
+     "accel_b has a norm of %V; expected 9.8 m/s^2: in g? Multiply by 9.80665; by -9.80665 if it is iOS' Core "
+     "Motion, whose sign is opposite"},
+    {"accel_without_gravity",
+     "accel_b has no gravity (mean norm %V m/s^2); expected the specific force, 9.8 m/s^2 upwards at "
+     "rest: use the accelerometer, not the linear acceleration; in iOS userAcceleration + gravity"},
+    {"accel_level", "accel_b has a norm of %V m/s^2; expected 9.8 within 10 %: another unit, or a scale error?"},
+    {"accel_clipped",
+     "accel_b stays at %V m/s^2 in one of twenty samples or more: it is clipped; choose a larger range"},
+    {"gyro_in_degrees",
+     "gyro_b turns 57 times as far as gravity in accel_b or the picture: in degrees per second? Multiply by "
+     "pi/180"},
+    {"gyro_sign",
+     "gyro_b turns gravity in accel_b the wrong way; expected right-handed rates about the axes of accel_b: "
+     "multiply by -1, or convert both from left-handed axes"},
+    {"gyro_silent", "gyro_b is 0 while gravity in accel_b turns by %V rad: is there a gyroscope?"},
+    {"imu_axes",
+     "accel_b and gyro_b do not have the same axes: gravity would fit the rotation if accel_b were %A of what it is"},
+    {"picture_turned",
+     "pictures are turned clockwise by %V degrees against the camera's mount: turn them back, or q_b_c with them"},
+    {"picture_mirrored",
+     "pictures are mirrored against the camera's mount: those of a front camera? Expected as the lens sees "
+     "it, and q_b_c of that camera"},
+    {"camera_mount",
+     "the pictures' rotation contradicts the camera's mount; q_b_c would fit with the camera's axes %A, or "
+     "accel_b and gyro_b are in other axes than b"},
+    {"focal_length",
+     "pictures shift as with a focal length of %V pixels; expected that of the calibration: is it for another "
+     "picture size?"},
+    {"camera_clock",
+     "frames are %V s ahead of the inertial samples when they are pushed; expected times of the IMU's "
+     "clock, or time_offset in the calibration"},
+    {"picture_frozen",
+     "the last %V pictures are identical while gyro_b turns: does the camera deliver the same frame again?"},
+    {"time_unit",
+     "inertial samples are %V ns apart; expected nanoseconds: in ms (multiply by 1,000,000) or us (by 1,000)?"},
+    {"imu_slow",
+     "inertial samples are %V s apart; expected at most 0.02 s: sampling too slow, or times in another unit?"},
+};
+static_assert(std::size(kRows) == static_cast<size_t>(InputFault::kCount));
+
+uint32_t bit(InputFault fault) { return 1u << static_cast<uint32_t>(fault); }
+
+constexpr uint32_t kOfPictures = 1u << uint32_t(InputFault::picture_turned) |
+                                 1u << uint32_t(InputFault::picture_mirrored) |
+                                 1u << uint32_t(InputFault::camera_mount) | 1u << uint32_t(InputFault::focal_length);
+/// The inertial faults that pictures would show too.
+constexpr uint32_t kOfRotation = 1u << uint32_t(InputFault::gyro_in_degrees) | 1u << uint32_t(InputFault::gyro_sign) |
+                                 1u << uint32_t(InputFault::gyro_silent) | 1u << uint32_t(InputFault::imu_axes);
+
+std::string words(const Row& row, double value, const SignedAxes& axes) {
+  char number[32];
+  std::snprintf(number, sizeof number, "%.4g", value);
+  std::string out = row.text;
+  for (const auto& [mark, text] : {std::pair<const char*, std::string>{"%V", number}, {"%A", axes.text()}})
+    if (const size_t at = out.find(mark); at != std::string::npos) out.replace(at, 2, text);
+  return out;
+}
+
+}  // namespace
+
+InputChecks::InputChecks(HostServices& host)
+    : host_(host),
+      motion_([this](auto... what) { found(what...); }),
+      picture_([this](auto... what) { found(what...); }) {}
+
+void InputChecks::found(InputFault fault, bool wrong, double value, const SignedAxes& axes) {
+  if (wrong && (kOfPictures & bit(fault)) && (wrong_ & kOfRotation)) wrong = false;  // a consequence
+  const uint32_t before = wrong ? wrong_.fetch_or(bit(fault)) : wrong_.fetch_and(~bit(fault));
+  if (((before & bit(fault)) != 0) == wrong) return;
+  const Row& row = kRows[static_cast<size_t>(fault)];
+  if (wrong)
+    host_.report(0, ODO_SEVERITY_WARNING, row.key, words(row, value, axes), ODO_E_ARGUMENT);
+  else
+    host_.report(0, ODO_SEVERITY_INFO, row.key, "no longer");
+}
+
+void InputChecks::on_push(const odo_header& sample) {
+  if (sample.type != ODO_TYPE_IMU && sample.type != ODO_TYPE_FRAME) return;
+  const std::lock_guard lock(mutex_);
+  if (sample.type == ODO_TYPE_FRAME) {
+    const int64_t ahead_ns = imu_ns_ == INT64_MIN ? 0 : saturating_difference(sample.t_ns, imu_ns_);
+    frames_ahead_ = ahead_ns > p_.frame_ahead_ns ? frames_ahead_ + 1 : 0;
+    if (frames_ahead_ == 0 || frames_ahead_ > p_.frames_ahead)
+      found(InputFault::camera_clock, frames_ahead_ > 0, seconds(ahead_ns), {});
+    return;
+  }
+  imu_ns_ = sample.t_ns;
+  Times& times = times_[sample.flags & (ODO_IMU_GYRO | ODO_IMU_ACCEL)];
+  if (times.samples == 0 || sample.t_ns < times.newest_ns) times = {sample.t_ns, sample.t_ns, 0};
+  times.newest_ns = sample.t_ns;
+  ++times.samples;
+  const int64_t span_ns = saturating_difference(times.newest_ns, times.first_ns);
+  const auto mean = [&] { return static_cast<double>(span_ns) / std::max(1, times.samples - 1); };
+  if (times.samples > p_.sparse_samples && mean() > static_cast<double>(p_.too_sparse_ns)) {
+    found(InputFault::imu_slow, true, mean() * 1e-9, {});
+    times.samples = 0;
+  } else if (times.samples > p_.dense_samples) {
+    found(InputFault::time_unit, mean() < static_cast<double>(p_.too_dense_ns), mean(), {});
+    found(InputFault::imu_slow, false, 0, {});
+    times.samples = 0;
+  }
+}
+
+void InputChecks::on_sample(const odo_header& sample) {
+  const bool of_camera = sample.type == ODO_TYPE_CALIBRATION || sample.type == ODO_TYPE_FRAME;
+  if (of_camera && !std::exchange(has_camera_, true)) camera_ = sample.source;
+  if (of_camera && sample.source != camera_) return;
+  if (sample.type == ODO_TYPE_CALIBRATION) picture_.add(as<odo_calibration>(sample));
+  if (sample.type == ODO_TYPE_FRAME) picture_.add(as<odo_frame>(sample));
+}
+
+void InputChecks::on_imu(const odo_imu& imu) {
+  if ((imu.header.flags & ODO_IMU_GYRO) == 0) return;
+  picture_.add(imu);
+  if (imu.header.flags & ODO_IMU_ACCEL) motion_.add(imu);
+}
+
+void InputChecks::reset() {
+  motion_.reset();
+  picture_.reset();
+}
+
+}  // namespace odograph

@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <utility>
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <odograph/samples.h>
+
+#include "sdk/host/checks/input_fault.hpp"
+#include "sdk/math/ring.hpp"
+
+namespace odograph {
+
+/// Checks unit, level, range, sign and axes of the inertial sensors by what they say of each other: the mean specific
+/// force of a second, rotated by the gyroscope, is gravity, whose direction stays. No allocation. Not thread-safe.
+class MotionCheck {
+ public:
+  struct Parameters {
+    double window_s = 1;                      ///< s, of a mean: one or two steps
+    double max_gap_s = 0.1;                   ///< s without a sample, after which it starts anew
+    int min_samples = 20;                     ///< of a window
+    int steady = 3;                           ///< windows in a row for a statement about the accelerometer alone
+    double quiet_mps2 = 0.3;                  ///< m/s^2 rms of the norm: a phone that lies or is held still; judgement
+    double low_mps2 = 8.8, high_mps2 = 10.8;  ///< m/s^2, norm at rest: beyond any data sheet's scale error and bias
+    double one_g_low = 0.75, one_g_high = 1.3;  ///< the same, of a number of g
+    double still = 0.5;                         ///< m/s^2, norm at rest without gravity, at most
+    double moving = 6;                          ///< m/s^2, mean norm of a walk without gravity: 1 to 4; judgement
+    double with_gravity = 0.8, without_gravity = 0.4;  ///< norm of the mean over mean norm; judgement
+    double fast_mps2 = 13;        ///< m/s^2, norm of the mean: a second of more than 0.3 g is no walk and no lift
+    double clipped_share = 0.05;  ///< of the samples at one extreme; a sine has 1.4 % within a thousandth of it
+    double clipped_scatter = 1;   ///< m/s^2 rms of an axis that can be called clipped
+    double turned_rad = 0.4;      ///< rad, turn of gravity in b that shows the gyroscope's unit, sign and axes
+    double explained = 0.25;      ///< share of the contradiction that a better explanation leaves; judgement
+    double silent_rad = 1e-6;     ///< rad in a second: no gyroscope ...
+    double unnoticed_rad = 1;     ///< rad: ... if gravity in b has turned by that meanwhile
+  };
+
+  explicit MotionCheck(FaultFound found) : found_(std::move(found)) { reset(); }
+  /// A sample with gyroscope and accelerometer, in time order.
+  void add(const odo_imu& imu);
+  void reset();
+
+ private:
+  static constexpr size_t kWindows = 8, kRates = 3;
+  /// What the gyroscope's numbers are multiplied by: right, opposite sign, degrees.
+  static constexpr double kRate[kRates] = {1, -1, 0.017453292519943295};
+  /// Sums over the samples of a window.
+  struct Window {
+    /// By rate and axis of the accelerometer: rotated into a fixed frame as if it was each axis of b (columns), so that
+    /// any exchange of axes can be evaluated later.
+    std::array<std::array<Eigen::Matrix3d, 3>, kRates> rotated;
+    Eigen::Vector3d force = Eigen::Vector3d::Zero();
+    double norm = 0, norm2 = 0, turned_rad = 0;
+    int samples = 0;
+
+    Eigen::Vector3d direction(size_t rate, const SignedAxes& axes) const;
+  };
+  /// The range of an axis, and how often its ends occurred.
+  struct Range {
+    double low = 0, high = 0, sum = 0, sum2 = 0;
+    int lows = 0, highs = 0, samples = 0;
+    void add(double value);
+  };
+
+  void end_window();
+  void check_level(const Window& w);
+  void check_range();
+  void check_axes();
+  double turn(size_t rate, const SignedAxes& axes) const;
+  double turn_in_body() const;
+
+  Parameters p_;
+  FaultFound found_;
+  Ring<Window, kWindows> windows_;
+  Window now_;
+  std::array<Range, 3> ranges_;
+  std::array<Eigen::Quaterniond, kRates> q_e_b_;
+  int64_t begun_ns_ = 0, last_ns_ = 0;
+  int in_g_ = 0, without_ = 0, off_ = 0;  // windows in a row
+};
+
+}  // namespace odograph

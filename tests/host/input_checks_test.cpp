@@ -1,0 +1,391 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Mistakes of an app in the live API: each is named within seconds of a motion that shows it, and no pose is "tracking"
+// while it lasts. Right input of the same motions is not called wrong.
+#include <cmath>
+#include <functional>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "sdk/math/rotation.hpp"
+#include "tests/support/messages.hpp"
+#include "tests/support/session_app.hpp"
+
+using namespace odograph;
+using Eigen::Quaterniond;
+using Eigen::Vector3d;
+
+TEST_SUITE_BEGIN("input_checks");
+
+namespace {
+
+constexpr int64_t kStart_ns = 5'000'000'000;
+
+/// A hand that walks, looks around, or rests.
+struct Motion {
+  double turn_rad = 0.6, bounce_mps2 = 2.5;
+  Vector3d surge_n = Vector3d::Zero();  ///< m/s^2, amplitude at 0.2 Hz: a bus that starts and brakes
+  double yaw_radps = 0;                 ///< about down, without a hand's motion: a roundabout
+
+  Quaterniond q_n_b(double t) const {
+    const auto swing = [&](double hz, double phase) { return turn_rad * std::sin(2 * EIGEN_PI * hz * t + phase); };
+    const Quaterniond upright(0.5, -0.5, -0.5, 0.5);  // held up, display towards the walker, who looks north
+    return Quaterniond(Eigen::AngleAxisd(yaw_radps * t + swing(0.21, 0), Vector3d::UnitZ())) * upright *
+           Quaterniond(Eigen::AngleAxisd(swing(0.17, 1), Vector3d::UnitX())) *
+           Quaterniond(Eigen::AngleAxisd(0.5 * swing(0.29, 2), Vector3d::UnitZ()));
+  }
+  Vector3d rate_b(double t) const {
+    constexpr double kStep_s = 1e-4;
+    return log_rotation(q_n_b(t - kStep_s).conjugate() * q_n_b(t + kStep_s)) / (2 * kStep_s);
+  }
+  Vector3d force_b(double t) const {
+    const Vector3d a_n(0.6 * bounce_mps2 * std::sin(2 * EIGEN_PI * 1.8 * t), 0,
+                       bounce_mps2 * std::sin(2 * EIGEN_PI * 3.6 * t));
+    const Vector3d surge = surge_n * std::sin(2 * EIGEN_PI * 0.2 * t);
+    return q_n_b(t).conjugate() * (a_n + surge - Vector3d(0, 0, 9.81));
+  }
+};
+
+/// What a camera in the middle of a distant world sees.
+class Pictures {
+ public:
+  static constexpr int kWidth = 160, kHeight = 120;
+  static constexpr double kFocal_px = 130;
+
+  std::vector<uint8_t> at(const Quaterniond& q_n_c) const {
+    std::vector<uint8_t> out(size_t(kWidth) * kHeight);
+    for (int v = 0; v < kHeight; ++v)
+      for (int u = 0; u < kWidth; ++u) {
+        const Vector3d d = q_n_c * Vector3d((u - 80) / kFocal_px, (v - 60) / kFocal_px, 1).normalized();
+        const double azimuth = std::atan2(d.y(), d.x()), height = std::asin(d.z());
+        double value = 128;  // walls, storeys, and what is neither
+        for (int k = 0; k < 4; ++k)
+          value += 14 * std::sin((9 + 7 * k) * azimuth + k) + 14 * std::sin((8 + 9 * k) * height + k);
+        value += 14 * std::sin(30 * azimuth + 20 * height);
+        out[size_t(v) * kWidth + size_t(u)] = static_cast<uint8_t>(std::clamp(value, 0.0, 255.0));
+      }
+    return out;
+  }
+};
+
+/// An app with its mistakes.
+struct Input {
+  Motion motion;
+  double hz = 200, seconds = 12;
+  bool camera = false;
+  std::function<void(odo_imu&)> imu = [](odo_imu&) {};
+  std::function<void(odo_calibration&)> calibration = [](odo_calibration&) {};
+  std::function<void(std::vector<uint8_t>&, odo_frame&)> frame = [](std::vector<uint8_t>&, odo_frame&) {};
+  std::function<void(App&, int64_t t_ns)> further = [](App&, int64_t) {};  ///< ten times a second
+  std::function<int64_t(int64_t)> time = [](int64_t t_ns) { return t_ns; };
+};
+
+/// Runs it. Returns the keys of warnings with their texts and the first second of each.
+struct Outcome {
+  std::map<std::string, std::string> warnings, notes;
+  double tracking_s = 0;
+  bool tracks_at_end = false;
+};
+
+Outcome run(const Input& input) {
+  RunningApp app(
+      "odograph: 1\nattitude:\n  plugin: attitude/vqf\nstep_estimator:\n  plugin: step/odograph\n"
+      "coupling:\n  type: localizer\n");
+  const Pictures pictures;
+  const Quaterniond q_b_c = rear_camera_mount();
+  if (input.camera) {
+    auto c = make_message<odo_calibration>(ODO_TYPE_CALIBRATION, input.time(kStart_ns));
+    c.header.flags = ODO_CALIBRATION_EXTRINSICS;
+    c.model = ODO_CAMERA_PINHOLE, c.width = Pictures::kWidth, c.height = Pictures::kHeight;
+    c.fx = c.fy = Pictures::kFocal_px, c.cx = 79.5, c.cy = 59.5;
+    put_quaternion(q_b_c, c.q_b_c);
+    input.calibration(c);
+    app.push(c);
+  }
+  const int samples = static_cast<int>(input.seconds * input.hz), every = static_cast<int>(input.hz / 10);
+  for (int i = 0; i < samples; ++i) {
+    const double t = i / input.hz;
+    const int64_t t_ns = kStart_ns + static_cast<int64_t>(t * 1e9);
+    auto imu = imu_at(input.time(t_ns), input.motion.rate_b(t), input.motion.force_b(t));
+    input.imu(imu);
+    app.push(imu);
+    if (every == 0 || i % every != 0) continue;
+    input.further(app, t_ns);
+    if (!input.camera) continue;
+    auto pixels = pictures.at(input.motion.q_n_b(t) * q_b_c);
+    auto frame = make_message<odo_frame>(ODO_TYPE_FRAME, input.time(t_ns));
+    frame.format = ODO_FORMAT_GREY8, frame.width = Pictures::kWidth, frame.height = Pictures::kHeight;
+    input.frame(pixels, frame);
+    frame.planes[0] = {pixels.data(), frame.width, 1, 0};
+    app.push(frame);
+  }
+  app.flush();
+  Outcome out;
+  for (const odo_report& report : app.reports)
+    (report.severity >= ODO_SEVERITY_WARNING ? out.warnings : out.notes).emplace(report.key, report.text);
+  out.tracking_s = app.statistics().tracking_s;
+  const auto states = app.all<odo_state>(ODO_TYPE_STATE);
+  out.tracks_at_end = !states.empty() && states.back().state == ODO_TRACKING;
+  return out;
+}
+
+std::function<void(odo_imu&)> scaled(double gyro, double accel) {
+  return [=](odo_imu& m) {
+    for (double& x : m.gyro_b) x *= gyro;
+    for (double& x : m.accel_b) x *= accel;
+  };
+}
+
+/// Of the accelerometer alone, or of both.
+std::function<void(odo_imu&)> exchanged(std::array<int, 3> from, std::array<double, 3> sign, bool both = false,
+                                        bool gyro = false) {
+  return [=](odo_imu& m) {
+    const auto exchange = [&](double* x) {
+      const double old[3] = {x[0], x[1], x[2]};
+      for (size_t i = 0; i < 3; ++i) x[i] = sign[i] * old[from[i]];
+    };
+    if (!gyro) exchange(m.accel_b);
+    if (gyro || both) exchange(m.gyro_b);
+  };
+}
+
+std::vector<uint8_t> turned(const std::vector<uint8_t>& from, int quarters) {
+  std::vector<uint8_t> out = from;
+  int w = Pictures::kWidth, h = Pictures::kHeight;
+  for (int k = 0; k < quarters; ++k) {  // clockwise
+    std::vector<uint8_t> next(out.size());
+    for (int v = 0; v < h; ++v)
+      for (int u = 0; u < w; ++u)
+        next[size_t(u) * size_t(h) + size_t(h - 1 - v)] = out[size_t(v) * size_t(w) + size_t(u)];
+    out = next;
+    std::swap(w, h);
+  }
+  return out;
+}
+
+std::function<void(std::vector<uint8_t>&, odo_frame&)> turned_by(int quarters) {
+  return [=](std::vector<uint8_t>& pixels, odo_frame& frame) {
+    pixels = turned(pixels, quarters);
+    if (quarters % 2) std::swap(frame.width, frame.height);
+  };
+}
+
+/// The calibration's size for a picture turned by a quarter.
+void upright(odo_calibration& c) { std::swap(c.width, c.height), std::swap(c.cx, c.cy); }
+
+struct Mistake {
+  const char* name;
+  const char* key;     ///< of the report
+  const char* remedy;  ///< in its text
+  Input input;
+};
+
+template <class Message>
+std::function<void(App&, int64_t)> with(uint32_t type, std::function<void(Message&)> fill) {
+  return [=](App& app, int64_t t_ns) {
+    auto m = make_message<Message>(type, t_ns);
+    fill(m);
+    app.push(m);
+  };
+}
+
+/// A table of them.
+struct Mistakes {
+  std::vector<Mistake> all;
+  Input& add(const char* name, const char* key, const char* remedy) {
+    return all.emplace_back(Mistake{name, key, remedy, {}}).input;
+  }
+  Input& with_camera(const char* name, const char* key, const char* remedy) {
+    Input& input = add(name, key, remedy);
+    input.camera = true;
+    return input;
+  }
+  void units();
+  void axes();
+  void cameras();
+  void clocks();
+};
+
+void Mistakes::units() {
+  add("accelerations in g", "accel_in_g", "9.80665").imu = scaled(1, 1 / 9.80665);
+  add("iOS' accelerations", "accel_in_g", "-9.80665").imu = scaled(1, -1 / 9.80665);
+  add("accelerations in mg", "wild_imu", "0.00980665").imu = scaled(1, 1000 / 9.80665);
+  auto& removed = add("linear acceleration", "accel_without_gravity", "gravity");
+  removed.imu = [m = removed.motion](odo_imu& imu) {
+    const Vector3d up_b =
+        m.q_n_b(1e-9 * static_cast<double>(imu.header.t_ns - kStart_ns)).conjugate() * Vector3d(0, 0, -9.81);
+    Vector3d::Map(imu.accel_b) -= up_b;
+  };
+  auto& removed_at_rest = add("linear acceleration of a phone at rest", "accel_without_gravity", "gravity");
+  removed_at_rest.motion = {0, 0, {}, 0};
+  removed_at_rest.imu = [](odo_imu& imu) { imu.accel_b[0] = 0.01, imu.accel_b[1] = imu.accel_b[2] = 0.02; };
+  auto& feet = add("accelerations in ft/s^2", "accel_level", "unit");
+  feet.imu = scaled(1, 3.28084);
+  auto& level = add("an accelerometer 16 % too high, at rest", "accel_level", "scale error");
+  level.motion = {0, 0.05, {}, 0}, level.imu = scaled(1, 1.16);
+  auto& low = add("an accelerometer 16 % too low, at rest", "accel_level", "scale error");
+  low.motion = {0, 0.05, {}, 0}, low.imu = scaled(1, 0.84);
+  add("an accelerometer that ends at 10.5 m/s^2", "accel_clipped", "range").imu = [](odo_imu& m) {
+    for (double& x : m.accel_b) x = std::clamp(x, -10.5, 10.5);
+  };
+  auto& degrees = add("rates in deg/s", "gyro_in_degrees", "pi/180");
+  degrees.motion.turn_rad = 0.4, degrees.imu = scaled(180 / EIGEN_PI, 1);
+  auto& fast = add("fast rates in deg/s", "wild_imu", "pi/180");
+  fast.motion.turn_rad = 1, fast.imu = scaled(180 / EIGEN_PI, 1);
+  add("rates of the opposite sign", "gyro_sign", "-1").imu = scaled(-1, 1);
+  auto& silent = add("no gyroscope", "gyro_silent", "gyroscope");
+  silent.motion.turn_rad = 0.9, silent.imu = scaled(0, 1);
+}
+
+void Mistakes::axes() {
+  const std::array<double, 3> plus{1, 1, 1};
+  add("accelerometer y x z", "imu_axes", "(y, x, z)").imu = exchanged({1, 0, 2}, plus);
+  add("accelerometer x z y", "imu_axes", "(x, z, y)").imu = exchanged({0, 2, 1}, plus);
+  add("accelerometer z y x", "imu_axes", "(z, y, x)").imu = exchanged({2, 1, 0}, plus);
+  add("accelerometer y z x", "imu_axes", "(z, x, y)").imu = exchanged({1, 2, 0}, plus);
+  add("accelerometer -y x z", "imu_axes", "axes").imu = exchanged({1, 0, 2}, {-1, 1, 1});
+  add("accelerometer x -z y", "imu_axes", "axes").imu = exchanged({0, 2, 1}, {1, -1, 1});
+  add("accelerometer -x y z", "imu_axes", "axes").imu = exchanged({0, 1, 2}, {-1, 1, 1});
+  add("accelerometer x y -z", "imu_axes", "axes").imu = exchanged({0, 1, 2}, {1, 1, -1});
+  add("gyroscope y x z", "imu_axes", "axes").imu = exchanged({1, 0, 2}, plus, false, true);
+  add("gyroscope z x y", "imu_axes", "axes").imu = exchanged({2, 0, 1}, plus, false, true);
+  add("a left-handed engine's axes", "gyro_sign", "left-handed").imu = exchanged({0, 1, 2}, {1, 1, -1}, true);
+}
+
+void Mistakes::cameras() {
+  auto& clockwise = with_camera("pictures turned clockwise", "picture_turned", "90");
+  clockwise.frame = turned_by(1), clockwise.calibration = upright;
+  with_camera("pictures upside down", "picture_turned", "180").frame = turned_by(2);
+  auto& anticlockwise = with_camera("pictures turned anticlockwise", "picture_turned", "270");
+  anticlockwise.frame = turned_by(3), anticlockwise.calibration = upright;
+  with_camera("mirrored pictures", "picture_mirrored", "front camera").frame = [](std::vector<uint8_t>& pixels,
+                                                                                  odo_frame&) {
+    for (int v = 0; v < Pictures::kHeight; ++v)
+      std::reverse(pixels.begin() + v * Pictures::kWidth, pixels.begin() + (v + 1) * Pictures::kWidth);
+  };
+  with_camera("the front camera's mount", "picture_mirrored", "q_b_c").calibration = [](odo_calibration& c) {
+    put_quaternion(rear_camera_mount() * Quaterniond(Eigen::AngleAxisd(EIGEN_PI, Vector3d::UnitY())), c.q_b_c);
+  };
+  with_camera("a mount that looks along the phone", "camera_mount", "q_b_c").calibration = [](odo_calibration& c) {
+    put_quaternion(rear_camera_mount() * Quaterniond(Eigen::AngleAxisd(0.5 * EIGEN_PI, Vector3d::UnitX())), c.q_b_c);
+  };
+  with_camera("no mount", "picture_turned", "180").calibration = [](odo_calibration& c) {
+    put_quaternion(rear_camera_mount() * Quaterniond(Eigen::AngleAxisd(EIGEN_PI, Vector3d::UnitZ())), c.q_b_c);
+  };
+  with_camera("twice the focal length", "focal_length", "picture size").calibration = [](odo_calibration& c) {
+    c.fx *= 2, c.fy *= 2;
+  };
+  with_camera("half the focal length", "focal_length", "picture size").calibration = [](odo_calibration& c) {
+    c.fx /= 2, c.fy /= 2;
+  };
+  with_camera("frames 0.3 s ahead", "camera_clock", "time_offset").frame = [](std::vector<uint8_t>&, odo_frame& f) {
+    f.header.t_ns += 300'000'000;
+  };
+  auto& frozen = with_camera("the same picture again", "picture_frozen", "same frame");
+  frozen.frame = [first = std::make_shared<std::vector<uint8_t>>()](std::vector<uint8_t>& pixels, odo_frame&) {
+    if (first->empty()) *first = pixels;
+    pixels = *first;
+  };
+  with_camera("a camera an hour ahead", "dropped_frame", "IMU's clock").frame =
+      [](std::vector<uint8_t>&, odo_frame& f) { f.header.t_ns += 3'600'000'000'000; };
+  with_camera("a camera an hour behind", "dropped_frame", "IMU's clock").frame =
+      [](std::vector<uint8_t>&, odo_frame& f) { f.header.t_ns -= 3'600'000'000'000; };
+}
+
+void Mistakes::clocks() {
+  add("times in ms", "time_unit", "1,000,000").time = [](int64_t t_ns) { return t_ns / 1'000'000; };
+  add("times in us", "time_unit", "1,000").time = [](int64_t t_ns) { return t_ns / 1'000; };
+  add("times in ns that were multiplied once more", "imu_slow", "unit").time = [](int64_t t_ns) { return t_ns * 1000; };
+  auto& slow = add("five samples a second", "imu_slow", "too slow");
+  slow.hz = 5;
+  add("pressure in hPa", "wild_barometer", "hPa").further =
+      with<odo_barometer>(ODO_TYPE_BAROMETER, [](odo_barometer& m) { m.pressure_pa = 1013.25; });
+  add("pressure in kPa", "wild_barometer", "kPa").further =
+      with<odo_barometer>(ODO_TYPE_BAROMETER, [](odo_barometer& m) { m.pressure_pa = 101.3; });
+  const auto field = [](double scale) {
+    return with<odo_magnetometer>(ODO_TYPE_MAGNETOMETER, [scale](odo_magnetometer& m) {
+      m.field_b[0] = 20e-6 * scale, m.field_b[2] = -44e-6 * scale;
+    });
+  };
+  add("field in uT", "wild_magnetometer", "uT").further = field(1e6);
+  add("field in nT", "wild_magnetometer", "nT").further = field(1e9);
+  add("field in gauss", "wild_magnetometer", "gauss").further = field(1e4);
+  const auto place = [](double latitude, double longitude, int64_t later_ns) {
+    return with<odo_gnss>(ODO_TYPE_GNSS, [=](odo_gnss& m) {
+      m.header.t_ns += later_ns, m.header.flags = ODO_GNSS_POSITION | ODO_GNSS_COVARIANCE;
+      m.latitude_rad = latitude, m.longitude_rad = longitude;
+      m.covariance_n[0] = m.covariance_n[4] = m.covariance_n[8] = 25;
+    });
+  };
+  add("latitude in degrees", "invalid_gnss", "degrees").further = place(48.1, 11.5, 0);
+  add("GNSS in Unix time", "dropped_gnss", "IMU's clock").further = place(0.84, 0.2, 1'700'000'000'000'000'000);
+}
+
+}  // namespace
+
+TEST_CASE("each mistake is named with its remedy, and nothing tracks with it") {
+  Mistakes table;
+  table.units(), table.axes(), table.cameras(), table.clocks();
+  CHECK(table.all.size() >= 40);
+  for (const Mistake& mistake : table.all) {
+    const std::string name = mistake.name;
+    CAPTURE(name);
+    const Outcome outcome = run(mistake.input);
+    const auto found = outcome.warnings.find(mistake.key);
+    std::string others;
+    for (const auto& [key, text] : outcome.warnings) others += key + ": " + text + "\n";
+    CAPTURE(others);
+    CHECK(found != outcome.warnings.end());
+    if (found != outcome.warnings.end()) CHECK(contains(found->second, mistake.remedy));
+    const bool dropped = std::string(mistake.key).starts_with("wild_") ||
+                         std::string(mistake.key).starts_with("dropped_") ||
+                         std::string(mistake.key).starts_with("invalid_");
+    if (!dropped) CHECK_FALSE(outcome.tracks_at_end);  // what is dropped has no effect
+  }
+}
+
+TEST_CASE("right input is not called wrong: hands, rest, a bus, a roundabout, cameras of every mount") {
+  const Motion motions[] = {{},
+                            {0.2, 3, {}, 0},
+                            {0, 0, {}, 0},
+                            {0, 0.02, {}, 0},
+                            {0.05, 0.3, {4, 0, 0}, 0},
+                            {0.05, 0.3, {0, 3, 0}, 0.6},
+                            {1.2, 5, {}, 0},
+                            {0.6, 0, {}, 0}};
+  for (const Motion& motion : motions)
+    for (const bool camera : {false, true}) {
+      Input input;
+      input.motion = motion, input.camera = camera, input.seconds = 15;
+      const Outcome outcome = run(input);
+      std::string said;
+      for (const auto& [key, text] : outcome.warnings) said += key + ": " + text + "\n";
+      CAPTURE(motion.turn_rad);
+      CAPTURE(motion.bounce_mps2);
+      CAPTURE(motion.yaw_radps);
+      CAPTURE(camera);
+      CHECK(said == "");
+      CHECK(outcome.tracks_at_end);
+    }
+}
+
+TEST_CASE("a fault that ends is forgotten, and the pose tracks again") {
+  Input input;
+  input.seconds = 30;
+  input.imu = [](odo_imu& m) {
+    if (m.header.t_ns < kStart_ns + 10'000'000'000)
+      for (double& x : m.accel_b) x /= 9.80665;
+  };
+  const Outcome outcome = run(input);
+  CHECK(outcome.warnings.count("accel_in_g") == 1);
+  CHECK(outcome.tracks_at_end);
+}
+
+TEST_CASE("samples that no plugin uses are noted once and change nothing") {
+  Input input;
+  input.camera = true;
+  const Outcome outcome = run(input);
+  CHECK(outcome.notes.count("unused_frame") == 1);
+  CHECK(outcome.tracks_at_end);
+}
