@@ -83,7 +83,8 @@ TEST_CASE("if the localizer's state becomes non-finite, no such pose is publishe
   std::vector<std::string> said;
   HostServices host(0, {}, [&](const Report& report) { said.push_back(report.key); });
   CameraTable cameras(std::nullopt);
-  WorldView world(cameras, [] { return 0u; });
+  WorldView world(
+      cameras, [] { return 0u; }, 1'000'000'000);
   size_t poses = 0, broken = 0;
   auto pipeline = Pipeline::make(*config, {host, world.geodesy(), world.poses(), world.anchors(), world.mutex()},
                                  [&](const odo_header& event) {

@@ -123,8 +123,11 @@ void PosePublisher::pause() {
   set_state(pause.to_ns, state_, reason_);
 }
 
-/// A silent sensor does not mean a lost track while another one yields poses.
+/// A plugin that is down may yield no pose that could state it. A silent sensor does not mean a lost track while
+/// another one yields poses.
 void PosePublisher::check_silence() {
+  if (state_ == ODO_TRACKING && s_.roster.any_failed())
+    set_state(s_.watch.now_ns(), ODO_DEGRADED, ODO_REASON_PLUGIN_FAILED);
   if (!sensor_silent()) return;
   const bool poses = last_ && s_.watch.recent(last_->header.t_ns);
   set_state(s_.watch.now_ns(), poses ? ODO_DEGRADED : ODO_LOST, ODO_REASON_SENSOR_SILENT);
