@@ -25,6 +25,22 @@ TEST_CASE("flush in a child forked beside a live session returns an error and do
   CHECK(app.flush() == ODO_OK);
 }
 
+TEST_CASE("a forked child that destroys its copy of a live session leaves the parent's isolated plugin running") {
+  RunningApp app("odograph: 1\nattitude: {plugin: attitude/vqf, isolation: process}\n", ODO_RUN_LIVE);
+  app.run(0, 100);
+  const pid_t child = fork();
+  if (child == 0) {
+    alarm(60);
+    odo_session_destroy(app.session);
+    _exit(0);
+  }
+  int status = -1;
+  waitpid(child, &status, 0);
+  CHECK(status == 0);
+  app.run(100, 200);
+  CHECK(app.statistics().plugin_faults == 0);
+}
+
 TEST_CASE("files left by a terminated writer lock nobody out, and neither does a child forked meanwhile") {
   const TemporaryFolder folder;
   const fs::path file = write_text(folder / "out.txt", "old");

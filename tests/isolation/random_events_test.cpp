@@ -84,7 +84,8 @@ TEST_CASE("if the localizer's state becomes non-finite, no such pose is publishe
   HostServices host(0, {}, [&](const Report& report) { said.push_back(report.key); });
   CameraTable cameras(std::nullopt);
   InputChecks checks(host);
-  WorldView world(cameras, [] { return 0u; });
+  WorldView world(
+      cameras, [] { return 0u; }, 1'000'000'000);
   size_t poses = 0, broken = 0;
   auto pipeline =
       Pipeline::make(*config, {host, checks, world.geodesy(), world.poses(), world.anchors(), world.mutex()},

@@ -89,7 +89,9 @@ typedef struct odo_statistics {
 ODO_API int32_t ODO_CALL odo_session_create(const odo_session_options *options, odo_session **session, odo_error *error);
 
 /* [control] Stops the thread of the session, destroys the plugin instances and releases retained frames. Samples that
- * wait are dropped (odo_session_flush processes them). No other call of the session may be running. Null is allowed. */
+ * wait are dropped (odo_session_flush processes them). A plugin in a process of its own is ended at once, the running
+ * call of one in this process is waited for: odo_current_plugin_call names it. No other call of the session may be
+ * running. Null is allowed. */
 ODO_API void ODO_CALL odo_session_destroy(odo_session *session);
 
 /* [any] Adds an input of samples.h or a vendor message, with struct_size and type set. The struct is copied, and the

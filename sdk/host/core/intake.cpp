@@ -120,7 +120,7 @@ TimeOrder::Verdict Intake::order(OwnedMessage message, std::vector<OwnedMessage>
     verdict = order_.classify(message.header());
   }
   if (verdict == TimeOrder::Verdict::accepted)
-    order_.add(std::move(message));
+    poses_.set_pushed(message.header().t_ns), order_.add(std::move(message));
   else if (verdict == TimeOrder::Verdict::held)
     order_.hold(std::move(message)), verdict = TimeOrder::Verdict::accepted;
   else

@@ -124,8 +124,11 @@ void PosePublisher::pause() {
   set_state(pause.to_ns, state_, reason_);
 }
 
-/// Neither a silent sensor nor a wrong one means a lost track while another one yields poses.
+/// A plugin that is down may yield no pose that could state it. Neither a silent sensor nor a wrong one means a lost
+/// track while another one yields poses.
 void PosePublisher::check_input() {
+  if (state_ == ODO_TRACKING && s_.roster.any_failed())
+    set_state(s_.watch.now_ns(), ODO_DEGRADED, ODO_REASON_PLUGIN_FAILED);
   if (!s_.checks.any() && !sensor_silent()) return;
   const bool poses = last_ && s_.watch.recent(last_->header.t_ns);
   set_state(s_.watch.now_ns(), poses ? ODO_DEGRADED : ODO_LOST,

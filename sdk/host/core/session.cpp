@@ -36,7 +36,9 @@ Result<std::unique_ptr<Session>> Session::make(PipelineConfig config, std::vecto
     self.pipeline_->process(camera.header);
   }
   self.publish_progress();
-  if (live) self.thread_ = std::thread([&self] { self.work(); });
+  if (!live) return made;
+  self.host_.set_pace(HostServices::Pace::live);
+  self.thread_ = std::thread([&self] { self.work(); });
   return made;
 }
 
@@ -49,7 +51,9 @@ Session::Session(PipelineConfig config, std::vector<std::filesystem::path> asset
           seed, std::move(assets), [this](const Report& report) { outbox_.add(report), notify(); }, app),
       cameras_(config_.camera),
       checks_(host_),
-      world_(cameras_, [this] { return pipeline_->camera(); }),
+      world_(
+          cameras_, [this] { return pipeline_->camera(); },
+          static_cast<int64_t>(std::max(config_.ordering.max_gap_s, config_.ordering.max_wait_s) * 1e9)),
       intake_(config_, runs_processes(config_) ? &host_.shared_pixels() : nullptr, cameras_, checks_, world_.poses(),
               host_, outbox_) {
   host_.on_wake([this] { notify(); });
@@ -58,7 +62,11 @@ Session::Session(PipelineConfig config, std::vector<std::filesystem::path> asset
 bool Session::is_forked_child() const { return live_ && this_process() != process_; }
 
 Session::~Session() {
-  if (is_forked_child()) thread_.detach();
+  if (is_forked_child()) {  // threads, plugins' processes and frames are the parent's
+    thread_.detach();
+    (void)pipeline_.release();
+  }
+  host_.set_pace(HostServices::Pace::ending);
   intake_.close();  // the app may push while its last frames are returned
   {
     const std::lock_guard lock(mutex_);
@@ -102,12 +110,13 @@ bool Session::work_is_waiting() const {
   return intake_.ready() || flushes_requested_ != flushes_done_ || outbox_.report_is_waiting() || host_.has_woken();
 }
 
-/// Requires ownership and the lock, which is released during every call. Samples pushed meanwhile are not flushed.
+/// Requires ownership and the lock, which is released during every call. Samples pushed meanwhile are not flushed. When
+/// the session ends, only reports are left to publish, such as that of the call that it waited for.
 void Session::process_waiting(Lock& lock, int64_t flush_until_ns) {
   bool woken = false;  // only once: a plugin may ask again each time
   for (;;) {
     OwnedMessage message;
-    const Intake::Next next = intake_.next(message, flush_until_ns);
+    const Intake::Next next = stopping_ ? Intake::Next::nothing : intake_.next(message, flush_until_ns);
     if (next == Intake::Next::restart) {
       lock.unlock();
       host_.report(0, ODO_SEVERITY_WARNING, "clock_restart", "the sensor clock was set back; restarting");
@@ -116,12 +125,13 @@ void Session::process_waiting(Lock& lock, int64_t flush_until_ns) {
       lock.unlock();
       newest_ns_ = std::max(newest_ns_, message.header().t_ns);
       pipeline_->process(message.header());
+      world_.poses().set_processed(message.header().t_ns);
       message.release();
       ++processed_;
     } else if (outbox_.report_is_waiting()) {
       lock.unlock();
       outbox_.publish_reports(newest_ns_);
-    } else if (!woken && host_.has_woken()) {
+    } else if (!woken && !stopping_ && host_.has_woken()) {
       woken = true;
       lock.unlock();
       pipeline_->wake();
@@ -170,9 +180,9 @@ odo_statistics Session::statistics() const {
 
 void Session::work() {
   Lock lock(mutex_);
-  for (;;) {
+  for (bool stopping = false; !stopping;) {
     work_waiting_.wait(lock, [this] { return stopping_ || work_is_waiting(); });
-    if (stopping_) return;
+    stopping = stopping_;
     const Ownership ownership(*this, lock);
     const uint64_t asked = flushes_requested_;
     process_waiting(lock, asked != flushes_done_ ? intake_.latest_waiting_ns() : INT64_MIN);

@@ -16,9 +16,9 @@ namespace odograph {
 /// (see anchor.h), geodetic positions. Its queries are [any].
 class WorldView {
  public:
-  /// `main_camera`: header.source of the pipeline's camera.
-  WorldView(const CameraTable& cameras, std::function<uint32_t()> main_camera)
-      : cameras_(cameras), main_camera_(std::move(main_camera)) {}
+  /// `main_camera`: header.source of the pipeline's camera. `max_gap_ns`: see PoseStream.
+  WorldView(const CameraTable& cameras, std::function<uint32_t()> main_camera, int64_t max_gap_ns)
+      : cameras_(cameras), main_camera_(std::move(main_camera)), poses_(max_gap_ns) {}
 
   /// PoseStream::at of the body or the camera (ODO_OF_*) in a world (ODO_WORLD_*). ODO_NOT_READY also without the
   /// extrinsics that a conversion needs.

@@ -15,11 +15,16 @@
 
 namespace odograph {
 
-/// The message types that a plugin receives and emits, and its flags (ODO_PLUGIN_*); empty for an unknown interface.
+/// The message types that a plugin receives and emits, and its flags (ODO_PLUGIN_*).
 struct KindTypes {
   std::vector<uint32_t> inputs, outputs;
   uint32_t flags = 0;
 };
+
+/// The message types that a kind receives and emits; empty for an unknown interface.
+KindTypes kind_types(const std::string& interface_id);
+/// The same, extended by the plugin's table.
+KindTypes plugin_types(const std::string& interface_id, const odo_plugin& table);
 
 /// Maximum number of types that a plugin may declare. Ours declare three at most; there are 40 in all.
 inline constexpr size_t kMaxTypes = 256;

@@ -2,13 +2,9 @@
 #include "sdk/host/plugin_host/instance.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <cstdio>
-
-#include <odograph/absolute_fixer.h>
-#include <odograph/attitude.h>
-#include <odograph/scale_source.h>
-#include <odograph/step_estimator.h>
-#include <odograph/vo_frontend.h>
+#include <system_error>
 
 #include <odograph/odograph.h>
 
@@ -66,82 +62,65 @@ std::vector<odo_value> values_of(const PluginChoice& choice) {
   return values;
 }
 
-KindTypes kind_types(const std::string& id) {
-  if (id == ODO_INTERFACE_ATTITUDE)
-    return {{ODO_TYPE_IMU, ODO_TYPE_MAGNETOMETER, ODO_TYPE_IMU_NOISE}, {ODO_TYPE_ATTITUDE}};
-  if (id == ODO_INTERFACE_STEP_ESTIMATOR)
-    return {{ODO_TYPE_IMU, ODO_TYPE_ATTITUDE, ODO_TYPE_BAROMETER, ODO_TYPE_SYSTEM_STEP, ODO_TYPE_FIX},
-            {ODO_TYPE_STEP, ODO_TYPE_MOTION_MODE}};
-  if (id == ODO_INTERFACE_VO_FRONTEND)
-    return {{ODO_TYPE_CALIBRATION, ODO_TYPE_FRAME, ODO_TYPE_IMU, ODO_TYPE_IMU_NOISE, ODO_TYPE_ATTITUDE},
-            {ODO_TYPE_VO_MOTION, ODO_TYPE_REFINED}};
-  if (id == ODO_INTERFACE_SCALE_SOURCE)
-    return {{ODO_TYPE_VO_MOTION, ODO_TYPE_STEP, ODO_TYPE_MOTION_MODE, ODO_TYPE_FIX}, {ODO_TYPE_SCALE}};
-  if (id == ODO_INTERFACE_ABSOLUTE_FIXER)
-    return {{ODO_TYPE_GNSS, ODO_TYPE_BAROMETER, ODO_TYPE_WAYPOINT, ODO_TYPE_RANGE, ODO_TYPE_EARTH_FIELD, ODO_TYPE_FRAME,
-             ODO_TYPE_CALIBRATION, ODO_TYPE_POSE},
-            {ODO_TYPE_FIX, ODO_TYPE_RELATIVE_POSE}};
-  return {};
-}
-
-KindTypes plugin_types(const std::string& id, const odo_plugin& table) {
-  KindTypes types = kind_types(id);
-  types.inputs.insert(types.inputs.end(), table.inputs, table.inputs + table.input_count);
-  types.outputs.insert(types.outputs.end(), table.outputs, table.outputs + table.output_count);
-  types.flags = table.flags;
-  return types;
-}
-
 PluginInstance::PluginInstance(const PluginChoice& choice, LibraryCheck check, HostServices& host, uint32_t number)
-    : choice_(std::make_shared<PluginChoice>(choice)), check_(check), host_(host), number_(number) {
+    : check_(check), host_(host), number_(number) {
   sink_.struct_size = sizeof(odo_sink);
   sink_.instance = number;
   sink_.emit = emit;
   sink_.owner = this;
+  choose(std::make_shared<PluginChoice>(choice));
 }
 
-PluginInstance::~PluginInstance() = default;
+PluginInstance::~PluginInstance() {
+  if (starter_.joinable()) starter_.join();
+}
 
 Result<std::unique_ptr<PluginInstance>> PluginInstance::make(const PluginChoice& choice, LibraryCheck check,
                                                              uint32_t number, HostServices& host) {
   std::unique_ptr<PluginInstance> made(new PluginInstance(choice, check, host, number));
-  auto opened = made->open();
-  if (!opened && made->choice_->fallback) {
-    host.report(number, ODO_SEVERITY_ERROR, "given_up", opened.failure().text, opened.failure().status);
-    made->use_fallback();
-    if (!made->alive_) return opened.failure();
-    return made;
-  }
-  if (!opened) return opened.failure();
+  const auto started = made->take(made->start());
+  if (started) return made;
+  if (choice.fallback)
+    host.report(number, ODO_SEVERITY_ERROR, "given_up", started.failure().text, started.failure().status);
+  if (!made->use_fallback() || !made->alive_) return started.failure();
   return made;
 }
 
-/// Opens a backend and starts the plugin. A plugin process that ends is not a failure.
-Result<bool> PluginInstance::open() {
+void PluginInstance::choose(std::shared_ptr<const PluginChoice> choice) {
+  choice_ = std::move(choice);
   host_.name_instance(number_, id());
-  update_types();
-  auto opened = open_backend(*choice_, check_, host_, sink_);
-  started_ns_ = now_ns_;
-  if (!opened) {
-    if (!isolated() || opened.failure().status != ODO_E_FATAL) return opened.failure();
-    on_process_end(opened.failure().text);
-    return true;
-  }
-  backend_ = std::move(*opened);
-  update_types();
-  const int32_t status = backend_->start();
-  if (has_ended()) {
-    on_process_end(backend_->ended());
-    return true;
-  }
-  if (status >= 0) return true;
-  backend_.reset();
-  return Failure{status, choice_->manifest.place() + ": plugin '" + id() +
-                             "' could not be created, configured and activated: " + odo_status_text(status)};
+  use_types(kind_types(choice_->interface_id));
 }
 
-void PluginInstance::update_types() {
-  const KindTypes types = backend_ ? backend_->types() : kind_types(choice_->interface_id);
+/// Starts the plugin, with its saved state; its process may have ended meanwhile. [control]
+PluginInstance::Started PluginInstance::start() const {
+  auto opened = open_backend(*choice_, check_, host_, sink_);
+  if (!opened) return opened;
+  PluginBackend& backend = **opened;
+  const int32_t status = backend.start();
+  if (!backend.ended().empty()) return opened;
+  if (status < 0)
+    return Failure{status, choice_->manifest.place() + ": plugin '" + id() +
+                               "' could not be created, configured and activated: " + odo_status_text(status)};
+  if (!saved_.empty()) backend.load(saved_);
+  return opened;
+}
+
+/// A plugin process that ended is not a failure: it is restarted.
+Result<bool> PluginInstance::take(Started started) {
+  started_ns_ = now_ns_;
+  if (!started) {
+    if (!isolated() || started.failure().status != ODO_E_FATAL) return started.failure();
+    on_process_end(started.failure().text);
+    return true;
+  }
+  backend_ = std::move(*started);
+  use_types(backend_->types());
+  if (has_ended()) on_process_end(backend_->ended());
+  return true;
+}
+
+void PluginInstance::use_types(const KindTypes& types) {
   inputs_ = outputs_ = {};
   flags_ = types.flags;
   for (const uint32_t type : types.inputs) inputs_.add(type);
@@ -219,7 +198,7 @@ std::span<AnyMessage> PluginInstance::process(const odo_header& message) {
   if (!alive_ || !wants(message.type) || !can_receive(message)) return {};
   now_ns_ = std::max(now_ns_, message.t_ns);
   if (!backend_) {  // its process is down; sensor descriptions are the first messages after a restart
-    if (now_ns_ >= restart_at_ns_) restart_process();
+    if (now_ns_ >= restart_at_ns_) restart();
     return {};
   }
   const int64_t start_ns = coarse_now_ns();
@@ -231,6 +210,11 @@ std::span<AnyMessage> PluginInstance::process(const odo_header& message) {
 std::span<AnyMessage> PluginInstance::wake() {
   buffer_.clear();
   overflow_reported_ = false;
+  if (starting_.valid() && starting_.wait_for(std::chrono::seconds(0)) == std::future_status::ready) {
+    starter_.join();
+    restarted(starting_.get());
+    return {};
+  }
   return alive() ? finish(backend_->wake(), nullptr) : std::span<AnyMessage>();
 }
 
@@ -238,7 +222,7 @@ std::span<AnyMessage> PluginInstance::wake() {
 std::span<AnyMessage> PluginInstance::finish(int32_t status, const odo_header* message) {
   if (has_ended()) {
     on_process_end(backend_->ended());
-    if (alive_ && !backend_ && now_ns_ >= restart_at_ns_) restart_process();
+    if (alive_ && !backend_ && now_ns_ >= restart_at_ns_) restart();
     return {};
   }
   if (status < 0)
@@ -297,18 +281,37 @@ void PluginInstance::on_process_end(const std::string& what) {
                ODO_E_ERROR);
 }
 
-/// Restarts its process and restores its saved state.
-void PluginInstance::restart_process() {
-  const auto opened = open();
-  if (!opened) {
-    host_.report(number_, ODO_SEVERITY_ERROR, "isolated", opened.failure().text, opened.failure().status);
-    return give_up();
+/// Starts the plugin again, or its fallback: a process of a live session on another thread, so that the pipeline goes
+/// on; wake() then takes it.
+void PluginInstance::restart() {
+  if (starting_.valid()) return;
+  if (!isolated() || host_.pace() == HostServices::Pace::waits) return restarted(start());
+  std::packaged_task<Started()> task([this] { return start(); });
+  starting_ = task.get_future();
+  try {
+    starter_ = std::thread([this, task = std::move(task)]() mutable {
+      task();
+      host_.wake(number_);
+    });
+  } catch (const std::system_error&) {  // no further thread
+    starting_ = {};
+    restarted(start());
   }
+}
+
+void PluginInstance::restarted(Started started) {
+  const std::string replaced = std::exchange(replaced_, "");
+  if (const auto taken = take(std::move(started)); !taken) {
+    host_.report(number_, ODO_SEVERITY_ERROR, replaced.empty() ? "isolated" : "fallback", taken.failure().text,
+                 taken.failure().status);
+    if (replaced.empty()) return give_up();
+    alive_ = false;
+    return;
+  }
+  if (!replaced.empty()) host_.report(number_, ODO_SEVERITY_WARNING, "fallback", "replaces " + replaced);
   if (!backend_) return;
-  if (!saved_.empty()) backend_->load(saved_);
-  if (has_ended()) return on_process_end(backend_->ended());
   was_reset_ = true;
-  recovering_until_ns_ = saturating_sum(now_ns_, parameters_.recovering_ns);
+  recovering_until_ns_ = now_ns_ == INT64_MIN ? INT64_MIN : saturating_sum(now_ns_, parameters_.recovering_ns);
 }
 
 void PluginInstance::give_up() {
@@ -316,23 +319,15 @@ void PluginInstance::give_up() {
   if (!use_fallback()) alive_ = false;
 }
 
-/// False if no fallback works.
+/// False if there is none. One that does not start is disabled.
 bool PluginInstance::use_fallback() {
   if (!choice_->fallback) return false;
   backend_.reset();
-  const std::string before = id();
-  choice_ = choice_->fallback;
+  replaced_ = id();
   consecutive_failures_ = consecutive_ends_ = 0;
   saved_.clear();
-  const auto opened = open();
-  if (!opened) {
-    host_.report(number_, ODO_SEVERITY_ERROR, "fallback", opened.failure().text, opened.failure().status);
-    alive_ = false;
-    return false;
-  }
-  host_.report(number_, ODO_SEVERITY_WARNING, "fallback", "replaces " + before);
-  was_reset_ = true;
-  recovering_until_ns_ = now_ns_ == INT64_MIN ? INT64_MIN : saturating_sum(now_ns_, parameters_.recovering_ns);
+  choose(choice_->fallback);
+  restart();
   return true;
 }
 

@@ -2,9 +2,11 @@
 #pragma once
 
 #include <cstdint>
+#include <future>
 #include <memory>
 #include <span>
 #include <string>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -37,7 +39,8 @@ class EventBuffer {
 /// One plugin instance over its whole life. Its events are checked before anything uses them. A failing instance is
 /// reset, and after repeated failures no longer called; a library that returns ODO_E_FATAL is quarantined. If a
 /// plugin's own process ends, it is restarted with its saved state after doubling waits (in sensor time, so that a
-/// replay is reproducible). A fallback, if configured, replaces a plugin that was given up or ended too often.
+/// replay is reproducible); in a live session on another thread (HostServices::Pace). A fallback, if configured,
+/// replaces a plugin that was given up or ended too often.
 class PluginInstance {
  public:
   struct Parameters {
@@ -54,6 +57,7 @@ class PluginInstance {
   /// of the plugin's own process is not a failure: it is restarted as later on.
   static Result<std::unique_ptr<PluginInstance>> make(const PluginChoice& choice, LibraryCheck check, uint32_t number,
                                                       HostServices& host);
+  /// Waits for a start on another thread, which ends soon once the host's pace is `ending`.
   ~PluginInstance();
   PluginInstance(const PluginInstance&) = delete;
   PluginInstance& operator=(const PluginInstance&) = delete;
@@ -65,7 +69,7 @@ class PluginInstance {
   bool emits(uint32_t type) const { return outputs_.has(type); }
   /// Passes one message and returns the resulting events, valid until the next call. [process]
   std::span<AnyMessage> process(const odo_header& message);
-  /// As process(), without a message, for a plugin that requested it (odo.wake/1). [process]
+  /// As process(), without a message, for a plugin that requested it (odo.wake/1), or that has started. [process]
   std::span<AnyMessage> wake();
   /// Returns to the state after activation. [control]
   void reset();
@@ -98,16 +102,21 @@ class PluginInstance {
   };
 
   PluginInstance(const PluginChoice& choice, LibraryCheck check, HostServices& host, uint32_t number);
+  using Started = Result<std::unique_ptr<PluginBackend>>;
+
   static int32_t emit(const odo_sink* sink, const odo_header* event);
-  Result<bool> open();
+  void choose(std::shared_ptr<const PluginChoice> choice);
+  Started start() const;
+  Result<bool> take(Started started);
   bool isolated() const { return choice_->isolation.kind != Isolation::Kind::none; }
   bool has_ended() const { return backend_ && !backend_->ended().empty(); }
   void check_call_time(int64_t took_ns);
   void on_process_end(const std::string& what);
-  void restart_process();
+  void restart();
+  void restarted(Started started);
   void give_up();
   bool use_fallback();
-  void update_types();
+  void use_types(const KindTypes& types);
   bool can_receive(const odo_header& message);
   void save_periodically();
   std::span<AnyMessage> finish(int32_t status, const odo_header* message);
@@ -124,6 +133,9 @@ class PluginInstance {
   Sink sink_{};
   EventBuffer buffer_;
   std::unique_ptr<PluginBackend> backend_;  // null while its process is down
+  std::thread starter_;                     // reads choice_ and saved_, which do not change meanwhile
+  std::future<Started> starting_;           // its result, valid until that is taken
+  std::string replaced_;                    // plugin for which a fallback starts
   uint64_t faults_ = 0;
   int consecutive_failures_ = 0;
   bool alive_ = true;
@@ -145,11 +157,6 @@ struct EventFault {
 /// Checks whether a plugin with these outputs may emit an event, and copies it: ODO_OK, ODO_E_UNSUPPORTED (to be
 /// ignored without a fault), or a status with its fault.
 int32_t validate_event(const odo_header& event, const TypeSet& outputs, AnyMessage& copy, EventFault& fault);
-
-/// The message types that a kind receives and emits; empty for an unknown interface.
-KindTypes kind_types(const std::string& interface_id);
-/// The same, extended by the plugin's table.
-KindTypes plugin_types(const std::string& interface_id, const odo_plugin& table);
 
 /// The parameters of a choice in the plugin's form; they point into the choice.
 std::vector<odo_value> values_of(const PluginChoice& choice);

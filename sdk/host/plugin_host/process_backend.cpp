@@ -31,8 +31,9 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr double kEndLimit_s = 1;
-constexpr int kEndPolls = 100;  // of 1 ms: a process that closed its socket should have ended by then
+constexpr double kEndLimit_s = 0.5;  // an app that destroys its session waits for no more than a second
+constexpr int kPaceLook_ms = 20;     // interval at which a waiting call looks whether its session ends
+constexpr int kEndPolls = 100;       // of 1 ms: a process that closed its socket should have ended by then
 constexpr int kSupervisorPolls =
     1000;                             // of 1 ms: for the supervisor to end the plugin and its namespace's first process
 constexpr size_t kMaxRecords = 4096;  // of one call: 256 events, reports and refused events
@@ -132,12 +133,11 @@ Result<std::unique_ptr<ProcessBackend>> ProcessBackend::load(const PluginChoice&
   out.put(static_cast<uint32_t>(host.assets().size()));
   for (const fs::path& folder : host.assets()) out.put_text(folder.string());
   put_values(out, choice);
-  if (!made->exchange(wire::enter, out, choice.isolation.start_s)) return Failure{ODO_E_FATAL, origin + made->ended_};
+  if (!made->exchange_to_start(wire::enter, out)) return Failure{ODO_E_FATAL, origin + made->ended_};
   if (const std::string lacks = made->answer().get_text(); !lacks.empty())
     host.report(sink.instance, ODO_SEVERITY_WARNING, "sandbox",
                 "its process is not fully sandboxed; this system has " + lacks);
-  if (!made->exchange(wire::open, made->request(), choice.isolation.start_s))
-    return Failure{ODO_E_FATAL, origin + made->ended_};
+  if (!made->exchange_to_start(wire::open, made->request())) return Failure{ODO_E_FATAL, origin + made->ended_};
   if (Failure failure = made->opened(origin); failure.status < 0) return failure;
   return made;
 }
@@ -193,7 +193,7 @@ ProcessBackend::~ProcessBackend() {
 }
 
 /// Sends a request and waits for the answer, which is then copied to answer_. False, with ended_ set, if there is none.
-bool ProcessBackend::exchange(wire::Call call, const wire::Writer& asked, double limit_s) {
+bool ProcessBackend::exchange(wire::Call call, const wire::Writer& asked, double limit_s, Clock::time_point since) {
   if (!ended_.empty()) return false;
   if (asked.full()) return give_up("was asked for more than the shared memory holds"), false;
   control_->call = call;
@@ -207,7 +207,7 @@ bool ProcessBackend::exchange(wire::Call call, const wire::Writer& asked, double
     if (errno == EINTR) continue;
     return errno == EAGAIN ? give_up("does not accept requests") : reap(false, ""), false;
   }
-  if (!wait_for_answer(limit_s)) return false;
+  if (!wait_for_answer(call, limit_s, since)) return false;
   const uint64_t size = *static_cast<volatile uint64_t*>(&control_->response_size);
   if (size > wire::kAreaBytes)
     return give_up("broke the protocol: an answer of " + std::to_string(size) + " bytes"), false;
@@ -217,14 +217,19 @@ bool ProcessBackend::exchange(wire::Call call, const wire::Writer& asked, double
   return true;
 }
 
-bool ProcessBackend::wait_for_answer(double limit_s) {
-  const auto until = std::chrono::steady_clock::now() + std::chrono::duration<double>(limit_s);
+bool ProcessBackend::wait_for_answer(wire::Call call, double limit_s, Clock::time_point since) {
+  const auto until = since + std::chrono::duration<double>(limit_s);
   for (;;) {
-    const double left_s = std::chrono::duration<double>(until - std::chrono::steady_clock::now()).count();
+    const double left_s = std::chrono::duration<double>(until - Clock::now()).count();
     pollfd wait{socket_, POLLIN, 0};
-    const int ready = left_s > 0 ? poll(&wait, 1, static_cast<int>(left_s * 1e3) + 1) : 0;
+    const int ready =
+        left_s > 0 ? poll(&wait, 1, static_cast<int>(std::min(left_s * 1e3 + 1, double{kPaceLook_ms}))) : 0;
     if (ready < 0 && errno == EINTR) continue;
-    if (ready <= 0) return give_up("took longer than " + number(limit_s) + " s"), false;
+    if (ready < 0 || left_s <= 0) return give_up("took longer than " + number(limit_s) + " s"), false;
+    if (ready == 0) {
+      if (call == wire::end || host_.pace() != HostServices::Pace::ending) continue;
+      return give_up("was ended with its session"), false;
+    }
     char word = 0;
     const ssize_t got = recv(socket_, &word, 1, 0);
     if (got == 1) return true;
@@ -269,17 +274,17 @@ void ProcessBackend::reap(bool killed_by_us, const std::string& what) {
 }
 
 /// Returns the status of an answer, after passing on its events and reports.
-int32_t ProcessBackend::answered() {
+int32_t ProcessBackend::answered(bool may_emit) {
   wire::Reader reader = answer();
   const auto status = reader.get<int32_t>();
-  if (!take_records(reader) || !reader.good()) {
+  if (!take_records(reader, may_emit) || !reader.good()) {
     give_up("broke the protocol");
     return ODO_E_ERROR;
   }
   return status;
 }
 
-bool ProcessBackend::take_records(wire::Reader& reader) {
+bool ProcessBackend::take_records(wire::Reader& reader, bool may_emit) {
   alignas(8) unsigned char bytes[ODO_LARGEST_MESSAGE];
   for (size_t count = 0; reader.good() && !reader.empty(); ++count) {
     if (count >= kMaxRecords) return false;
@@ -300,7 +305,7 @@ bool ProcessBackend::take_records(wire::Reader& reader) {
       continue;
     }
     const auto event = reader.get_bytes();
-    if (kind != wire::event || !reader.good() || event.size() > sizeof bytes) return false;
+    if (kind != wire::event || !may_emit || !reader.good() || event.size() > sizeof bytes) return false;
     if (event.empty()) {
       sink_.emit(&sink_, nullptr);
       continue;
@@ -315,16 +320,14 @@ bool ProcessBackend::take_records(wire::Reader& reader) {
   return true;
 }
 
-int32_t ProcessBackend::start() {
-  return exchange(wire::start, request(), choice_.isolation.start_s) ? answered() : ODO_E_ERROR;
-}
+int32_t ProcessBackend::start() { return exchange_to_start(wire::start, request()) ? answered() : ODO_E_ERROR; }
 
 int32_t ProcessBackend::process(const odo_header& message) {
   reclaim_frames();
   auto out = request();
   out.put_bytes(&message, message.struct_size);
   if (message.type == ODO_TYPE_FRAME && !put_frame(message, out)) return ODO_E_EXHAUSTED;
-  const int32_t status = exchange(wire::process, out, choice_.isolation.time_s) ? answered() : ODO_E_ERROR;
+  const int32_t status = exchange(wire::process, out, choice_.isolation.time_s) ? answered(true) : ODO_E_ERROR;
   reclaim_frames();
   return status;
 }

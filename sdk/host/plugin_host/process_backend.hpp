@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <chrono>
 #include <filesystem>
 #include <memory>
 #include <span>
@@ -20,7 +21,8 @@ namespace odograph {
 /// An instance in its own sandboxed process (sandbox.hpp), running `odograph-plugin-host`. Messages and events pass
 /// through shared memory, wake-ups through a socket; a frame's pixels stay in place if they are in memory that the
 /// plugin maps (FrameStore), and are copied there otherwise. A fault of the plugin ends only its own process: then
-/// ended() states the reason, every call returns ODO_E_ERROR, and a new backend must be created.
+/// ended() states the reason, every call returns ODO_E_ERROR, and a new backend must be created. Once the host's pace
+/// is `ending`, a process that does not answer a call is ended at once.
 class ProcessBackend : public PluginBackend {
  public:
   /// Starts the process and loads the library in it. A failure names the plugin and its fault. `choice` and `sink`
@@ -44,8 +46,12 @@ class ProcessBackend : public PluginBackend {
   ProcessBackend(const PluginChoice& choice, HostServices& host, const odo_sink& sink)
       : choice_(choice), host_(host), sink_(sink) {}
   bool launch(const std::filesystem::path& program);
-  bool exchange(wire::Call call, const wire::Writer& request, double limit_s);
-  bool wait_for_answer(double limit_s);
+  using Clock = std::chrono::steady_clock;
+  bool exchange(wire::Call call, const wire::Writer& request, double limit_s, Clock::time_point since = Clock::now());
+  bool exchange_to_start(wire::Call call, const wire::Writer& request) {
+    return exchange(call, request, choice_.isolation.start_s, launched_);
+  }
+  bool wait_for_answer(wire::Call call, double limit_s, Clock::time_point since);
   /// Distinguishes an empty packet from the end of the connection when nothing was received.
   bool hung_up() const {
     pollfd end{socket_, 0, 0};
@@ -53,8 +59,8 @@ class ProcessBackend : public PluginBackend {
   }
   wire::Reader answer() const { return wire::Reader({reinterpret_cast<const uint8_t*>(answer_.data()), answer_size_}); }
   Failure opened(const std::string& origin);
-  int32_t answered();
-  bool take_records(wire::Reader& reader);
+  int32_t answered(bool may_emit = false);
+  bool take_records(wire::Reader& reader, bool may_emit);
   /// A frame that the plugin's process may hold.
   struct FrameSlot {
     bool used = false;
@@ -77,6 +83,7 @@ class ProcessBackend : public PluginBackend {
   KindTypes types_;
   std::string ended_;
   bool quarantined_ = false;
+  Clock::time_point launched_ = Clock::now();
   pid_t child_ = -1;
   int socket_ = -1;
   wire::Control* control_ = nullptr;

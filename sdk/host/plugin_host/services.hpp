@@ -67,6 +67,12 @@ class HostServices : public odo_host {
   /// Sets a listener for such requests, called on the requesting thread. [control]
   void on_wake(std::function<void()> listener) { wake_listener_ = std::move(listener); }
 
+  /// Whether a plugin's own process may hold the pipeline: `waits` for its calls and restarts, as in a replay; `live`:
+  /// it restarts on another thread; `ending`: nothing waits for it any more.
+  enum class Pace { waits, live, ending };
+  void set_pace(Pace pace) { pace_ = pace; }
+  Pace pace() const { return pace_; }
+
   /// Memory in which plugins in other processes see frames.
   SharedPixels& shared_pixels() { return shared_pixels_; }
   uint64_t seed() const { return seed_; }
@@ -94,6 +100,7 @@ class HostServices : public odo_host {
   std::function<void()> wake_listener_;
   std::set<uint32_t> woken_;
   std::atomic<bool> has_woken_{false};
+  std::atomic<Pace> pace_{Pace::waits};
   SharedPixels shared_pixels_;
   std::mutex mutex_;
   std::map<uint32_t, std::string> names_;
