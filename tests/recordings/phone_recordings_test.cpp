@@ -279,6 +279,45 @@ TEST_CASE("a picture is read in sensor orientation, whatever its EXIF orientatio
   }
 }
 
+TEST_CASE("phyphox' exports are read with any separator and decimal mark, in a folder or one level down") {
+  struct Form {
+    const char *separator, *folder;
+    char mark;
+  };
+  for (const Form& form :
+       {Form{",", "", '.'}, {";", "", '.'}, {"\t", "", '.'}, {";", "walk/", ','}, {"\t", "walk/", ','}}) {
+    const TemporaryFolder folder;
+    std::filesystem::create_directories(folder.path() / form.folder);
+    const auto table = [&](const char* name, const char* unit, double level) {
+      std::string text = "\"Time (s)\"";
+      for (const char* axis : {"X", "Y", "Z"}) text += std::string(form.separator) + "\"" + axis + " (" + unit + ")\"";
+      text += "\n";
+      for (int i = 0; i < 100; ++i) {
+        char row[128];
+        std::snprintf(row, sizeof row, "%.6E%s%.6E%s%.6E%s%.6E\n", 0.02 * i, form.separator, 0.01 * i, form.separator,
+                      -0.5, form.separator, level);
+        std::string numbers = row;
+        std::replace(numbers.begin(), numbers.end(), '.', form.mark);
+        text += numbers;
+      }
+      write_text(folder.path() / form.folder / name, text);
+    };
+    table("Accelerometer.csv", "m/s^2", 9.8), table("Gyroscope.csv", "rad/s", 0.25);
+    CAPTURE(std::string(form.separator));
+    const auto recording = required(read_recording(folder.path()));
+    CHECK(recording->format == "phyphox");
+    int gyro = 0, accel = 0;
+    for (const RecordedMessage& each : recording->messages) {
+      if (each.message.header().type != ODO_TYPE_IMU) continue;
+      const auto& imu = as<odo_imu>(each.message.header());
+      if (imu.header.flags & ODO_IMU_GYRO) ++gyro, CHECK(imu.gyro_b[2] == doctest::Approx(0.25));
+      if (imu.header.flags & ODO_IMU_ACCEL) ++accel, CHECK(imu.accel_b[1] == doctest::Approx(-0.5));
+    }
+    CHECK(gyro == 100);
+    CHECK(accel == 100);
+  }
+}
+
 TEST_CASE("names match patterns") {
   CHECK(phone::matches("Camera/*.mp4|*.mov", "Camera/12.mp4"));
   CHECK(phone::matches("Camera/*.mp4|*.mov", "a.mov"));

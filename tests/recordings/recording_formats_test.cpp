@@ -3,6 +3,8 @@
 // Every number of every format: written and read again, or read from a synthetic file with distinct numbers.
 #include <opencv2/imgcodecs.hpp>
 
+#include "sdk/math/rotation.hpp"
+#include "sdk/tools/recording/kalibr.hpp"
 #include "sdk/tools/recording/mcap_writer.hpp"
 #include "sdk/tools/recording/odo_file.hpp"
 #include "tests/support/messages.hpp"
@@ -317,4 +319,25 @@ TEST_CASE("a log's transforms are the camera's mount; a frame without a name is 
     CHECK(recording.guessed.mount != row.given);
     if (row.given) check_list(first<odo_calibration>(recording, ODO_TYPE_CALIBRATION).p_b_c, {1, 2, 3});
   }
+}
+
+TEST_CASE("Kalibr's mount is read in either direction, and no time shift is dropped") {
+  const TemporaryFolder folder;
+  const auto chain = [&](const std::string& mount, const std::string& more) {
+    const auto path = folder.path() / "camchain.yaml";
+    write_text(path, "cam0:\n  " + mount +
+                         ":\n  - [0, 1, 0, 0.5]\n  - [-1, 0, 0, -0.25]\n  - [0, 0, 1, 0.125]\n  - [0, 0, 0, 1]\n"
+                         "  camera_model: pinhole\n  distortion_coeffs: [0, 0, 0, 0]\n  distortion_model: radtan\n"
+                         "  intrinsics: [450, 450, 360, 240]\n  resolution: [720, 480]\n" +
+                         more);
+    return read_camchain(path);
+  };
+  const auto as_it_stands = required(chain("T_imu_cam", "")), inverse = required(chain("T_cam_imu", ""));
+  CHECK((Eigen::Vector3d(as_it_stands->p_b_c) - Eigen::Vector3d(0.5, -0.25, 0.125)).norm() < 1e-12);
+  CHECK((quaternion(as_it_stands->q_b_c) * Eigen::Vector3d::UnitX() - Eigen::Vector3d(0, -1, 0)).norm() < 1e-12);
+  CHECK((quaternion(inverse->q_b_c) * quaternion(as_it_stands->q_b_c)).vec().norm() < 1e-12);
+  const auto late = required(chain("T_cam_imu", "  timeshift_cam_imu: -6.02\n"));
+  CHECK(late->time_offset_ns == -6'020'000'000);
+  CHECK_FALSE(chain("T_cam_imu", "  timeshift_cam_imu: 1e6\n").ok());
+  CHECK_FALSE(chain("T_cam_imu", "  line_delay: 0.5\n").ok());
 }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cstdio>
+#include <optional>
+#include <set>
 
 #include <nlohmann/json.hpp>
 
@@ -67,11 +69,30 @@ Result<Reference> read_reference(const fs::path& path) {
 
 Result<StampedPoses> read_estimate(const fs::path& path) {
   std::error_code error;
-  if (!fs::is_directory(path, error)) return read_poses(path);
-  if (const fs::path corrected = track_of_run(path); corrected.filename() != "trajectory.tum")
-    std::fprintf(stderr, "poses as published online; for the track with later corrections: --est %s\n",
-                 corrected.c_str());
-  return read_tum(path / "trajectory.tum");
+  return fs::is_directory(path, error) ? read_tum(path / "trajectory.tum") : read_poses(path);
+}
+
+/// Times that cannot be those of the poses: most are repeated, as whole seconds are.
+std::optional<Failure> time_fault(const std::string& name, const StampedPoses& track) {
+  std::set<int64_t> times;
+  for (const StampedPose& pose : track) times.insert(pose.t_ns);
+  if (2 * times.size() > track.size() || track.size() < 4) return std::nullopt;
+  return Failure{ODO_E_DATA, name + ": its " + std::to_string(track.size()) + " poses have " +
+                                 std::to_string(times.size()) + " different times: were they rounded to seconds?"};
+}
+
+/// KITTI's poses have no times: row i of one file can only be row i of the other.
+std::optional<Failure> row_fault(const StampedPoses& reference, const StampedPoses& estimate) {
+  const auto counted = [](const StampedPoses& track) {
+    for (size_t i = 0; i < track.size(); ++i)
+      if (track[i].t_ns != kKittiInterval_ns * static_cast<int64_t>(i)) return false;
+    return track.size() > 1;
+  };
+  if (reference.size() == estimate.size() || !counted(reference) || !counted(estimate)) return std::nullopt;
+  return Failure{ODO_E_DATA, "the estimate has " + std::to_string(estimate.size()) + " poses, the truth " +
+                                 std::to_string(reference.size()) +
+                                 ", and KITTI's files have no times: which belong together is unknown; give all rows, "
+                                 "or TUM files with times"};
 }
 
 Json json_of(const Statistics& s) {
@@ -251,6 +272,27 @@ Result<bool> write_plot(const EvalArguments& a, const Reference& reference, cons
   return write_whole_file(a.plot, run_page(recording, {{fs::path(a.estimate).filename().string(), &run}}, options));
 }
 
+Result<Json> evaluate(const Reference& reference, const StampedPoses& estimate, const EvalArguments& a,
+                      Alignment alignment) {
+  Json out = Json::object();
+  if (reference.waypoints.size() >= 2)
+    out["waypoints"] = evaluate_waypoints(estimate, reference.waypoints, a.align_first_m);
+  if (reference.trajectory.empty()) return out;
+  const auto result = evaluate_trajectory(reference.trajectory, estimate, a, alignment);
+  if (!result) return result.failure();
+  out.update(*result);
+  return out;
+}
+
+/// Of a run, both tracks: as an app saw it, and with later corrections.
+void print_all(const Json& out, const EvalArguments& a) {
+  const std::string against = " against " + a.reference;
+  if (!out.contains("corrected")) return print(out, a.estimate + against);
+  print(out, a.estimate + "/trajectory.tum, as published," + against);
+  std::printf("\n");
+  print(out["corrected"], a.estimate + "/corrected.tum, with later corrections," + against);
+}
+
 int eval(const EvalArguments& a) {
   const auto alignment = parse_alignment(a.alignment);
   if (!alignment) return print_failure(alignment.failure());
@@ -258,14 +300,23 @@ int eval(const EvalArguments& a) {
   if (!reference) return print_failure(reference.failure());
   auto estimate = read_estimate(a.estimate);
   if (!estimate) return print_failure(estimate.failure());
-  for (StampedPose& pose : *estimate) pose.t_ns += nanoseconds(a.offset_s);
-  Json out = Json::object();
-  if (reference->waypoints.size() >= 2)
-    out["waypoints"] = evaluate_waypoints(*estimate, reference->waypoints, a.align_first_m);
-  if (!reference->trajectory.empty()) {
-    const auto result = evaluate_trajectory(reference->trajectory, *estimate, a, *alignment);
-    if (!result) return print_failure(result.failure());
-    out.update(*result);
+  for (const auto& fault : {time_fault(a.reference, reference->trajectory), time_fault(a.estimate, *estimate),
+                            row_fault(reference->trajectory, *estimate)})
+    if (fault) return print_failure(*fault);
+  const auto shift = [&](StampedPoses& track) {
+    for (StampedPose& pose : track) pose.t_ns += nanoseconds(a.offset_s);
+  };
+  shift(*estimate);
+  const auto evaluated = evaluate(*reference, *estimate, a, *alignment);
+  if (!evaluated) return print_failure(evaluated.failure());
+  Json out = *evaluated;
+  if (const fs::path corrected = fs::path(a.estimate) / "corrected.tum"; fs::exists(corrected)) {
+    auto track = read_tum(corrected);
+    if (!track) return print_failure(track.failure());
+    shift(*track);
+    const auto later = evaluate(*reference, *track, a, *alignment);
+    if (!later) return print_failure(later.failure());
+    out["corrected"] = *later;
   }
   if (!a.plot.empty())
     if (const auto written = write_plot(a, *reference, *estimate, *alignment, out); !written)
@@ -273,7 +324,7 @@ int eval(const EvalArguments& a) {
   if (a.json)
     std::printf("%s\n", out.dump(2).c_str());
   else
-    print(out, a.estimate + " against " + a.reference);
+    print_all(out, a);
   return exit_status(reference->loss, kDone);
 }
 

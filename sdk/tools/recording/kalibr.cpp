@@ -68,7 +68,8 @@ Result<odo_calibration> read_camchain(const std::filesystem::path& path) {
   c.model = distortion == "equidistant" ? ODO_CAMERA_KANNALA_BRANDT : ODO_CAMERA_PINHOLE;
   const auto lens = numbers(file, *camera, "intrinsics", 4), size = numbers(file, *camera, "resolution", 2);
   const auto k = numbers(file, *camera, "distortion_coeffs", 4, distortion != "none");
-  const auto mount = numbers(file, *camera, "T_cam_imu", 16, false);
+  const char* mount_key = camera->find("T_cam_imu") ? "T_cam_imu" : "T_imu_cam";
+  const auto mount = numbers(file, *camera, mount_key, 16, false);
   const auto shift = numbers(file, *camera, "timeshift_cam_imu", 1, false);
   const auto row = numbers(file, *camera, "line_delay", 1, false);
   for (const auto* part : {&lens, &size, &k, &mount, &shift, &row})
@@ -80,13 +81,19 @@ Result<odo_calibration> read_camchain(const std::filesystem::path& path) {
   c.distortion_count = static_cast<uint32_t>(k->size());
   std::copy(k->begin(), k->end(), c.distortion);
   if (!mount->empty()) {
-    double T[12];
-    std::copy_n(mount->begin(), 12, T);
-    if (!phone::set_mount(c, T)) return refused("T_cam_imu", "a rotation and at most 10 m");
+    double rows[12];
+    std::copy_n(mount->begin(), 12, rows);
+    Eigen::Map<Eigen::Matrix<double, 3, 4, Eigen::RowMajor>> T(rows);
+    if (mount_key == std::string("T_imu_cam")) {  // the inverse, as OpenVINS writes it
+      const Eigen::Matrix3d R = T.leftCols<3>().transpose();
+      T.col(3) = (-R * T.col(3)).eval(), T.leftCols<3>() = R;
+    }
+    if (!phone::set_mount(c, rows)) return refused(mount_key, "a rotation and at most 10 m");
   }
-  if (!shift->empty() && std::abs((*shift)[0]) < 1)
-    c.time_offset_ns = nanoseconds((*shift)[0]), c.header.flags |= ODO_CALIBRATION_TIME_OFFSET;
-  if (!row->empty() && (*row)[0] > 0 && (*row)[0] < 1e-3)
+  if (!shift->empty() && !(std::abs((*shift)[0]) <= 3600)) return refused("timeshift_cam_imu", "at most an hour, in s");
+  if (!row->empty() && !((*row)[0] >= 0 && (*row)[0] < 1e-3)) return refused("line_delay", "0 to 0.001 s");
+  if (!shift->empty()) c.time_offset_ns = nanoseconds((*shift)[0]), c.header.flags |= ODO_CALIBRATION_TIME_OFFSET;
+  if (!row->empty() && (*row)[0] > 0)
     c.line_time_ns = nanoseconds((*row)[0]), c.header.flags |= ODO_CALIBRATION_LINE_TIME;
   if (const std::string fault = message_fault(c.header); !fault.empty())
     return Failure{ODO_E_DATA, at(file, camera->mark, fault)};

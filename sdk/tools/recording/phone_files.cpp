@@ -49,8 +49,13 @@ Files files_of(const fs::path& folder, std::shared_ptr<const void> keep) {
 
 const Format* format_of(const Files& files) {
   for (const Format& format : formats())
-    for (const char* mark : format.marks)
-      if (!files.find(mark).empty()) return &format;
+    for (const char* mark : format.marks) {
+      const std::string found = files.find(mark);
+      if (found.empty()) continue;
+      std::string head;
+      if (*format.head) std::getline(std::ifstream(files.folder / found), head);
+      if (head.find(format.head) != std::string::npos) return &format;
+    }
   return nullptr;
 }
 

@@ -57,6 +57,35 @@ Format sensor_logger() {
   };
 }
 
+/// Exports of phyphox (phyphox/phyphox-android, DataExport.java): CSV with any separator and decimal mark, in one
+/// folder or one level down. Its accelerometer contains gravity.
+Format phyphox() {
+  const auto axes = [](Stream stream, const char* file, std::vector<const char*> columns, double scale,
+                       uint32_t flags) {
+    return Table{stream, file, "time", kSeconds, std::move(columns), scale, When::any, flags};
+  };
+  return {
+      .name = "phyphox",
+      .marks = {"Gyroscope.csv", "*/Gyroscope.csv", "Accelerometer.csv", "*/Accelerometer.csv"},
+      .layout = Layout::csv,
+      .tables = {axes(Stream::gyro, "Gyroscope.csv|*/Gyroscope.csv",
+                      {"x|gyroscope x", "y|gyroscope y", "z|gyroscope z"}, 1, ODO_IMU_GYRO_CORRECTED),
+                 axes(Stream::accel, "Accelerometer.csv|*/Accelerometer.csv",
+                      {"x|acceleration x", "y|acceleration y", "z|acceleration z"}, 1, 0),
+                 axes(Stream::field, "Magnetometer.csv|*/Magnetometer.csv",
+                      {"x|magnetic field x", "y|magnetic field y", "z|magnetic field z"}, kMicro,
+                      ODO_MAGNETOMETER_CORRECTED),
+                 axes(Stream::pressure, "Pressure.csv|*/Pressure.csv", {"pressure|x"}, kHectopascal, 0),
+                 axes(Stream::place, "Location.csv|*/Location.csv",
+                      {"latitude", "longitude", "?height", "?horizontal accuracy", "?vertical accuracy"}, 1, 0)},
+      .head = "Time (s)",
+      .switch_on_gyro = "an experiment of your own with 'Gyroscope' beside 'Accelerometer'",
+      .switch_on_accel = "an experiment of your own with 'Accelerometer' (with g) beside 'Gyroscope'",
+      .switch_on_video = "",
+      .switch_on_others = "'Magnetic field', 'Pressure', 'Location'",
+  };
+}
+
 /// SpectacularAI/docs, other/DATA_FORMAT.md.
 Format spectacular() {
   const std::vector<const char*> values = {"/sensor/values/0", "/sensor/values/1", "/sensor/values/2"};
@@ -253,8 +282,9 @@ bool matches_one(const char* pattern, const char* name) {
 }  // namespace
 
 const std::vector<Format>& formats() {
-  static const std::vector<Format> all = {sensor_logger(), spectacular(), video_imu_capture(), mars(),
-                                          stray(),         opencamera(),  gnss_logger(),       plain()};
+  static const std::vector<Format> all = {phyphox(),           sensor_logger(), spectacular(),
+                                          video_imu_capture(), mars(),          stray(),
+                                          opencamera(),        gnss_logger(),   plain()};
   return all;
 }
 

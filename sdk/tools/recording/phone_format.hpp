@@ -67,6 +67,7 @@ struct Format {
   const char* video = "";     ///< as Table::file
   const char* pictures = "";  ///< instead of a video: their names are Unix times in ms
   FrameTimes frame_times = FrameTimes::table;
+  const char* head = "";  ///< what the first line of the mark contains, where apps use the same file names
   /// Which option to enable, by stream, in the app's own words; "": none.
   const char *switch_on_gyro, *switch_on_accel, *switch_on_video, *switch_on_others;
 };

@@ -272,7 +272,9 @@ class Reading {
     for (const Stream stream : {Stream::field, Stream::pressure, Stream::place}) {
       const bool possible = std::any_of(format_.tables.begin(), format_.tables.end(),
                                         [&](const Table& table) { return table.stream == stream; });
-      if (possible && !rows_of(stream)) lacking += (lacking.empty() ? "" : ", ") + std::string(name_of(stream));
+      if (!possible || rows_of(stream)) continue;
+      lacking += (lacking.empty() ? "" : ", ") + std::string(name_of(stream));
+      if (const auto why = missing_.find(stream); why != missing_.end()) lacking += " (" + why->second + ")";
     }
     if (!lacking.empty()) warn("not recorded: " + lacking + "; " + format_.name + " has " + format_.switch_on_others);
     return true;
@@ -283,8 +285,13 @@ class Reading {
     const Rows* places = rows_of(Stream::place);
     if (!places) return true;
     const int64_t start_ns = recording_.messages.front().message.header().t_ns;
-    size_t stale = 0, odd = 0;
+    const int64_t end_ns = rows_of(Stream::gyro)->rows.back().t_ns;
+    size_t stale = 0, odd = 0, ahead = 0;
     for (const Row& row : places->rows) {
+      if (seconds(row.t_ns - end_ns) > kParameters.stale_fix_s) {
+        ++ahead;
+        continue;
+      }
       if (seconds(start_ns - row.t_ns) > kParameters.stale_fix_s) {
         ++stale;
         continue;
@@ -309,6 +316,7 @@ class Reading {
     }
     const std::string name = places->file.filename().string();
     if (stale > 0) warn(name + ": " + std::to_string(stale) + " fixes are older than the recording and skipped");
+    if (ahead > 0) warn(name + ": " + std::to_string(ahead) + " fixes are newer than the recording and skipped");
     if (odd > 0) warn(name + ": " + std::to_string(odd) + " fixes are marked as invalid and skipped");
     return true;
   }

@@ -29,12 +29,15 @@ std::string_view trimmed(std::string_view text) {
   return text;
 }
 
-/// Fields separated by commas, or by semicolons if there is no comma.
-void split_fields(std::string_view line, std::vector<std::string_view>& fields) {
+/// Of a line: tab or semicolon, beside which a comma is a decimal one; comma; space.
+char separator_of(std::string_view line) {
+  for (const char each : {'\t', ';', ','})
+    if (line.find(each) != std::string_view::npos) return each;
+  return ' ';
+}
+
+void split_fields(std::string_view line, char separator, std::vector<std::string_view>& fields) {
   fields.clear();
-  const char separator = line.find(',') != std::string_view::npos   ? ','
-                         : line.find(';') != std::string_view::npos ? ';'
-                                                                    : ' ';
   for (size_t at = 0; at <= line.size();) {
     const size_t end = std::min(line.find(separator, at), line.size());
     fields.push_back(trimmed(line.substr(at, end - at)));
@@ -193,9 +196,17 @@ Result<bool> read_csv(const fs::path& file, Rows& rows) {
   std::vector<std::string_view> fields;
   bool has_places = false;
   size_t widest = 0;
+  char separator = 0;
+  std::string with_points;  // a line whose decimal commas became points
   return each_line(file, [&](std::string_view text, size_t line, bool whole) -> Result<bool> {
     if (trimmed(text).empty() || !rows.missing_column.empty()) return true;
-    split_fields(text, fields);
+    if (separator == 0) separator = separator_of(text);
+    if ((separator == ';' || separator == '\t') && text.find(',') != std::string_view::npos) {
+      with_points = text;
+      std::replace(with_points.begin(), with_points.end(), ',', '.');
+      text = with_points;
+    }
+    split_fields(text, separator, fields);
     const bool is_head = !number_of(fields[0]) && !time_of(fields[0], TimeUnit::nanoseconds);
     if (!has_places) {
       std::vector<std::string> head;
@@ -219,7 +230,7 @@ Result<bool> read_named_rows(const fs::path& file, std::span<Rows> tables) {
   std::vector<std::string_view> fields;
   return each_line(file, [&](std::string_view text, size_t line, bool whole) -> Result<bool> {
     const bool comment = text.starts_with("#");
-    split_fields(comment ? text.substr(1) : text, fields);
+    split_fields(comment ? text.substr(1) : text, ',', fields);
     for (size_t i = 0; i < tables.size(); ++i) {
       if (fields[0] != tables[i].table->kind) continue;
       if (comment) {

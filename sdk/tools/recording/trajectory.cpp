@@ -65,14 +65,39 @@ Result<StampedPoses> not_empty(StampedPoses trajectory, const std::filesystem::p
 
 }  // namespace
 
+namespace {
+
+/// Whether a comment at the head names the columns of the quaternion with w first.
+bool w_is_first(const std::filesystem::path& path) {
+  std::ifstream file(path);
+  std::string line;
+  while (std::getline(file, line) && line.starts_with('#'))
+    if (const size_t w = line.find("qw"), x = line.find("qx"); w != std::string::npos && x != std::string::npos)
+      return w < x;
+  return false;
+}
+
+/// Seconds; or nanoseconds, which ORB-SLAM3 writes, with a fraction of 0: as seconds they are 30,000 years and more.
+Result<int64_t> parse_time(std::string_view text) {
+  constexpr size_t kDigitsOf30000Years_s = 12;
+  const size_t point = std::min(text.find('.'), text.size());
+  if (point <= kDigitsOf30000Years_s || text.find_first_of("eE-") != std::string_view::npos) return parse_seconds(text);
+  int64_t t_ns = 0;
+  const auto parsed = std::from_chars(text.data(), text.data() + point, t_ns);
+  return parsed.ec == std::errc() && parsed.ptr == text.data() + point ? Result<int64_t>(t_ns) : parse_seconds(text);
+}
+
+}  // namespace
+
 Result<StampedPoses> read_tum(const std::filesystem::path& path) {
   StampedPoses trajectory;
+  const size_t w = w_is_first(path) ? 4 : 7, x = w == 4 ? 5 : 4;
   const auto done = read_rows(path, [&](const TextRow& row) -> Result<bool> {
     const auto v = numbers(row, 8);
     if (!v) return v.failure();
-    const auto t = parse_seconds(row.fields[0]);
+    const auto t = parse_time(row.fields[0]);
     if (!t) return row.wrong(t.failure().text);
-    return add_pose(trajectory, row, *t, {(*v)[7], (*v)[4], (*v)[5], (*v)[6]}, {(*v)[1], (*v)[2], (*v)[3]});
+    return add_pose(trajectory, row, *t, {(*v)[w], (*v)[x], (*v)[x + 1], (*v)[x + 2]}, {(*v)[1], (*v)[2], (*v)[3]});
   });
   if (!done) return done.failure();
   return not_empty(std::move(trajectory), path);
@@ -101,7 +126,7 @@ Result<StampedPoses> read_kitti_poses(const std::filesystem::path& path, const s
     }
     if (std::abs(R.determinant() - 1.0) > 0.01) return row.wrong("the first three columns are no rotation");
     const size_t k = trajectory.size();
-    return add_pose(trajectory, row, k < stamps.size() ? stamps[k] : static_cast<int64_t>(k) * 100'000'000,
+    return add_pose(trajectory, row, k < stamps.size() ? stamps[k] : static_cast<int64_t>(k) * kKittiInterval_ns,
                     Eigen::Quaterniond(R), p);
   });
   if (!done) return done.failure();
@@ -112,7 +137,8 @@ Result<StampedPoses> read_euroc_truth(const std::filesystem::path& path) {
   StampedPoses trajectory;
   const auto done = read_rows(path, [&](const TextRow& row) -> Result<bool> {
     const auto v = numbers(row, 8);
-    const auto t = row.time_ns(0);
+    const bool in_seconds = row.fields[0].find('.') != std::string_view::npos;
+    const auto t = in_seconds ? parse_seconds(row.fields[0]) : row.time_ns(0);
     if (!v) return v.failure();
     if (!t) return t.failure();
     return add_pose(trajectory, row, *t, {(*v)[4], (*v)[5], (*v)[6], (*v)[7]}, {(*v)[1], (*v)[2], (*v)[3]});

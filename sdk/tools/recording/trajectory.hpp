@@ -33,12 +33,15 @@ Result<int64_t> parse_seconds(std::string_view text);
 /// "12.345678901", nine decimals.
 std::string format_seconds(int64_t t_ns);
 
-/// TUM: `seconds x y z qx qy qz qw`; lines with '#' are comments. Failures state file:line.
+inline constexpr int64_t kKittiInterval_ns = 100'000'000;  // of poses without times
+
+/// TUM: `seconds x y z qx qy qz qw`, or w first if a comment at the head names the columns so; times of more than 12
+/// digits are nanoseconds (ORB-SLAM3). Lines with '#' are comments. Failures state file:line.
 Result<StampedPoses> read_tum(const std::filesystem::path& path);
 /// KITTI odometry: twelve numbers per line, the upper 3x4 of T_world_camera. Times from `times` (seconds, one per
 /// line), or 10 Hz.
 Result<StampedPoses> read_kitti_poses(const std::filesystem::path& path, const std::filesystem::path& times);
-/// EuRoC state_groundtruth_estimate0/data.csv: t_ns, p, q (w x y z), ...
+/// EuRoC state_groundtruth_estimate0/data.csv: t_ns, p, q (w x y z), ... A time with a decimal point is in seconds.
 Result<StampedPoses> read_euroc_truth(const std::filesystem::path& path);
 
 /// Whether a sensor clock's time must be Unix time: after 2001 and before 2096.
