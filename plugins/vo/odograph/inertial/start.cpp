@@ -149,13 +149,15 @@ std::optional<Alignment> align_with_imu(const std::deque<StartFrame>& frames, si
   Alignment out;
   for (int iteration = 0; iteration < s.alignment_iterations; ++iteration) {
     const auto [A, z] = alignment_equations(*x, force, at, p, s);
-    const Eigen::LDLT<MatrixXd> normal(A.transpose() * A);
-    solution = normal.solve(A.transpose() * z);
+    const MatrixXd information = A.transpose() * A;
+    const Eigen::VectorXd right = A.transpose() * z;
+    const Eigen::LDLT<MatrixXd> normal(information);
+    solution = normal.solve(right);
     const double d = solution[8];
     if (!(d > 0) || !solution.allFinite()) return std::nullopt;
     const double left = (A * solution - z).head(rows).squaredNorm();
     const auto variance = [&](int i) {
-      const Eigen::VectorXd column = normal.solve(Eigen::VectorXd::Unit(12, i));
+      const Eigen::VectorXd unit = Eigen::VectorXd::Unit(12, i), column = normal.solve(unit);
       return std::max(0.0, column[i]);
     };
     out.scale = 1 / d;
