@@ -3,6 +3,7 @@
 // Rotations in the notation of docs/notation.md. Perturbations are on the left.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 
 #include <Eigen/Core>
@@ -28,6 +29,25 @@ inline Eigen::Vector3d log_rotation(const Eigen::Quaterniond& q) {
   const double sine = q.vec().norm();
   if (sine < 1e-12) return q.w() < 0 ? Eigen::Vector3d(-2 * q.vec()) : Eigen::Vector3d(2 * q.vec());
   return 2 * std::atan2(q.w() < 0 ? -sine : sine, std::abs(q.w())) / sine * q.vec();
+}
+
+/// Shortest rotation from the direction of one vector to that of another; between opposite ones, about an axis across
+/// them. Equal to Eigen's FromTwoVectors, which finds that axis by a singular value decomposition: seconds to compile.
+inline Eigen::Quaterniond shortest_rotation(const Eigen::Vector3d& from, const Eigen::Vector3d& to) {
+  const Eigen::Vector3d a = from.normalized(), b = to.normalized();
+  const double cosine = b.dot(a);
+  Eigen::Quaterniond q;
+  if (cosine < -1 + 1e-12) {
+    const Eigen::Vector3d other = std::abs(a.y()) < 0.9 ? Eigen::Vector3d::UnitY() : Eigen::Vector3d::UnitZ();
+    const double w_squared = std::max(0.0, 0.5 * (1 + cosine));
+    q.w() = std::sqrt(w_squared);
+    q.vec() = std::sqrt(1 - w_squared) * a.cross(other).normalized();
+    return q;
+  }
+  const double twice_w = std::sqrt(2 * (1 + cosine));
+  q.vec() = a.cross(b) * (1 / twice_w);
+  q.w() = 0.5 * twice_w;
+  return q;
 }
 
 /// Skew-symmetric matrix [v]x: skew(a) * b = a x b.

@@ -56,6 +56,23 @@ TEST_CASE("Log inverts Exp for q and -q, with an error relative to the angle") {
   }
 }
 
+TEST_CASE("the shortest rotation is Eigen's between any two directions, and half a turn across opposite ones") {
+  odograph::Random random(11, 1);
+  const auto draw = [&] { return Vector3d{random.normal(), random.normal(), random.normal()}; };
+  for (int k = 0; k < 200; ++k) {
+    const Vector3d from = draw();
+    const Vector3d to = k % 4 == 0 ? Vector3d(-from + 1e-3 * draw()) : k % 4 == 1 ? Vector3d(2 * from) : draw();
+    CHECK(odograph::shortest_rotation(from, to).coeffs() == Quaterniond::FromTwoVectors(from, to).coeffs());
+  }
+  for (int k = 0; k < 20; ++k) {
+    const Vector3d from = k < 6 ? Vector3d((k < 3 ? 1 : -1) * Vector3d::Unit(k % 3)) : draw();
+    const Quaterniond q = odograph::shortest_rotation(from, -2 * from);
+    CHECK(std::abs(q.norm() - 1) < 1e-15);
+    CHECK((q * from + from).norm() < 1e-7 * from.norm());
+    CHECK(std::abs(q.vec().dot(from)) < 1e-15 * from.norm());  // not a turn about the direction itself
+  }
+}
+
 TEST_CASE("the left Jacobian is Exp's numeric derivative on the left, and series and closed form agree") {
   for (const Vector3d& v : rotation_vectors()) {
     CAPTURE(v.norm());

@@ -2,10 +2,12 @@
 //
 // A simulated walk in the format of each app, read back: messages and poses equal those of the direct run. Broken or
 // missing items are reported.
+#include <functional>
 #include <tuple>
 
 #include <opencv2/imgcodecs.hpp>
 
+#include "sdk/math/scalar.hpp"
 #include "sdk/tools/recording/frame_clock.hpp"
 #include "sdk/tools/recording/phone_format.hpp"
 #include "sdk/tools/recording/archive.hpp"
@@ -226,6 +228,30 @@ TEST_CASE("a magnetometer, a barometer and fixes may be missing, and cached fixe
   CHECK(warns(recording, "1 fixes are marked as invalid"));
   CHECK(messages_of<odo_gnss>(recording, ODO_TYPE_GNSS).size() ==
         messages_of<odo_gnss>(walk(false).recording, ODO_TYPE_GNSS).size());
+}
+
+TEST_CASE("what an app leaves out of a fix is unknown, not zero or the previous one's") {
+  const TemporaryFolder folder;
+  const auto last_fix = [&](size_t app, const char* file, const std::function<void(std::string&)>& shorten) {
+    const fs::path out = folder / std::to_string(app);
+    apps()[app].write(walk(false), out);
+    std::string text = read_text(out / file);
+    shorten(text);
+    write_text(out / file, text);
+    return messages_of<odo_gnss>(read(out), ODO_TYPE_GNSS).back();
+  };
+  const auto of_table = last_fix(0, "Location.csv", [](std::string& text) {
+    const size_t row = text.rfind('\n', text.size() - 2) + 1;
+    text.replace(text.find(",-1,-1,", row), std::string::npos, ",-1,-1,,,1.2,90,,2.35,48.85\n");
+  });
+  const auto of_lines = last_fix(5, "data.jsonl", [](std::string& text) {
+    const size_t fix = text.rfind("{\"gps\":{");
+    text.replace(fix, text.find('}', fix) - fix, "{\"gps\":{\"latitude\":48.85,\"longitude\":2.35");
+  });
+  for (const odo_gnss& fix : {of_table, of_lines}) {
+    CHECK(fix.latitude_rad == doctest::Approx(48.85 / kDeg_per_rad));
+    CHECK(fix.header.flags == ODO_GNSS_POSITION);  // no height, no covariance
+  }
 }
 
 TEST_CASE("the platform's own poses are the reference, converted to our axes") {

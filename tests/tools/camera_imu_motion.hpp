@@ -76,7 +76,7 @@ struct HandHeld {
           const double at = t + (row - 239.5) * row_time_s;
           const Eigen::Vector3d p = (q_n_b(at) * q_b_c).conjugate() * (points[k] - p_n(at));
           seen = p.z() > 0.5 && p.norm() < 25 && std::abs(p.x() / p.z()) < 1 && std::abs(p.y() / p.z()) < 1;
-          pixel = project(Lens::pinhole, lens, 1, Eigen::Vector2d(p.head<2>() / p.z()));
+          pixel = Eigen::Vector2d(project(Lens::pinhole, lens, 1, p.x() / p.z(), p.y() / p.z()).data());
           row = pixel.y();
         }
         seen = seen && pixel.x() > 3 && pixel.x() < 636 && pixel.y() > 3 && pixel.y() < 476;

@@ -21,7 +21,7 @@ void Filter::update(const Vector3d& gyro, const Vector3d& accel, double dt_s) {
   if (!started_) {
     if (accel.norm() < p_.min_start_accel_mps2) return;
     started_ = true;
-    q_ = Quaterniond::FromTwoVectors(accel, Vector3d::UnitZ());
+    q_ = shortest_rotation(accel, Vector3d::UnitZ());
     P_.setZero();
     P_.topLeftCorner<2, 2>().diagonal().setConstant(p_.start_tilt_rad * p_.start_tilt_rad);
     P_.block<3, 3>(3, 3).diagonal().setConstant(p_.bias_sigma_radps * p_.bias_sigma_radps);
@@ -36,7 +36,7 @@ void Filter::update(const Vector3d& gyro, const Vector3d& accel, double dt_s) {
     P_.topRows<3>().setZero(), P_.leftCols<3>().setZero();
     P_.topLeftCorner<3, 3>().diagonal().setConstant(p_.saturation_tilt_rad * p_.saturation_tilt_rad);
     settled_ = false;
-    q_ = Quaterniond::FromTwoVectors(q_ * accel, Vector3d::UnitZ()) * q_;
+    q_ = shortest_rotation(q_ * accel, Vector3d::UnitZ()) * q_;
     reset_window();
   }
   window_s_ += dt_s, ++window_count_;

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "sdk/math/rotation.hpp"
+
 namespace odograph::skyline {
 
 using Eigen::AngleAxisd;
@@ -62,7 +64,7 @@ std::vector<PhotographLevel> levels_of(const std::vector<SeenLine>& lines, const
 }
 
 Quaterniond levelled(const Quaterniond& q_n_c, const Vector3d& up_c) {
-  const Quaterniond q = q_n_c * Quaterniond::FromTwoVectors(up_c, q_n_c.conjugate() * -Vector3d::UnitZ()).normalized();
+  const Quaterniond q = q_n_c * shortest_rotation(up_c, q_n_c.conjugate() * -Vector3d::UnitZ()).normalized();
   return AngleAxisd(heading_of(q_n_c) - heading_of(q), Vector3d::UnitZ()) * q;
 }
 

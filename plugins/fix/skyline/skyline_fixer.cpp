@@ -9,6 +9,7 @@
 
 #include "plugins/fix/skyline/city_outline.hpp"
 #include "plugins/fix/skyline/vanishing_point.hpp"
+#include "sdk/math/rotation.hpp"
 #include "sdk/math/time.hpp"
 
 namespace odograph::skyline {
@@ -22,7 +23,7 @@ void align_with_gravity(Prior& prior, const Picture& picture, double min_sigma_r
   const Eigen::Vector3d up_c = prior.q_n_c.conjugate() * -Eigen::Vector3d::UnitZ();
   const auto zenith = vanishing_zenith(lines_of(picture.grey, picture.mask, picture.lens, p), up_c, p);
   if (!zenith) return;
-  prior.q_n_c = (prior.q_n_c * Eigen::Quaterniond::FromTwoVectors(zenith->up_c, up_c)).normalized();
+  prior.q_n_c = (prior.q_n_c * shortest_rotation(zenith->up_c, up_c)).normalized();
   prior.tilt_sigma_rad = std::max(zenith->sigma_rad, min_sigma_rad);
 }
 

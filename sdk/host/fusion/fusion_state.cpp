@@ -35,7 +35,7 @@ void FusionState::start(int64_t t_ns, const Quaterniond& q_o_b) {
 void FusionState::start_without_attitude(int64_t t_ns, const Quaterniond& q_b_c) {
   if (const auto point = track.inertia.at(t_ns, Trajectory::Parameters().gravity_age_s);
       point && track.inertia.has_force())
-    return start(t_ns, Quaterniond::FromTwoVectors(point->force_b, -Vector3d::UnitZ()));
+    return start(t_ns, shortest_rotation(point->force_b, -Vector3d::UnitZ()));
   Matrix3d level;  // columns: the camera's x, y, z in o, optical axis horizontal along the first axis of o
   level << 0, 0, 1, 1, 0, 0, 0, 1, 0;
   start(t_ns, Quaterniond(level) * q_b_c.conjugate());

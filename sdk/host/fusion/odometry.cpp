@@ -124,7 +124,7 @@ void Odometry::level(Motion& motion) const {
     down_b = q_a_b->conjugate() * Vector3d::UnitZ();
     share = std::min(1.0, motion.dt_s / p_.tilt_time_s);
   }
-  const Quaterniond up = Quaterniond::FromTwoVectors(motion.q_o_b1 * down_b, Vector3d::UnitZ());
+  const Quaterniond up = shortest_rotation(motion.q_o_b1 * down_b, Vector3d::UnitZ());
   motion.q_o_b1 = (Quaterniond::Identity().slerp(share, up) * motion.q_o_b1).normalized();
 }
 

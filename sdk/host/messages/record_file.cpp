@@ -16,7 +16,7 @@ constexpr size_t kFirstChunk = 4096, kMaxChunk = 1 << 20;  // bytes read at once
 constexpr uint64_t kMinCheckCost = 4096;                   // minimum cost of checking one offset, bytes
 constexpr uint64_t kMinScanBudget = 16u << 20;             // minimum scan budget, for small files
 constexpr uint32_t kEndMark = 0x1FFFF;
-constexpr uint32_t kVersion = 2, kMinor = 0;
+constexpr uint32_t kFormatVersion = 2, kMinor = 0;
 
 struct RecordHead {
   uint32_t magic, type, size, crc;
@@ -104,10 +104,10 @@ Result<RecordReader> RecordReader::open(const std::filesystem::path& file) {
   const bool damaged_head = std::memcmp(magic, kMagic, sizeof magic) != 0;
   if (!reader.in_ || (damaged_head && !reader.is_record_at(16)))
     return Failure{ODO_E_DATA, file.string() + ": not an Odograph recording"};
-  if (!damaged_head && version[0] != kVersion)
+  if (!damaged_head && version[0] != kFormatVersion)
     return Failure{ODO_E_VERSION, file.string() + ": recording version " + std::to_string(version[0]) +
                                       (version[0] == 1 ? ", of a draft of the ABI" : "") +
-                                      "; this program reads version " + std::to_string(kVersion)};
+                                      "; this program reads version " + std::to_string(kFormatVersion)};
   if (damaged_head) reader.loss_.bytes = sizeof magic, reader.loss_.places = 1;
   reader.in_.seekg(16);
   return reader;
@@ -248,7 +248,7 @@ Result<RecordWriter> RecordWriter::create(const std::filesystem::path& file) {
   auto out = OutputFile::create(file, OutputFile::PartFile::if_exists);
   if (!out) return out.failure();
   RecordWriter writer(std::move(*out));
-  const uint32_t version[2] = {kVersion, kMinor};
+  const uint32_t version[2] = {kFormatVersion, kMinor};
   writer.file_.stream().write(kMagic, sizeof kMagic);
   writer.file_.stream().write(reinterpret_cast<const char*>(version), sizeof version);
   return writer;

@@ -45,9 +45,9 @@ struct CornerResidual {
     ceres::AngleAxisRotatePoint(pose, corner, p);
     for (int i = 0; i < 3; ++i) p[i] += pose[3 + i];
     if (p[2] < T(1e-6)) return false;
-    const auto modelled = project(model, lens, coefficients, Eigen::Matrix<T, 2, 1>(p[0] / p[2], p[1] / p[2]));
-    residual[0] = T(pixel.x) - modelled.x();
-    residual[1] = T(pixel.y) - modelled.y();
+    const auto modelled = project(model, lens, coefficients, T(p[0] / p[2]), T(p[1] / p[2]));
+    residual[0] = T(pixel.x) - modelled[0];
+    residual[1] = T(pixel.y) - modelled[1];
     return true;
   }
 };

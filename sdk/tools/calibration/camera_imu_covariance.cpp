@@ -46,10 +46,12 @@ class Scatter {
 /// Pseudo-inverse after scaling to a unit diagonal, because the unknowns have different units.
 MatrixXd inverse_of(const MatrixXd& information) {
   const VectorXd unit = information.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(unit.asDiagonal() * information * unit.asDiagonal());
+  const MatrixXd scaled = unit.asDiagonal() * information * unit.asDiagonal();
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(scaled);
   const VectorXd inverted = eigen.eigenvalues().cwiseMax(1e-12).cwiseInverse();
-  return unit.asDiagonal() * (eigen.eigenvectors() * inverted.asDiagonal() * eigen.eigenvectors().transpose()) *
-         unit.asDiagonal();
+  const MatrixXd left = eigen.eigenvectors() * inverted.asDiagonal();
+  const MatrixXd inverse = left * eigen.eigenvectors().transpose();
+  return unit.asDiagonal() * inverse * unit.asDiagonal();
 }
 
 }  // namespace
@@ -101,7 +103,8 @@ MatrixXd CameraImuProblem::covariance() const {
     MatrixXd weight = path.transpose() * path;
     weight.diagonal().array() += std::pow(kBend, -2);
     weight.diagonal().tail<3>().array() += 1e3;
-    const MatrixXd left = rows.leftCols(n) - path * weight.ldlt().solve(path.transpose() * rows.leftCols(n));
+    const MatrixXd shared = rows.leftCols(n), across = path.transpose() * shared;
+    const MatrixXd solved = weight.ldlt().solve(across), left = shared - path * solved;
     information += left.transpose() * left;
     scores.add(window->t_s[0], left.transpose() * values);
   }
@@ -110,7 +113,7 @@ MatrixXd CameraImuProblem::covariance() const {
     if (const double sigma = at_.prior_sigma[free[static_cast<size_t>(i)]]; sigma > 0)
       information(i, i) += std::pow(sigma, -2), scatter(i, i) += std::pow(sigma, -2);
   const MatrixXd inverse = inverse_of(information);
-  const MatrixXd of_free = inverse * scatter * inverse;
+  const MatrixXd half = inverse * scatter, of_free = half * inverse;
   MatrixXd out = MatrixXd::Zero(shared::count, shared::count);
   for (Eigen::Index i = 0; i < n; ++i)
     for (Eigen::Index k = 0; k < n; ++k)

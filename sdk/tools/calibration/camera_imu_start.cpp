@@ -117,11 +117,13 @@ LensRay ray_of(const odo_calibration& lens, const cv::Point2f& pixel) {
   LensRay out;
   out.ray = {(measured.x() - lens.cx) / lens.fx, (measured.y() - lens.cy) / lens.fy};
   for (int step = 0; step < 20; ++step) {
-    const Eigen::Matrix<Jet, 2, 1> p(Jet(out.ray.x(), 0), Jet(out.ray.y(), 1));
-    const auto modelled = project(model, parameters, 8, p);
+    const auto modelled = project(model, parameters, 8, Jet(out.ray.x(), 0), Jet(out.ray.y(), 1));
     Eigen::Matrix2d by_ray;
     Eigen::Matrix<double, 2, 4> by_lens;
-    for (int i = 0; i < 2; ++i) by_ray.row(i) = modelled[i].v.head<2>(), by_lens.row(i) = modelled[i].v.tail<4>();
+    for (int i = 0; i < 2; ++i) {
+      const Jet& of = modelled[static_cast<size_t>(i)];
+      by_ray.row(i) = of.v.head<2>(), by_lens.row(i) = of.v.tail<4>();
+    }
     const Eigen::Matrix2d inverse = by_ray.inverse();
     out.by_lens = -inverse * by_lens;
     const Vector2d move = inverse * (measured - Vector2d(modelled[0].a, modelled[1].a));

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 
+#include "sdk/math/rotation.hpp"
 #include "sdk/math/time.hpp"
 
 namespace odograph {
@@ -164,7 +165,7 @@ std::optional<StampedPoses> gravity_aligned(const Matched& m, const StampedPoses
       reference += m.truth[k].q * (m.pose(k).q.conjugate() * *m.pose(k).gravity);
     }
   if (own.norm() == 0 || std::abs(reference.normalized().z()) < std::sqrt(0.5)) return std::nullopt;
-  const auto rotation = Eigen::Quaterniond::FromTwoVectors(own, std::copysign(1.0, reference.z()) * Vector3d::UnitZ());
+  const auto rotation = shortest_rotation(own, std::copysign(1.0, reference.z()) * Vector3d::UnitZ());
   StampedPoses out = metric;
   for (StampedPose& x : out) x.p = rotation * x.p, x.q = rotation * x.q;
   return out;

@@ -105,7 +105,8 @@ std::vector<WalkState> smooth_walk(const std::vector<InertialSample>& samples,
       if (i + 1 == samples.size()) break;
       const WalkState moved = move(walk[i], samples[i], samples[i + 1], step.transition);
       error = step.transition * error + difference(moved, walk[i + 1]);
-      P = step.transition * P * step.transition.transpose();
+      const Matrix15 moved_P = step.transition * P;
+      P = moved_P * step.transition.transpose();
       P.diagonal() += noise(p, samples[i + 1].t_s - samples[i].t_s);
       step.predicted_error = error, step.predicted_covariance = P;
     }

@@ -74,7 +74,8 @@ struct Transition {
     by_scale = (A * by_scale).eval();
     by_scale.segment<3>(block::nu) -= nav.v_w - v;
     by_scale.segment<3>(block::rho) -= 0.5 * dt * (nav.v_w - v);
-    Q = A * Q * A.transpose();
+    const Matrix15d AQ = A * Q;
+    Q = AQ * A.transpose();
     const double rate = gyro_b.norm();
     const double acceleration = dt > 0 ? (nav.v_w - v).norm() / dt : 0;
     const double gyro = squared(gyro_noise) + squared(p.noise.gyro_by_rate * rate);

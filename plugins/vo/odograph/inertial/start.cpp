@@ -8,6 +8,7 @@
 
 #include "plugins/shared/median.hpp"
 #include "plugins/vo/odograph/inertial/propagate.hpp"
+#include "sdk/math/rotation.hpp"
 #include "sdk/math/rotation_integral.hpp"
 
 namespace odograph::vio {
@@ -50,9 +51,6 @@ ForceOverTime force_before(int64_t end_ns, double reach_s, const Quaterniond& q_
   if (!whole) return {};
   return {q_w_b_end * q.conjugate() * v, seconds(end_ns - from_ns)};
 }
-
-/// Rotation that maps `from` to the direction of `to`.
-Quaterniond between(const Vector3d& from, const Vector3d& to) { return Quaterniond::FromTwoVectors(from, to); }
 
 /// Inertial and visual positions of the camera at each frame, in the visual odometry's w.
 struct Displacements {
@@ -108,7 +106,7 @@ struct AlignmentEquations {
 AlignmentEquations alignment_equations(const Displacements& x, const ForceOverTime& force, const AlignmentPoint& at,
                                        const FilterParameters& p, const StartParameters& s) {
   const int rows = 3 * static_cast<int>(x.t_s.size());
-  const Quaterniond tangent = between(Vector3d::UnitZ(), at.down);
+  const Quaterniond tangent = shortest_rotation(Vector3d::UnitZ(), at.down);
   AlignmentEquations e{MatrixXd::Zero(rows + 6, 12), Eigen::VectorXd::Zero(rows + 6)};
   MatrixXd& A = e.A;
   for (size_t i = 0; i < x.t_s.size(); ++i) {
@@ -151,25 +149,27 @@ std::optional<Alignment> align_with_imu(const std::deque<StartFrame>& frames, si
   Alignment out;
   for (int iteration = 0; iteration < s.alignment_iterations; ++iteration) {
     const auto [A, z] = alignment_equations(*x, force, at, p, s);
-    const Eigen::LDLT<MatrixXd> normal(A.transpose() * A);
-    solution = normal.solve(A.transpose() * z);
+    const MatrixXd information = A.transpose() * A;
+    const Eigen::VectorXd right = A.transpose() * z;
+    const Eigen::LDLT<MatrixXd> normal(information);
+    solution = normal.solve(right);
     const double d = solution[8];
     if (!(d > 0) || !solution.allFinite()) return std::nullopt;
     const double left = (A * solution - z).head(rows).squaredNorm();
     const auto variance = [&](int i) {
-      const Eigen::VectorXd column = normal.solve(Eigen::VectorXd::Unit(12, i));
+      const Eigen::VectorXd unit = Eigen::VectorXd::Unit(12, i), column = normal.solve(unit);
       return std::max(0.0, column[i]);
     };
     out.scale = 1 / d;
     out.relative_sigma = std::sqrt(variance(8)) / d;
     out.tilt_rad = std::sqrt(std::max(variance(6), variance(7))) / (d * p.gravity_mps2);
     out.rms_m = at.visual_sigma * std::sqrt(left / rows) / d;
-    const Quaterniond tangent = between(Vector3d::UnitZ(), at.down);
+    const Quaterniond tangent = shortest_rotation(Vector3d::UnitZ(), at.down);
     const Vector3d c = d * p.gravity_mps2 * at.down + tangent * Vector3d(solution[6], solution[7], 0);
     at.visual_sigma = std::max(s.min_visual_sigma, at.visual_sigma * std::sqrt(left / std::max(1, rows - 9)));
     at.down = c.normalized(), at.d = d;
   }
-  const Quaterniond to_gravity = between(at.down, Vector3d::UnitZ());
+  const Quaterniond to_gravity = shortest_rotation(at.down, Vector3d::UnitZ());
   out.nav.q_w_b = (to_gravity * q_w_b0).normalized();
   out.nav.v_w = to_gravity * (solution.segment<3>(3) / at.d);
   out.nav.accel_bias = solution.segment<3>(9) / at.d;
@@ -240,7 +240,7 @@ std::optional<Filter> start_still(const std::deque<StartFrame>& frames, const Im
   Filter::Start start;
   start.t_ns = t0_ns;
   // Specific force at rest is minus gravity.
-  start.nav.q_w_b = between(rest->force_b, -Vector3d::UnitZ());
+  start.nav.q_w_b = shortest_rotation(rest->force_b, -Vector3d::UnitZ());
   if (rest->steady) start.nav.gyro_bias = rest->rate_b;
   start.velocity_mps = std::hypot(p.priors.velocity_mps, carried_mps);
   start.scale = s.alignment_sigma;

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include <Eigen/Cholesky>
-#include <Eigen/QR>
+#include <Eigen/Householder>
 
 #include "sdk/math/rotation.hpp"
 
@@ -97,6 +97,24 @@ void whiten(const State& state, const std::vector<Observation>& track, const Fil
   apply(by_point);
 }
 
+/// Makes by_point upper triangular by Householder reflections of all rows: those below the third then do not depend on
+/// the point. As by Eigen's HouseholderQR, whose block-wise application of three reflections takes long to compile.
+void triangularise(TrackEquations& e) {
+  const Eigen::Index rows = e.by_point.rows(), columns = e.by_point.cols();
+  VectorXd workspace(std::max(e.z.H.cols(), columns));
+  for (Eigen::Index k = 0; k < columns; ++k) {
+    double tau = 0, beta = 0;
+    e.by_point.col(k).tail(rows - k).makeHouseholderInPlace(tau, beta);
+    e.by_point(k, k) = beta;
+    const auto reflect = [&](Eigen::Ref<MatrixXd> of) {
+      of.applyHouseholderOnTheLeft(e.by_point.col(k).tail(rows - k - 1), tau, workspace.data());
+    };
+    reflect(e.by_point.bottomRightCorner(rows - k, columns - k - 1));
+    reflect(e.z.H.bottomRows(rows - k));
+    reflect(e.z.residual.tail(rows - k));
+  }
+}
+
 MatrixXd columns_of(const MatrixXd& P, const std::vector<int>& columns) {
   MatrixXd out(P.rows(), static_cast<Eigen::Index>(columns.size()));
   for (size_t k = 0; k < columns.size(); ++k) out.col(static_cast<Eigen::Index>(k)) = P.col(columns[k]);
@@ -159,11 +177,8 @@ Outcome update_with_track(State& state, const std::vector<Observation>& track, c
   auto e = equations(state, track, point->at);
   if (!e) return {};
   whiten(state, track, p, e->z, e->by_point);
-  // After Q' is applied the rows below the third do not depend on the point.
-  const Eigen::HouseholderQR<MatrixXd> qr(e->by_point);
+  triangularise(*e);
   const Eigen::Index rows = e->z.residual.size();
-  e->z.H.applyOnTheLeft(qr.householderQ().adjoint());
-  e->z.residual.applyOnTheLeft(qr.householderQ().adjoint());
   Linearised z{e->z.residual.tail(rows - 3), e->z.H.bottomRows(rows - 3), std::move(e->z.columns)};
   Outcome out = update(state, z, pixel_sigma(point->rms_px, p), p.gate_sigma, p.gate_tail);
   out.rms_px = point->rms_px;
@@ -186,12 +201,10 @@ Outcome add_landmark(State& state, uint64_t id, const std::vector<Observation>& 
     e->z.residual.conservativeResize(rows + 1);
     e->z.residual[rows] = weight * (p.inverse_depth - point->at.z());
   }
-  const Eigen::HouseholderQR<MatrixXd> qr(e->by_point);
+  triangularise(*e);
   const Eigen::Index rows = e->z.residual.size();
-  const Matrix3d F = qr.matrixQR().topLeftCorner<3, 3>().triangularView<Eigen::Upper>();
+  const Matrix3d F = e->by_point.topLeftCorner<3, 3>().triangularView<Eigen::Upper>();
   if (std::abs(F(0, 0) * F(1, 1) * F(2, 2)) < 1e-12) return {};
-  e->z.H.applyOnTheLeft(qr.householderQ().adjoint());
-  e->z.residual.applyOnTheLeft(qr.householderQ().adjoint());
   const std::vector<int> columns = e->z.columns;
   const MatrixXd H1 = e->z.H.topRows<3>();
   const Eigen::Vector3d r1 = e->z.residual.head<3>();
@@ -252,8 +265,8 @@ std::vector<Outcome> update_with_landmarks(State& state, const std::vector<SeenL
       if (!z) continue;
       Outcome& out = outcomes[k];
       out.dof = 2;
-      const MatrixXd own = state.P(z->columns, z->columns);
-      out.nis = nis_of(z->H * own * z->H.transpose(), z->residual, p.gate_sigma);
+      const MatrixXd own = state.P(z->columns, z->columns), HP = z->H * own;
+      out.nis = nis_of(HP * z->H.transpose(), z->residual, p.gate_sigma);
       out.accepted = out.nis < chi_square_bound(out.dof, p.gate_tail);
       double& rms_px = state.landmarks[seen[k].landmark].rms_px;
       rms_px = std::sqrt((1 - p.residual_part) * rms_px * rms_px + p.residual_part * z->residual.squaredNorm());
