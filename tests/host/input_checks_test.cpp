@@ -24,12 +24,12 @@ constexpr int64_t kStart_ns = 5'000'000'000;
 
 /// A hand that walks, looks around, or rests.
 struct Motion {
-  double turn_rad = 0.6, bounce_mps2 = 2.5;
+  double swing_rad = 0.6, bounce_mps2 = 2.5;
   Vector3d surge_n = Vector3d::Zero();  ///< m/s^2, amplitude at 0.2 Hz: a bus that starts and brakes
   double yaw_radps = 0;                 ///< about down, without a hand's motion: a roundabout
 
   Quaterniond q_n_b(double t) const {
-    const auto swing = [&](double hz, double phase) { return turn_rad * std::sin(2 * EIGEN_PI * hz * t + phase); };
+    const auto swing = [&](double hz, double phase) { return swing_rad * std::sin(2 * EIGEN_PI * hz * t + phase); };
     const Quaterniond upright(0.5, -0.5, -0.5, 0.5);  // held up, display towards the walker, who looks north
     return Quaterniond(Eigen::AngleAxisd(yaw_radps * t + swing(0.21, 0), Vector3d::UnitZ())) * upright *
            Quaterniond(Eigen::AngleAxisd(swing(0.17, 1), Vector3d::UnitX())) *
@@ -230,12 +230,14 @@ void Mistakes::units() {
     for (double& x : m.accel_b) x = std::clamp(x, -10.5, 10.5);
   };
   auto& degrees = add("rates in deg/s", "gyro_in_degrees", "pi/180");
-  degrees.motion.turn_rad = 0.4, degrees.imu = scaled(180 / EIGEN_PI, 1);
+  degrees.motion.swing_rad = 0.4, degrees.imu = scaled(180 / EIGEN_PI, 1);
+  auto& walking = add("rates in deg/s of a phone that is held up", "gyro_in_degrees", "pi/180");
+  walking.motion.swing_rad = 0.12, walking.imu = scaled(180 / EIGEN_PI, 1);
   auto& fast = add("fast rates in deg/s", "wild_imu", "pi/180");
-  fast.motion.turn_rad = 1, fast.imu = scaled(180 / EIGEN_PI, 1);
+  fast.motion.swing_rad = 1, fast.imu = scaled(180 / EIGEN_PI, 1);
   add("rates of the opposite sign", "gyro_sign", "-1").imu = scaled(-1, 1);
   auto& silent = add("no gyroscope", "gyro_silent", "gyroscope");
-  silent.motion.turn_rad = 0.9, silent.imu = scaled(0, 1);
+  silent.motion.swing_rad = 0.9, silent.imu = scaled(0, 1);
 }
 
 void Mistakes::axes() {
@@ -361,7 +363,7 @@ TEST_CASE("right input is not called wrong: hands, rest, a bus, a roundabout, ca
       const Outcome outcome = run(input);
       std::string said;
       for (const auto& [key, text] : outcome.warnings) said += key + ": " + text + "\n";
-      CAPTURE(motion.turn_rad);
+      CAPTURE(motion.swing_rad);
       CAPTURE(motion.bounce_mps2);
       CAPTURE(motion.yaw_radps);
       CAPTURE(camera);

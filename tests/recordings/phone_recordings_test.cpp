@@ -336,8 +336,14 @@ TEST_CASE("phyphox' exports are read with any separator and decimal mark, in a f
     for (const RecordedMessage& each : recording->messages) {
       if (each.message.header().type != ODO_TYPE_IMU) continue;
       const auto& imu = as<odo_imu>(each.message.header());
-      if (imu.header.flags & ODO_IMU_GYRO) ++gyro, CHECK(imu.gyro_b[2] == doctest::Approx(0.25));
-      if (imu.header.flags & ODO_IMU_ACCEL) ++accel, CHECK(imu.accel_b[1] == doctest::Approx(-0.5));
+      if (imu.header.flags & ODO_IMU_GYRO) {
+        ++gyro;
+        CHECK(imu.gyro_b[2] == doctest::Approx(0.25));
+      }
+      if (imu.header.flags & ODO_IMU_ACCEL) {
+        ++accel;
+        CHECK(imu.accel_b[1] == doctest::Approx(-0.5));
+      }
     }
     CHECK(gyro == 100);
     CHECK(accel == 100);

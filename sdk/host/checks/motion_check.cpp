@@ -119,7 +119,7 @@ double MotionCheck::turn(size_t rate, const SignedAxes& axes) const {
   return std::sqrt(squares);
 }
 
-double MotionCheck::turn_in_body() const {
+double MotionCheck::rotation_in_body() const {
   double squares = 0;
   for (size_t i = 1; i < windows_.size(); ++i)
     squares += std::pow(angle(windows_.back(i).force, windows_.back(i - 1).force), 2);
@@ -127,8 +127,13 @@ double MotionCheck::turn_in_body() const {
 }
 
 void MotionCheck::check_axes() {
-  const double shown = turn_in_body();
-  if (shown < p_.turned_rad) return;
+  const double shown = rotation_in_body();
+  if (shown < p_.turned_rad) {  // it stays in b: a gyroscope that claims large turns of it has another unit
+    const double claimed = turn(0, {});
+    if (claimed > p_.claimed_rad && turn(2, {}) < p_.explained * claimed)
+      found_(InputFault::gyro_in_degrees, true, 0, {});
+    return;
+  }
   double turned_rad = 0;
   for (size_t i = 0; i < windows_.size(); ++i) turned_rad += windows_.back(i).turned_rad;
   const bool silent = turned_rad < p_.silent_rad * static_cast<double>(windows_.size()) && shown > p_.unnoticed_rad;

@@ -34,6 +34,7 @@ class MotionCheck {
     double clipped_share = 0.05;  ///< of the samples at one extreme; a sine has 1.4 % within a thousandth of it
     double clipped_scatter = 1;   ///< m/s^2 rms of an axis that can be called clipped
     double turned_rad = 0.4;      ///< rad, turn of gravity in b that shows the gyroscope's unit, sign and axes
+    double claimed_rad = 1.6;     ///< rad, of turns by the gyroscope while gravity stays: a roundabout at 0.4 g has 1.1
     double explained = 0.25;      ///< share of the contradiction that a better explanation leaves; judgement
     double silent_rad = 1e-6;     ///< rad in a second: no gyroscope ...
     double unnoticed_rad = 1;     ///< rad: ... if gravity in b has turned by that meanwhile
@@ -71,7 +72,7 @@ class MotionCheck {
   void check_range();
   void check_axes();
   double turn(size_t rate, const SignedAxes& axes) const;
-  double turn_in_body() const;
+  double rotation_in_body() const;
 
   Parameters p_;
   FaultFound found_;

@@ -61,12 +61,12 @@ std::optional<double> shift_between(const Profiles::Profile& a, const Profiles::
   if (a.count != b.count || a.count < 32) return std::nullopt;
   const int most = static_cast<int>(a.count / 4);
   int best = 0;
-  double most_like = -1;
+  double max_likeness = -1;
   for (int shift = -most; shift <= most; ++shift)
-    if (const double like = likeness(a, b, shift); like > most_like) most_like = like, best = shift;
-  if (most_like < min_likeness || std::abs(best) == most) return std::nullopt;
+    if (const double like = likeness(a, b, shift); like > max_likeness) max_likeness = like, best = shift;
+  if (max_likeness < min_likeness || std::abs(best) == most) return std::nullopt;
   const double before = likeness(a, b, best - 1), after = likeness(a, b, best + 1);
-  const double bend = before - 2 * most_like + after, part = bend < 0 ? 0.5 * (before - after) / bend : 0;
+  const double bend = before - 2 * max_likeness + after, part = bend < 0 ? 0.5 * (before - after) / bend : 0;
   return (best + std::clamp(part, -0.5, 0.5)) * a.pixels;
 }
 

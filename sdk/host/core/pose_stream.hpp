@@ -17,7 +17,7 @@ namespace odograph {
 class PoseStream {
  public:
   /// A pipeline that is further behind the samples is not "tracking".
-  explicit PoseStream(int64_t max_gap_ns) : max_gap_ns_(max_gap_ns) {}
+  explicit PoseStream(int64_t max_gap_ns = INT64_MAX) : max_gap_ns_(max_gap_ns) {}
 
   /// The time of a message that the pipeline will take, and of one that it has processed. [any]
   void set_pushed(int64_t t_ns) { pushed_ns_ = std::max(t_ns, pushed_ns_.load()); }
