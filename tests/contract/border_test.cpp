@@ -41,7 +41,7 @@ TEST_CASE("every number has a unique text, and so has a number of a newer list")
     CHECK(texts.size() == count);
     for (const uint32_t beyond : {count, count + 1, UINT32_MAX}) CHECK(std::string(text(beyond)) == "unknown");
   };
-  all(odo_state_text, 4), all(odo_reason_text, 13), all(odo_mode_text, 8);
+  all(odo_state_text, 4), all(odo_reason_text, 14), all(odo_mode_text, 8);
   CHECK(std::string(odo_state_text(ODO_LOST)) == "lost");
   CHECK(std::string(odo_reason_text(ODO_REASON_NO_SCALE)) == "no scale yet");
   CHECK(std::string(odo_reason_text(ODO_REASON_NO_GROUND)) == "no ground known there");

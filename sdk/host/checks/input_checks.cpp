@@ -101,26 +101,26 @@ void InputChecks::on_push(const odo_header& sample) {
   const std::lock_guard lock(mutex_);
   if (sample.type == ODO_TYPE_FRAME) {
     const int64_t ahead_ns = imu_ns_ == INT64_MIN ? 0 : saturating_difference(sample.t_ns, imu_ns_);
-    frames_ahead_ = ahead_ns > p_.frame_ahead_ns ? frames_ahead_ + 1 : 0;
+    const bool inertial = std::exchange(imu_since_frame_, false);  // otherwise it is silent, not behind
+    frames_ahead_ = inertial && ahead_ns > p_.frame_ahead_ns ? frames_ahead_ + 1 : 0;
     if (frames_ahead_ == 0 || frames_ahead_ > p_.frames_ahead)
       found(InputFault::camera_clock, frames_ahead_ > 0, seconds(ahead_ns), {});
     return;
   }
-  imu_ns_ = sample.t_ns;
+  imu_ns_ = sample.t_ns, imu_since_frame_ = true;
   Times& times = times_[sample.flags & (ODO_IMU_GYRO | ODO_IMU_ACCEL)];
-  if (times.samples == 0 || sample.t_ns < times.newest_ns) times = {sample.t_ns, sample.t_ns, 0};
+  const int64_t interval_ns = times.samples == 0 ? 0 : saturating_difference(sample.t_ns, times.newest_ns);
+  if (times.samples == 0 || interval_ns < 0) times = {sample.t_ns, sample.t_ns, 0, 0};
   times.newest_ns = sample.t_ns;
   ++times.samples;
-  const int64_t span_ns = saturating_difference(times.newest_ns, times.first_ns);
-  const auto mean = [&] { return static_cast<double>(span_ns) / std::max(1, times.samples - 1); };
-  if (times.samples > p_.sparse_samples && mean() > static_cast<double>(p_.too_sparse_ns)) {
-    found(InputFault::imu_slow, true, mean() * 1e-9, {});
-    times.samples = 0;
-  } else if (times.samples > p_.dense_samples) {
-    found(InputFault::time_unit, mean() < static_cast<double>(p_.too_dense_ns), mean(), {});
-    found(InputFault::imu_slow, false, 0, {});
-    times.samples = 0;
-  }
+  times.sparse = interval_ns > p_.too_sparse_ns ? times.sparse + 1 : 0;  // one long interval is a pause
+  if (times.sparse >= p_.sparse_samples) found(InputFault::imu_slow, true, seconds(interval_ns), {});
+  if (times.samples <= p_.dense_samples) return;
+  const double mean_ns =
+      static_cast<double>(saturating_difference(times.newest_ns, times.first_ns)) / (times.samples - 1);
+  found(InputFault::time_unit, mean_ns < static_cast<double>(p_.too_dense_ns), mean_ns, {});
+  if (times.sparse == 0) found(InputFault::imu_slow, false, 0, {});
+  times.samples = 0;
 }
 
 void InputChecks::on_sample(const odo_header& sample) {

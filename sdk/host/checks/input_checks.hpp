@@ -53,10 +53,11 @@ class InputChecks {
 
   struct Times {
     int64_t first_ns = 0, newest_ns = 0;
-    int samples = 0;
+    int samples = 0, sparse = 0;  ///< since first_ns; in a row with too long an interval
   };
-  std::mutex mutex_;              // guards what follows
-  int64_t imu_ns_ = INT64_MIN;    // of the newest sample pushed
+  std::mutex mutex_;            // guards what follows
+  int64_t imu_ns_ = INT64_MIN;  // of the newest sample pushed
+  bool imu_since_frame_ = false;
   int frames_ahead_ = 0;          // in a row
   std::array<Times, 4> times_{};  // by the halves of an IMU that a sample has
 };

@@ -127,11 +127,17 @@ double MotionCheck::rotation_in_body() const {
 }
 
 void MotionCheck::check_axes() {
+  double least = 1e9, largest = 0;  // of gravity
+  for (size_t i = 0; i < windows_.size(); ++i) {
+    const double level = windows_.back(i).force.norm() / windows_.back(i).samples;
+    least = std::min(least, level), largest = std::max(largest, level);
+  }
+  if (largest > p_.steady_level * least) return;  // a sensor that fails or a phone that falls
   const double shown = rotation_in_body();
   if (shown < p_.turned_rad) {  // it stays in b: a gyroscope that claims large turns of it has another unit
     const double claimed = turn(0, {});
-    if (claimed > p_.claimed_rad && turn(2, {}) < p_.explained * claimed)
-      found_(InputFault::gyro_in_degrees, true, 0, {});
+    const bool degrees = claimed > p_.claimed_rad && turn(2, {}) < p_.explained * claimed;
+    if (degrees || claimed < p_.turned_rad) found_(InputFault::gyro_in_degrees, degrees, 0, {});
     return;
   }
   double turned_rad = 0;

@@ -33,11 +33,13 @@ class MotionCheck {
     double fast_mps2 = 13;        ///< m/s^2, norm of the mean: a second of more than 0.3 g is no walk and no lift
     double clipped_share = 0.05;  ///< of the samples at one extreme; a sine has 1.4 % within a thousandth of it
     double clipped_scatter = 1;   ///< m/s^2 rms of an axis that can be called clipped
-    double turned_rad = 0.4;      ///< rad, turn of gravity in b that shows the gyroscope's unit, sign and axes
-    double claimed_rad = 1.6;     ///< rad, of turns by the gyroscope while gravity stays: a roundabout at 0.4 g has 1.1
-    double explained = 0.25;      ///< share of the contradiction that a better explanation leaves; judgement
-    double silent_rad = 1e-6;     ///< rad in a second: no gyroscope ...
-    double unnoticed_rad = 1;     ///< rad: ... if gravity in b has turned by that meanwhile
+    double steady_level =
+        1.5;                  ///< ratio of the largest to the least mean force of windows whose directions are compared
+    double turned_rad = 0.4;  ///< rad, turn of gravity in b that shows the gyroscope's unit, sign and axes
+    double claimed_rad = 1.6;  ///< rad, of turns by the gyroscope while gravity stays: a roundabout at 0.4 g has 1.1
+    double explained = 0.25;   ///< share of the contradiction that a better explanation leaves; judgement
+    double silent_rad = 1e-6;  ///< rad in a second: no gyroscope ...
+    double unnoticed_rad = 1;  ///< rad: ... if gravity in b has turned by that meanwhile
   };
 
   explicit MotionCheck(FaultFound found) : found_(std::move(found)) { reset(); }

@@ -91,6 +91,7 @@ int32_t odo_session_create(const odo_session_options* options, odo_session** ses
 
 void odo_session_destroy(odo_session* session) {
   guarded([&] {
+    if (session && session->session->is_forked_child()) return ODO_OK;  // a copy; memory is all that it has
     delete session;
     return ODO_OK;
   });

@@ -62,10 +62,6 @@ Session::Session(PipelineConfig config, std::vector<std::filesystem::path> asset
 bool Session::is_forked_child() const { return live_ && this_process() != process_; }
 
 Session::~Session() {
-  if (is_forked_child()) {  // threads, plugins' processes and frames are the parent's
-    thread_.detach();
-    (void)pipeline_.release();
-  }
   host_.set_pace(HostServices::Pace::ending);
   intake_.close();  // the app may push while its last frames are returned
   {

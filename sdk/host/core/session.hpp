@@ -30,6 +30,9 @@ class Session {
                                                bool live, uint64_t seed, AppServices app = {});
   ~Session();
 
+  /// Whether this is a copy of a live session whose threads and plugins' processes are those of the process that made
+  /// it: it must not be destroyed.
+  bool is_forked_child() const;
   int32_t push(const odo_header& sample);
   int32_t flush();
   void set_callback(TypeSet types, odo_callback callback, void* user);
@@ -59,7 +62,6 @@ class Session {
 
   Session(PipelineConfig config, std::vector<std::filesystem::path> assets, bool live, uint64_t seed, AppServices app);
 
-  bool is_forked_child() const;
   bool is_owner() const { return owned_ && owner_ == std::this_thread::get_id(); }
   bool work_is_waiting() const;
   void process_waiting(Lock& lock, int64_t flush_until_ns);
