@@ -126,6 +126,19 @@ double MotionCheck::rotation_in_body() const {
   return std::sqrt(squares);
 }
 
+/// Whether, in the newest windows, the gyroscope swings gravity to and fro as far as it cancels, and in degrees would
+/// hold it still, as it is in b.
+bool MotionCheck::swings_too_far() const {
+  const auto steady = static_cast<size_t>(p_.steady);
+  if (windows_.size() < steady) return false;
+  for (size_t i = 0; i < steady; ++i) {
+    const Window& w = windows_.back(i);
+    const double claimed = w.direction(0, {}).norm(), in_degrees = w.direction(2, {}).norm();
+    if (claimed > p_.cancelled * w.norm || std::min(in_degrees, w.force.norm()) < p_.held * w.norm) return false;
+  }
+  return true;
+}
+
 void MotionCheck::check_axes() {
   double least = 1e9, largest = 0;  // of gravity
   for (size_t i = 0; i < windows_.size(); ++i) {
@@ -136,7 +149,7 @@ void MotionCheck::check_axes() {
   const double shown = rotation_in_body();
   if (shown < p_.turned_rad) {  // it stays in b: a gyroscope that claims large turns of it has another unit
     const double claimed = turn(0, {});
-    const bool degrees = claimed > p_.claimed_rad && turn(2, {}) < p_.explained * claimed;
+    const bool degrees = (claimed > p_.claimed_rad && turn(2, {}) < p_.explained * claimed) || swings_too_far();
     if (degrees || claimed < p_.turned_rad) found_(InputFault::gyro_in_degrees, degrees, 0, {});
     return;
   }

@@ -37,9 +37,11 @@ class MotionCheck {
         1.5;                  ///< ratio of the largest to the least mean force of windows whose directions are compared
     double turned_rad = 0.4;  ///< rad, turn of gravity in b that shows the gyroscope's unit, sign and axes
     double claimed_rad = 1.6;  ///< rad, of turns by the gyroscope while gravity stays: a roundabout at 0.4 g has 1.1
-    double explained = 0.25;   ///< share of the contradiction that a better explanation leaves; judgement
-    double silent_rad = 1e-6;  ///< rad in a second: no gyroscope ...
-    double unnoticed_rad = 1;  ///< rad: ... if gravity in b has turned by that meanwhile
+    double cancelled = 0.87, held = 0.97;  ///< norm of the mean over mean norm of gravity that is swung to and fro, and
+                                           ///< that is held; judgement
+    double explained = 0.25;               ///< share of the contradiction that a better explanation leaves; judgement
+    double silent_rad = 1e-6;              ///< rad in a second: no gyroscope ...
+    double unnoticed_rad = 1;              ///< rad: ... if gravity in b has turned by that meanwhile
   };
 
   explicit MotionCheck(FaultFound found) : found_(std::move(found)) { reset(); }
@@ -75,6 +77,7 @@ class MotionCheck {
   void check_axes();
   double turn(size_t rate, const SignedAxes& axes) const;
   double rotation_in_body() const;
+  bool swings_too_far() const;
 
   Parameters p_;
   FaultFound found_;

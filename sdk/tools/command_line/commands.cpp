@@ -14,7 +14,8 @@ int run_command(int argc, char** argv, std::initializer_list<void (*)(CLI::App&,
   app.require_subcommand(1);
   app.set_version_flag("--version", odo_version());
   app.footer(
-      "Exit status: 0 done, 1 ran but lost tracking, came to nothing or placed no photograph, 2 bad usage or config, 3 bad data, or "
+      "Exit status: 0 done, 1 ran but lost tracking, came to nothing or placed no photograph, 2 bad usage or config, 3 "
+      "bad data, or "
       "some of the input was lost (what could be read was used), 4 plugin failure.");
   int status = kDone;
   for (const auto add : commands) add(app, status);

@@ -40,7 +40,8 @@ void Window::observe(uint64_t track, const Eigen::Vector2d& seen) {
 Eigen::Vector4d Window::point(const Landmark& landmark) const {
   const Eigen::Isometry3d& T = keyframe(landmark.seen.front().keyframe).T_w_c;
   Eigen::Vector4d X;
-  X << T.linear() * homogeneous(landmark.seen.front().seen) + landmark.inverse_depth * T.translation(), landmark.inverse_depth;
+  X << T.linear() * homogeneous(landmark.seen.front().seen) + landmark.inverse_depth * T.translation(),
+      landmark.inverse_depth;
   return X;
 }
 
