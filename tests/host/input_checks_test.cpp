@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "sdk/math/rotation.hpp"
+#include "sdk/math/time.hpp"
 #include "tests/support/messages.hpp"
 #include "tests/support/session_app.hpp"
 
@@ -381,6 +382,18 @@ TEST_CASE("a fault that ends is forgotten, and the pose tracks again") {
   };
   const Outcome outcome = run(input);
   CHECK(outcome.warnings.count("accel_in_g") == 1);
+  CHECK(outcome.tracks_at_end);
+}
+
+TEST_CASE("an accelerometer that is clipped for a while is named late in a session too, and forgotten") {
+  Input input;
+  input.seconds = 40;
+  input.imu = [](odo_imu& m) {
+    const bool clips = m.header.t_ns > kStart_ns + 15 * kSecond_ns && m.header.t_ns < kStart_ns + 25 * kSecond_ns;
+    for (double& x : m.accel_b) x = clips ? std::clamp(x, -10.5, 10.5) : x;
+  };
+  const Outcome outcome = run(input);
+  CHECK(outcome.warnings.count("accel_clipped") == 1);
   CHECK(outcome.tracks_at_end);
 }
 

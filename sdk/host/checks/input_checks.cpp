@@ -138,6 +138,7 @@ void InputChecks::on_imu(const odo_imu& imu) {
 }
 
 void InputChecks::reset() {
+  wrong_ = 0;
   motion_.reset();
   picture_.reset();
 }

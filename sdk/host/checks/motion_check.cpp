@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sdk/host/base/saturating.hpp"
 #include "sdk/math/rotation.hpp"
 #include "sdk/math/time.hpp"
 
@@ -42,12 +43,12 @@ void MotionCheck::reset() {
   ranges_ = {};
   q_e_b_.fill(Quaterniond::Identity());
   begun_ns_ = last_ns_ = 0;
-  in_g_ = without_ = off_ = 0;
+  in_g_ = without_ = off_ = range_windows_ = 0;
 }
 
 void MotionCheck::add(const odo_imu& imu) {
   const int64_t t_ns = imu.header.t_ns;
-  const double dt_s = seconds(t_ns - last_ns_);
+  const double dt_s = seconds(saturating_difference(t_ns, last_ns_));
   if (last_ns_ != 0 && (dt_s <= 0 || dt_s > p_.max_gap_s)) reset();
   if (last_ns_ == 0) begun_ns_ = last_ns_ = t_ns;
   const Vector3d rate_b(imu.gyro_b), force_b(imu.accel_b);
@@ -94,8 +95,8 @@ void MotionCheck::check_level(const Window& w) {
 }
 
 void MotionCheck::check_range() {
-  const int enough = p_.steady * p_.min_samples;
-  if (ranges_[0].samples < enough || windows_.size() % static_cast<size_t>(p_.steady) != 0) return;
+  if (++range_windows_ < p_.steady) return;
+  range_windows_ = 0;
   double clipped = 0;
   for (const Range& r : ranges_) {
     const double mean = r.sum / r.samples, scatter2 = r.sum2 / r.samples - mean * mean;

@@ -87,6 +87,7 @@ class MotionCheck {
   std::array<Eigen::Quaterniond, kRates> q_e_b_;
   int64_t begun_ns_ = 0, last_ns_ = 0;
   int in_g_ = 0, without_ = 0, off_ = 0;  // windows in a row
+  int range_windows_ = 0;                 // since the ranges began
 };
 
 }  // namespace odograph

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "sdk/host/base/saturating.hpp"
 #include "sdk/math/rotation.hpp"
 #include "sdk/math/time.hpp"
 
@@ -110,7 +111,7 @@ void PictureCheck::add(const odo_calibration& calibration) {
 void PictureCheck::add(const odo_imu& imu) {
   const bool first = turned_.empty();
   const Turned last = first ? Turned{} : turned_.back(0);
-  const double dt_s = first ? 0 : seconds(imu.header.t_ns - last.t_ns);
+  const double dt_s = first ? 0 : seconds(saturating_difference(imu.header.t_ns, last.t_ns));
   if (dt_s < 0 || dt_s > p_.max_gap_s) return reset();
   turned_.push({imu.header.t_ns, (last.q_e_b * exp_rotation(dt_s * Vector3d(imu.gyro_b))).normalized()});
 }
@@ -140,13 +141,13 @@ std::optional<Vector3d> PictureCheck::rotation_c(int64_t from_ns, int64_t to_ns)
 
 void PictureCheck::add(const odo_frame& frame) {
   const int64_t t_ns = frame.header.t_ns;
-  if (!calibrated_ || (picture_ns_ && seconds(t_ns - *picture_ns_) < p_.interval_s)) return;
+  if (!calibrated_ || (picture_ns_ && seconds(saturating_difference(t_ns, *picture_ns_)) < p_.interval_s)) return;
   const auto last_ns = std::exchange(picture_ns_, t_ns);
   const Profiles& earlier = profiles_[newest_];
   newest_ = 1 - newest_;
   Profiles& picture = profiles_[newest_];
   if (!picture.take(frame, p_.min_contrast)) return picture_ns_.reset(), void(same_ = 0);
-  if (!last_ns || seconds(t_ns - *last_ns) > p_.max_gap_s) return void(same_ = 0);
+  if (!last_ns || seconds(saturating_difference(t_ns, *last_ns)) > p_.max_gap_s) return void(same_ = 0);
   check_frozen(picture == earlier, t_ns);
   const double f_px = (frame.header.flags & ODO_FRAME_INTRINSICS) && frame.fx > 0 ? frame.fx : f_px_;
   const auto shift_px = picture.shift_since(earlier, p_.min_likeness);
