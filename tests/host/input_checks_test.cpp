@@ -244,15 +244,11 @@ void Mistakes::units() {
 void Mistakes::axes() {
   const std::array<double, 3> plus{1, 1, 1};
   add("accelerometer y x z", "imu_axes", "(y, x, z)").imu = exchanged({1, 0, 2}, plus);
-  add("accelerometer x z y", "imu_axes", "(x, z, y)").imu = exchanged({0, 2, 1}, plus);
-  add("accelerometer z y x", "imu_axes", "(z, y, x)").imu = exchanged({2, 1, 0}, plus);
   add("accelerometer y z x", "imu_axes", "(z, x, y)").imu = exchanged({1, 2, 0}, plus);
   add("accelerometer -y x z", "imu_axes", "axes").imu = exchanged({1, 0, 2}, {-1, 1, 1});
-  add("accelerometer x -z y", "imu_axes", "axes").imu = exchanged({0, 2, 1}, {1, -1, 1});
   add("accelerometer -x y z", "imu_axes", "axes").imu = exchanged({0, 1, 2}, {-1, 1, 1});
   add("accelerometer x y -z", "imu_axes", "axes").imu = exchanged({0, 1, 2}, {1, 1, -1});
   add("gyroscope y x z", "imu_axes", "axes").imu = exchanged({1, 0, 2}, plus, false, true);
-  add("gyroscope z x y", "imu_axes", "axes").imu = exchanged({2, 0, 1}, plus, false, true);
   add("a left-handed engine's axes", "gyro_sign", "left-handed").imu = exchanged({0, 1, 2}, {1, 1, -1}, true);
 }
 
@@ -365,8 +361,6 @@ TEST_CASE("right input is not called wrong: hands, rest, a bus, a roundabout, ca
       std::string said;
       for (const auto& [key, text] : outcome.warnings) said += key + ": " + text + "\n";
       CAPTURE(motion.swing_rad);
-      CAPTURE(motion.bounce_mps2);
-      CAPTURE(motion.yaw_radps);
       CAPTURE(camera);
       CHECK(said == "");
       CHECK(outcome.tracks_at_end);
