@@ -92,12 +92,12 @@ void Pipeline::enqueue(const AnyMessage& event) {
 
 void Pipeline::handle_events() {
   while (!events_.empty()) {
-    AnyMessage event = events_.front();
+    handle(events_.front());
+    const uint32_t type = events_.front().header().type;
     events_.pop();
-    handle(event);
     // Fixes from one call count as one: the corrected pose follows the last of them.
     const bool more_fixes = !events_.empty() && events_.front().header().type == ODO_TYPE_FIX;
-    if (event.header().type != ODO_TYPE_FIX || !more_fixes) publish();
+    if (type != ODO_TYPE_FIX || !more_fixes) publish();
   }
 }
 
