@@ -136,7 +136,7 @@ struct Still {
     put_quaternion(q_b_c, pose.q_n);
     Vector3d::Map(pose.p_n) = p_b_c;
     for (const int i : {21, 28, 35}) pose.covariance[i] = 0.01;
-    PosePredictor::Base base{pose, Quaterniond::Identity(), kZero, {}};
+    PosePredictor::Base base{pose, Quaterniond::Identity(), kZero, {}, {}};
     if (moves) base.v_n_b = velocity;
     predictor.set_state(ODO_TRACKING, ODO_REASON_NONE);
     predictor.add_pose(1000 * kMs, base);

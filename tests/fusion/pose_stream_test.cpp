@@ -64,6 +64,7 @@ struct Replay {
     out.q_n_b = Quaterniond(state.T_n_b.rotation());
     out.p_n_b = state.T_n_b.translation() + error;
     if (has_velocity) out.v_n_b = state.velocity_n;
+    out.biases = {gyro_bias, accel_bias + Vector3d(0.05, 0.05, -0.05)};
     return out;
   }
   std::function<void(PosePredictor::Base&)> add_hook = [](PosePredictor::Base&) {};
@@ -73,8 +74,7 @@ struct Replay {
   }
   /// Runs all events up to the end in order: `poll(t, newest sample)` comes at 60 Hz.
   void run(double end_s, const std::function<Vector3d(double)>& shift, const std::function<void(double)>& poll) {
-    poses.predictor().set_state(ODO_TRACKING, ODO_REASON_NONE);
-    poses.predictor().set_biases(gyro_bias, accel_bias + Vector3d(0.05, 0.05, -0.05));
+    poses.set_state(ODO_TRACKING, ODO_REASON_NONE);
     struct Event {
       double at_s, t_s;
       int kind;
@@ -338,7 +338,7 @@ TEST_CASE("without poses there is the attitude alone, and without that nothing")
   auto attitude = make_message<odo_attitude>(ODO_TYPE_ATTITUDE, ns(0.9));
   const Quaterniond q(replay.walk.phone.at(0.9).T_n_b.rotation());
   attitude.q_n_b[0] = q.w(), attitude.q_n_b[1] = q.x(), attitude.q_n_b[2] = q.y(), attitude.q_n_b[3] = q.z();
-  replay.poses.predictor().add_attitude(attitude);
+  replay.poses.add_attitude(attitude);
   CHECK(replay.poses.at(ns(1.03), false, out) == ODO_OK);
   CHECK(out.header.flags == (ODO_POSE_ORIENTATION | ODO_POSE_EXTRAPOLATED | ODO_POSE_ANGULAR_VELOCITY));
   CHECK(replay.poses.at(ns(2), false, out) == ODO_E_NOT_FOUND);

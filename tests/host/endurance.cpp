@@ -19,6 +19,7 @@
 #include <fstream>
 #include <map>
 #include <string>
+#include <thread>
 
 #include <odograph/attitude.h>
 #include <odograph/odograph.h>
@@ -53,7 +54,10 @@ class Growth {
   /// Prints the growth, and returns whether it is at most `allowed_mb`.
   bool flat(const char* what, double allowed_mb) const {
     const double grown_mb = resident_mb() - resident_mb_;
-    const long threads = entries("/proc/self/task") - threads_, files = entries("/proc/self/fd") - files_;
+    long threads = entries("/proc/self/task") - threads_;
+    for (int i = 0; i < 100 && threads > 0; ++i, threads = entries("/proc/self/task") - threads_)
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));  // a joined thread is listed until the kernel ends it
+    const long files = entries("/proc/self/fd") - files_;
     std::printf("%s: %.2f MB resident, %+.2f MB since the start of the count, %+ld threads, %+ld files\n", what,
                 resident_mb(), grown_mb, threads, files);
     return grown_mb <= allowed_mb && threads <= 0 && files <= 0;

@@ -40,7 +40,7 @@ std::vector<std::string> faults_in(const Recording& recording, int64_t from_ns, 
       const auto frame = load_frame(each);
       if (!frame) continue;
       odo_frame timed = *frame;
-      cameras.put_timing(timed);
+      cameras.complete(timed);
       checks.on_sample(timed.header);
       frame->loan.release(frame->loan.owner);
     } else if (header.type == ODO_TYPE_IMU) {

@@ -44,23 +44,25 @@ std::optional<CameraTable::Camera> CameraTable::find(uint32_t source) const {
   return found == cameras_.end() ? std::nullopt : std::optional(found->second);
 }
 
-void CameraTable::put_timing(odo_frame& frame) const {
+std::string CameraTable::complete(odo_frame& frame) const {
   const auto camera = find(frame.header.source);
-  if (!camera) return;
+  if (!camera) return "";
+  if (std::string fault = size_fault(*camera, frame); !fault.empty()) return fault;
   const odo_calibration& known = camera->calibration;
   if (known.header.flags & ODO_CALIBRATION_TIME_OFFSET)
     frame.header.t_ns = saturating_sum(frame.header.t_ns, known.time_offset_ns);
-  if (!(known.header.flags & ODO_CALIBRATION_LINE_TIME)) return;
-  if ((frame.header.flags & ODO_FRAME_LINE_TIME) && !camera->config_line_time) return;
-  frame.line_time_ns = known.line_time_ns;
-  frame.header.flags |= ODO_FRAME_LINE_TIME;
+  const bool has_line_time = (frame.header.flags & ODO_FRAME_LINE_TIME) && !camera->config_line_time;
+  if ((known.header.flags & ODO_CALIBRATION_LINE_TIME) && !has_line_time) {
+    frame.line_time_ns = known.line_time_ns;
+    frame.header.flags |= ODO_FRAME_LINE_TIME;
+  }
+  return "";
 }
 
-std::string CameraTable::size_fault(const odo_frame& frame) const {
-  const auto camera = find(frame.header.source);
-  if (!camera || (frame.header.flags & ODO_FRAME_INTRINSICS)) return "";
-  const odo_calibration& known = camera->calibration;
-  if (known.width == frame.width && known.height == frame.height) return "";
+std::string CameraTable::size_fault(const Camera& camera, const odo_frame& frame) {
+  const odo_calibration& known = camera.calibration;
+  if ((frame.header.flags & ODO_FRAME_INTRINSICS) || (known.width == frame.width && known.height == frame.height))
+    return "";
   const auto size = [](uint32_t w, uint32_t h) { return std::to_string(w) + " x " + std::to_string(h); };
   return "it has " + size(frame.width, frame.height) + " pixels; the calibration of camera " +
          std::to_string(frame.header.source) + " is for " + size(known.width, known.height);

@@ -25,13 +25,12 @@ class CameraTable {
   /// config states them).
   explicit CameraTable(const std::optional<odo_calibration>& configured) : configured_(configured) {}
 
-  /// Stores a calibration and converts it for the plugins: removes the time offset, which put_timing() applies.
+  /// Stores a calibration and converts it for the plugins: removes the time offset, which complete() applies.
   void take_calibration(odo_calibration& calibration);
-  /// Converts a frame's time to the IMU clock. A frame without a line time gets the calibration's.
-  void put_timing(odo_frame& frame) const;
-  /// Describes a mismatch between the frame's size and the calibrated size; empty if they match or the frame has its
-  /// own intrinsics.
-  std::string size_fault(const odo_frame& frame) const;
+  /// Converts a frame's time to the IMU clock, and gives it the calibration's line time if it has none. Describes a
+  /// mismatch between the frame's size and the calibrated size; empty if they match or the frame has its own
+  /// intrinsics.
+  std::string complete(odo_frame& frame) const;
   /// Nothing while it is unknown.
   std::optional<Mount> mount(uint32_t source) const;
 
@@ -43,6 +42,7 @@ class CameraTable {
   };
 
   std::optional<Camera> find(uint32_t source) const;
+  static std::string size_fault(const Camera& camera, const odo_frame& frame);
 
   const std::optional<odo_calibration> configured_;
   mutable std::mutex mutex_;

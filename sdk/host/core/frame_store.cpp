@@ -26,23 +26,17 @@ FrameStore::~FrameStore() {
 }
 
 size_t FrameStore::in_use() const {
-  const std::lock_guard lock(mutex_);
   return static_cast<size_t>(
       std::count_if(holders_.begin(), holders_.end(), [](const auto& h) { return h->holds > 0; }));
 }
 
 int32_t FrameStore::adopt(odo_borrowed& message) {
-  Holder* holder = nullptr;
-  {
-    const std::lock_guard lock(mutex_);
-    for (const auto& candidate : holders_)
-      if (candidate->holds == 0) {
-        holder = candidate.get();
-        holder->holds = 1;
-        break;
-      }
-  }
-  if (!holder) return message.loan = {}, ODO_E_EXHAUSTED;
+  const auto free = std::find_if(holders_.begin(), holders_.end(), [](const auto& candidate) {
+    int none = 0;
+    return candidate->holds.compare_exchange_strong(none, 1);
+  });
+  if (free == holders_.end()) return message.loan = {}, ODO_E_EXHAUSTED;
+  Holder* const holder = free->get();
   const auto give_back = [](Holder* unused) { unused->holds = 0; };  // also if memory runs out
   std::unique_ptr<Holder, decltype(give_back)> place(holder, give_back);
   const odo_loan original = std::exchange(message.loan, {});

@@ -3,7 +3,6 @@
 
 #include <atomic>
 #include <memory>
-#include <mutex>
 #include <span>
 #include <vector>
 
@@ -52,7 +51,6 @@ class FrameStore {
   static const void* ODO_CALL native(void* owner, const char* id, uint64_t id_size);
 
   SharedPixels* shared_;
-  mutable std::mutex mutex_;
   std::vector<std::unique_ptr<Holder>> holders_;
 };
 

@@ -11,13 +11,14 @@
 namespace odograph {
 
 Intake::Intake(const PipelineConfig& config, SharedPixels* shared, CameraTable& cameras, InputChecks& checks,
-               PoseStream& poses, HostServices& host, Outbox& outbox)
+               PoseStream& poses, HostServices& host, Outbox& outbox, std::mutex& mutex)
     : cameras_(cameras),
       checks_(checks),
       poses_(poses),
       host_(host),
       outbox_(outbox),
       frames_(config.ordering.frames, shared),
+      mutex_(mutex),
       order_(config.ordering.queue, static_cast<int64_t>(config.ordering.max_wait_s * 1e9)) {
   if (config.camera) order_.expect_camera();
   for (auto& source : sources_) source = -1;
@@ -38,9 +39,19 @@ bool Intake::is_first_source(const odo_header& sample) {
 
 int32_t Intake::take(const odo_header& sample, OwnedMessage& out) {
   ++counts_.pushed;
+  try {
+    const int32_t status = check(sample, out);
+    if (status < 0) out.disown();  // its loan is still the app's
+    return status;
+  } catch (...) {
+    out.disown();
+    throw;
+  }
+}
+
+int32_t Intake::check(const odo_header& sample, OwnedMessage& copy) {
   if (!is_input(sample.type))
     return refuse_invalid(sample, ODO_E_ARGUMENT, "type = " + message_name(sample.type) + "; expected an input");
-  AnyMessage copy;
   if (!copy.assign(sample))
     return refuse_invalid(sample, ODO_E_STRUCT_SIZE,
                           "struct_size = " + std::to_string(sample.struct_size) + "; expected " +
@@ -56,12 +67,10 @@ int32_t Intake::take(const odo_header& sample, OwnedMessage& out) {
                           "source = " + std::to_string(sample.source) + "; expected that of the first such sensor");
   if (sample.type == ODO_TYPE_CALIBRATION) cameras_.take_calibration(reinterpret_cast<odo_calibration&>(copy.header()));
   if (sample.type == ODO_TYPE_FRAME)
-    if (const std::string fault = cameras_.size_fault(as<odo_frame>(copy.header())); !fault.empty())
+    if (const std::string fault = cameras_.complete(reinterpret_cast<odo_frame&>(copy.header())); !fault.empty())
       return refuse_invalid(sample, ODO_E_DISCARD, fault);
   if (ODO_IS_BORROWED(sample.type))
     if (const int32_t status = borrow(reinterpret_cast<odo_borrowed&>(copy.header())); status < 0) return status;
-  if (sample.type == ODO_TYPE_FRAME) cameras_.put_timing(reinterpret_cast<odo_frame&>(copy.header()));
-  out = OwnedMessage(std::move(copy));
   return ODO_OK;
 }
 
@@ -77,55 +86,67 @@ int32_t Intake::borrow(odo_borrowed& message) {
                 "refused");
 }
 
-int32_t Intake::add(OwnedMessage message) {
+int32_t Intake::add(OwnedMessage&& message, Lock& lock) {
   const odo_header header = message.header();
   checks_.on_push(header);
   std::vector<OwnedMessage> dropped, discarded;
   TimeOrder::Verdict verdict = TimeOrder::Verdict::accepted;
   int spikes = 0;
-  int64_t newest_ns = INT64_MIN;
-  {
-    const std::lock_guard lock(mutex_);
-    if (closed_) return ODO_E_STATE;
-    newest_ns = order_.newest_ns();
-    if (header.type == ODO_TYPE_IMU) {
-      odo_imu imu = copy_as<odo_imu>(message.header());
-      if (header.struct_size > sizeof imu)  // flags of fields beyond the host's struct are cleared with them
-        imu.header.flags &= (2 * ODO_IMU_ACCEL_CORRECTED - 1) | ODO_FLAG_QUALITY;
-      spikes = gate_.push(imu, [&](const odo_imu& passed) {
-        const auto each = order(OwnedMessage(passed.header), dropped);
-        if (each == TimeOrder::Verdict::accepted)
-          poses_.add_imu(passed);
-        else
-          verdict = each;
-      });
-    } else {
-      verdict = order(std::move(message), dropped);
-    }
-    order_.discard_contradicted(discarded);
+  bool passes = true;
+  lock = Lock(mutex_);
+  if (closed_) return ODO_E_STATE;
+  const int64_t newest_ns = order_.newest_ns();
+  if (header.type == ODO_TYPE_IMU) {
+    auto& imu = reinterpret_cast<odo_imu&>(message.header());
+    if (header.struct_size > sizeof imu)  // flags of fields beyond the host's struct are cleared with them
+      imu.header.flags &= (2 * ODO_IMU_ACCEL_CORRECTED - 1) | ODO_FLAG_QUALITY;
+    imu.header.struct_size = sizeof imu;
+    passes = false;
+    spikes = gate_.push(imu, [&](const odo_imu& passed) {
+      if (&passed == &imu)
+        passes = true;
+      else
+        verdict = order(OwnedMessage(passed.header), dropped);
+    });
   }
+  if (passes)
+    if (const auto own = order(std::move(message), dropped); own != TimeOrder::Verdict::accepted) verdict = own;
+  order_.discard_contradicted(discarded);
+  if (dropped.empty() && discarded.empty() && spikes == 0 && verdict == TimeOrder::Verdict::accepted) return ODO_OK;
+  lock.unlock();
   for (const OwnedMessage& held : discarded)
     refuse_unordered(held.header(), TimeOrder::Verdict::implausible, newest_ns);
   if (spikes > 0)
     refuse(counts_.wild, "wild_", header, ODO_E_DISCARD,
            "the previous sample is a spike: it differs from both its neighbours");
-  return verdict == TimeOrder::Verdict::accepted ? ODO_OK : refuse_unordered(header, verdict, newest_ns);
+  const int32_t status =
+      verdict == TimeOrder::Verdict::accepted ? ODO_OK : refuse_unordered(header, verdict, newest_ns);
+  dropped.clear(), discarded.clear();
+  lock.lock();
+  return status;
 }
 
 /// Requires the lock. Rejected messages are released without it.
-TimeOrder::Verdict Intake::order(OwnedMessage message, std::vector<OwnedMessage>& dropped) {
+TimeOrder::Verdict Intake::order(OwnedMessage&& message, std::vector<OwnedMessage>& dropped) {
   auto verdict = order_.classify(message.header());
   if (verdict == TimeOrder::Verdict::restarted) {
     restart(dropped);
     verdict = order_.classify(message.header());
   }
   if (verdict == TimeOrder::Verdict::accepted)
-    poses_.set_pushed(message.header().t_ns), order_.add(std::move(message));
+    accept(std::move(message));
   else if (verdict == TimeOrder::Verdict::held)
     order_.hold(std::move(message)), verdict = TimeOrder::Verdict::accepted;
   else
     dropped.push_back(std::move(message));
   return verdict;
+}
+
+/// Requires the lock.
+void Intake::accept(OwnedMessage&& message) {
+  poses_.set_pushed(message.header().t_ns);
+  if (message.header().type == ODO_TYPE_IMU) poses_.add_imu(as<odo_imu>(message.header()));
+  order_.add(std::move(message));
 }
 
 /// Requires the lock. Waiting messages are of the old clock and are dropped, except sensor descriptions.
@@ -143,19 +164,8 @@ void Intake::restart(std::vector<OwnedMessage>& dropped) {
 }
 
 Intake::Next Intake::next(OwnedMessage& out, int64_t flush_until_ns) {
-  const std::lock_guard lock(mutex_);
   if (std::exchange(restarted_, false)) return Next::restart;
   return order_.pop(out, flush_until_ns) ? Next::sample : Next::nothing;
-}
-
-bool Intake::ready() const {
-  const std::lock_guard lock(mutex_);
-  return restarted_ || order_.ready();
-}
-
-int64_t Intake::latest_waiting_ns() const {
-  const std::lock_guard lock(mutex_);
-  return order_.latest_waiting_ns();
 }
 
 void Intake::end() {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sdk/host/core/outbox.hpp"
 
+#include <memory>
 #include <utility>
 
 #include "sdk/host/base/printable.hpp"
@@ -8,27 +9,24 @@
 namespace odograph {
 
 void Outbox::set_callback(TypeSet types, odo_callback callback, void* user) {
+  std::unique_ptr<const Receiver> receiver;
+  wants_reports_ = callback && types.has(ODO_TYPE_REPORT);
+  if (callback && !types.empty()) receiver.reset(new Receiver{std::move(types), callback, user});
+  receiver.reset(receiver_.exchange(receiver.release()));
   std::unique_lock lock(mutex_);
-  callback_ = types.empty() ? nullptr : callback;
-  user_ = user;
-  types_ = std::move(types);
-  has_callback_ = callback_ != nullptr;
+  ++waiting_;
   returned_.wait(lock, [this] { return !runs_ || thread_ == std::this_thread::get_id(); });
+  --waiting_;
 }
 
 void Outbox::publish(const odo_header& event) {
-  if (!has_callback_.load(std::memory_order_relaxed)) return;
-  std::unique_lock lock(mutex_);
-  if (!callback_ || !types_.has(event.type)) return;
-  const auto call = callback_;
-  void* const user = user_;
-  runs_ = true;
   thread_ = std::this_thread::get_id();
-  lock.unlock();
-  call(user, &event);
-  lock.lock();
+  runs_ = true;
+  const Receiver* const receiver = receiver_;
+  if (receiver && receiver->types.has(event.type)) receiver->callback(receiver->user, &event);
   runs_ = false;
-  lock.unlock();
+  if (waiting_ == 0) return;
+  const std::lock_guard lock(mutex_);  // so that the waiting thread does not miss it
   returned_.notify_all();
 }
 
@@ -43,11 +41,7 @@ void Outbox::add(const Report& report) {
   has_reports_ = true;
 }
 
-bool Outbox::report_is_waiting() const {
-  if (!has_reports_ || !has_callback_) return false;
-  const std::lock_guard lock(mutex_);
-  return types_.has(ODO_TYPE_REPORT);
-}
+bool Outbox::report_is_waiting() const { return has_reports_ && wants_reports_; }
 
 void Outbox::publish_reports(int64_t t_ns) {
   std::vector<Report> reports;

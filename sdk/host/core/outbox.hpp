@@ -21,6 +21,7 @@ class Outbox {
  public:
   static constexpr size_t kMaxReports = 64;  ///< waiting reports; further ones are only kept as the last error
 
+  ~Outbox() { delete receiver_.load(); }
   /// Returns once the previous callback has finished, unless called from within it.
   void set_callback(TypeSet types, odo_callback callback, void* user);
   /// Called by one thread at a time, like publish_reports().
@@ -34,16 +35,22 @@ class Outbox {
   Failure take_last_error();
 
  private:
-  mutable std::mutex mutex_;
+  struct Receiver {
+    TypeSet types;
+    odo_callback callback;
+    void* user;
+  };
+
+  // Publishing takes no lock: a receiver is read while runs_ is set, and deleted once it has been seen cleared.
+  std::atomic<const Receiver*> receiver_{nullptr};
+  std::atomic<bool> runs_{false};
+  std::atomic<std::thread::id> thread_{{}};  // thread that publishes, if it runs
+  std::atomic<int> waiting_{0};              // threads that wait for it
+  std::atomic<bool> wants_reports_{false}, has_reports_{false};
+  std::mutex mutex_;  // guards what follows
   std::condition_variable returned_;
-  odo_callback callback_ = nullptr;
-  void* user_ = nullptr;
-  TypeSet types_;
-  bool runs_ = false;
-  std::thread::id thread_;  // thread that runs the callback
   Failure last_error_{ODO_OK, ""};
   std::vector<Report> reports_;
-  std::atomic<bool> has_callback_{false}, has_reports_{false};
 };
 
 }  // namespace odograph

@@ -99,12 +99,12 @@ void Pipeline::enqueue(const AnyMessage& event) {
 
 void Pipeline::handle_events() {
   while (!events_.empty()) {
-    AnyMessage event = events_.front();
+    handle(events_.front());
+    const uint32_t type = events_.front().header().type;
     events_.pop();
-    handle(event);
     // Fixes from one call count as one: the corrected pose follows the last of them.
     const bool more_fixes = !events_.empty() && events_.front().header().type == ODO_TYPE_FIX;
-    if (event.header().type != ODO_TYPE_FIX || !more_fixes) publish();
+    if (type != ODO_TYPE_FIX || !more_fixes) publish();
   }
 }
 
@@ -131,10 +131,8 @@ void Pipeline::on_attitude(odo_attitude& attitude, bool used) {
   north_.complete(attitude);
   publish_(attitude.header);
   if (!used) return;
-  poses_.predictor().add_attitude(attitude);
+  poses_.add_attitude(attitude);
   north_.observe(attitude);
-  if (!publisher_.has_camera_bias() && (attitude.header.flags & ODO_ATTITUDE_GYRO_BIAS))
-    poses_.predictor().set_biases(Eigen::Vector3d(attitude.gyro_bias_b), Eigen::Vector3d::Zero());
   fusion_->on_attitude(attitude, outputs_);
   publish();
   roster_.forward_event(attitude.header);

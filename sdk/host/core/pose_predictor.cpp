@@ -23,7 +23,6 @@ PosePredictor::PosePredictor(const Parameters& parameters, const SmoothPose::Par
 }
 
 void PosePredictor::clear() {
-  const std::lock_guard lock(mutex_);
   track_.clear();
   base_ = {};
   base_.pose.header.t_ns = published_ns_ = queried_ns_ = INT64_MIN;
@@ -32,35 +31,21 @@ void PosePredictor::clear() {
   q_b_c_.setIdentity(), q_align_.setIdentity();
   base_point_.reset();
   attitude_ = {};
+  has_pose_bias_ = false;
   fit_samples_.clear();
   state_ = ODO_LOST, reason_ = ODO_REASON_INITIALISING;
   blend_.reset();
   smooth_.reset();
 }
 
-void PosePredictor::add_imu(const odo_imu& imu) {
-  const std::lock_guard lock(mutex_);
-  track_.add(imu);
-}
-
-void PosePredictor::set_biases(const Vector3d& gyro_b, const Vector3d& accel_b) {
-  const std::lock_guard lock(mutex_);
-  track_.set_biases(gyro_b, accel_b);
-}
-
-void PosePredictor::set_state(uint32_t state, uint32_t reason) {
-  const std::lock_guard lock(mutex_);
-  state_ = state, reason_ = reason;
-}
-
 void PosePredictor::add_attitude(const odo_attitude& attitude) {
-  const std::lock_guard lock(mutex_);
+  if (!has_pose_bias_ && (attitude.header.flags & ODO_ATTITUDE_GYRO_BIAS))
+    track_.set_biases(Vector3d(attitude.gyro_bias_b), Vector3d::Zero());
   if (attitude.header.t_ns <= attitude_.t_ns) return;
   attitude_ = {attitude.header.t_ns, quaternion(attitude.q_n_b)};
 }
 
 void PosePredictor::correct(const Rigid& correction) {
-  const std::lock_guard lock(mutex_);
   const Quaterniond& q = correction.q;
   const int64_t then_ns = std::max(newest_ns(), queried_ns_);
   if (has_pose()) blend_.correct(then_ns, correction, smooth_.at(then_ns, pose_of(body_at(then_ns))));
@@ -75,8 +60,8 @@ void PosePredictor::correct(const Rigid& correction) {
 }
 
 void PosePredictor::add_pose(int64_t published_ns, const Base& base) {
-  const std::lock_guard lock(mutex_);
   published_ns_ = published_ns;
+  if (base.biases) track_.set_biases(base.biases->gyro_b, base.biases->accel_b), has_pose_bias_ = true;
   const int64_t t_ns = base.pose.header.t_ns, then_ns = std::max({newest_ns(), t_ns, queried_ns_});
   const bool begins = !has_pose() || is_camera(base_.pose) != is_camera(base.pose);
   const bool had_position = !begins && position_known(then_ns);
@@ -180,11 +165,6 @@ int64_t PosePredictor::newest_ns() const {
   return std::max({base_.pose.header.t_ns, track_.newest_ns(), attitude_.t_ns});
 }
 
-int64_t PosePredictor::published_ns() const {
-  const std::lock_guard lock(mutex_);
-  return published_ns_;
-}
-
 /// Without a camera, a walker at rest yields no poses; the position remains at the end of the last step.
 bool PosePredictor::position_known(int64_t t_ns) const {
   if (!has_pose() || (base_.pose.header.flags & ODO_POSE_POSITION) == 0) return false;
@@ -243,13 +223,11 @@ SmoothPose::Pose PosePredictor::smoothed(int64_t t_ns, const SmoothPose::Pose& p
 }
 
 Rigid PosePredictor::smooth_pose(const odo_pose& published) const {
-  const std::lock_guard lock(mutex_);
   const auto smooth = smoothed(published.header.t_ns, {quaternion(published.q_n), Vector3d(published.p_n)});
   return {smooth.q_n, smooth.p_n};
 }
 
 int32_t PosePredictor::at(int64_t t_ns, bool smooth, odo_pose& out) const {
-  const std::lock_guard lock(mutex_);
   if (!has_pose() && attitude_.t_ns == INT64_MIN) return ODO_NOT_READY;
   if (t_ns == INT64_MIN) t_ns = newest_ns();
   if (seconds(t_ns, newest_ns()) > parameters_.longest_s) return ODO_E_NOT_FOUND;

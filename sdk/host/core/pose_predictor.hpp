@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <mutex>
 #include <optional>
 
 #include <odograph/types.h>
@@ -15,7 +14,7 @@ namespace odograph {
 /// Predicts poses ahead of the pipeline: propagates the newest pose with the inertial samples as they are pushed,
 /// before they wait for slower sensors. Orientation follows the gyroscope; position follows the velocity and the
 /// gravity-compensated accelerometer. If the pose is old (no camera, steps only), the orientation is the attitude's.
-/// Thread-safe: each call holds a lock for less than a microsecond and allocates nothing.
+/// Not thread-safe (see PoseStream); each call takes less than a microsecond and allocates nothing.
 class PosePredictor {
  public:
   struct Parameters {
@@ -44,31 +43,31 @@ class PosePredictor {
     Eigen::Vector3d p_n_b = Eigen::Vector3d::Zero();  ///< m
     /// Velocity at the pose's time, m/s, if the pipeline has it; a mean over the last frames does not count.
     std::optional<Eigen::Vector3d> v_n_b;
+    struct Biases {
+      Eigen::Vector3d gyro_b, accel_b;  ///< rad/s, m/s^2
+    };
+    std::optional<Biases> biases;  ///< subtracted from later samples, if the pipeline has them
   };
 
   PosePredictor() : PosePredictor(Parameters(), SmoothPose::Parameters()) {}
   PosePredictor(const Parameters& parameters, const SmoothPose::Parameters& smooth);
 
-  /// Takes a sample as it is pushed. [any]
-  void add_imu(const odo_imu& imu);
-  /// Sets the biases subtracted from later samples, rad/s and m/s^2. [process]
-  void set_biases(const Eigen::Vector3d& gyro_b, const Eigen::Vector3d& accel_b);
+  void add_imu(const odo_imu& imu) { track_.add(imu); }
+  /// Its gyroscope bias counts until a pose brings biases.
   void add_attitude(const odo_attitude& attitude);
-  /// Takes the pose published for this time, or its correction. [process]
+  /// Takes the pose published for this time, or its correction.
   void add_pose(int64_t published_ns, const Base& base);
   /// Applies a correction: a point x in the old n is at `correction` * x in the new one; the corrected pose follows.
-  /// [process]
   void correct(const Rigid& correction);
-  /// Sets the pipeline's state. [process]
-  void set_state(uint32_t state, uint32_t reason);
+  /// Sets the pipeline's state.
+  void set_state(uint32_t state, uint32_t reason) { state_ = state, reason_ = reason; }
 
   /// Time of the newest published pose; INT64_MIN before the first.
-  int64_t published_ns() const;
+  int64_t published_ns() const { return published_ns_; }
   /// The pose at t, later than the newest published one; INT64_MIN: at the newest sample. ODO_NOT_READY without pose
   /// and attitude, ODO_E_NOT_FOUND beyond longest_s. Flags mark the valid parts; `smooth`: with corrections blended in.
-  /// [any]
   int32_t at(int64_t t_ns, bool smooth, odo_pose& out) const;
-  /// The smooth pose at the time of the newest published pose. [process]
+  /// The smooth pose at the time of the newest published pose.
   Rigid smooth_pose(const odo_pose& published) const;
   void clear();
 
@@ -101,7 +100,6 @@ class PosePredictor {
   bool fit_velocity();
 
   Parameters parameters_;
-  mutable std::mutex mutex_;
   InertialTrack track_;
   int64_t published_ns_ = INT64_MIN;
   Base base_;
@@ -114,6 +112,7 @@ class PosePredictor {
   Velocity velocity_ = Velocity::none;
   std::optional<InertialTrack::Point> base_point_;
   Attitude attitude_;
+  bool has_pose_bias_ = false;
   Eigen::Quaterniond q_align_ = Eigen::Quaterniond::Identity();  // from the attitude's n to the pose's n
   Ring<FitSample, 32> fit_samples_;
   uint32_t state_ = ODO_LOST, reason_ = ODO_REASON_INITIALISING;

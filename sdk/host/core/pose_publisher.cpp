@@ -101,14 +101,11 @@ void PosePublisher::announce(int64_t t_ns, const Rigid& correction, uint32_t rea
 
 /// Adds the pose and the body state for prediction.
 void PosePublisher::add_to_stream(const Fusion& fusion, const odo_pose& pose) {
-  PosePredictor::Base base{pose, quaternion(pose.q_n), Vector3d(pose.p_n), {}};
+  PosePredictor::Base base{pose, quaternion(pose.q_n), Vector3d(pose.p_n), {}, {}};
   if (Estimate then; fusion.at(pose.header.t_ns, then) == ODO_OK) {
     base.q_n_b = then.q_n_b, base.p_n_b = then.p_n_b;
     if ((pose.header.flags & ODO_POSE_VELOCITY) && then.velocity == Velocity::now) base.v_n_b = then.v_n_b;
-    if (!then.gyro_bias_b.isZero()) {
-      s_.poses.predictor().set_biases(then.gyro_bias_b, then.accel_bias_b);
-      has_camera_bias_ = true;
-    }
+    if (!then.gyro_bias_b.isZero()) base.biases = {then.gyro_bias_b, then.accel_bias_b};
   }
   s_.poses.add_pose(pose, base);
 }
@@ -145,7 +142,7 @@ void PosePublisher::set_state(int64_t t_ns, uint32_t state, uint32_t reason) {
   if (state_ == 0) state_since_ns_ = t_ns;
   state_ = state;
   reason_ = reason;
-  s_.poses.predictor().set_state(state, reason);
+  s_.poses.set_state(state, reason);
   auto event = make_message<odo_state>(ODO_TYPE_STATE, t_ns);
   event.state = state;
   event.reason = reason;
@@ -153,7 +150,6 @@ void PosePublisher::set_state(int64_t t_ns, uint32_t state, uint32_t reason) {
 }
 
 void PosePublisher::reset() {
-  has_camera_bias_ = false;
   if (last_) before_restart_ = std::exchange(last_, std::nullopt);
   state_ = 0;
 }

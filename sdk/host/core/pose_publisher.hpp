@@ -51,8 +51,6 @@ class PosePublisher {
   /// The clock was set back: the next pose is announced as a correction of the last one.
   void reset();
 
-  /// Whether the pose stream's gyroscope bias comes from the camera's front-end.
-  bool has_camera_bias() const { return has_camera_bias_; }
   /// Sensor time spent in a state, s.
   double state_s(uint32_t state) const { return state_s_[state]; }
 
@@ -68,7 +66,6 @@ class PosePublisher {
   Surroundings s_;
   Send publish_, notify_plugins_;
   std::optional<odo_pose> before_restart_, last_;
-  bool has_camera_bias_ = false;
   uint32_t state_ = 0, reason_ = ODO_REASON_INITIALISING;
   int64_t state_since_ns_ = 0;
   double state_s_[4] = {0, 0, 0, 0};  // index: ODO_TRACKING ...

@@ -23,7 +23,19 @@ class PoseStream {
   void set_pushed(int64_t t_ns) { pushed_ns_ = std::max(t_ns, pushed_ns_.load()); }
   void set_processed(int64_t t_ns) { processed_ns_ = std::max(t_ns, processed_ns_.load()); }
   /// Takes a sample as it is pushed. [any]
-  void add_imu(const odo_imu& imu) { predictor_.add_imu(imu); }
+  void add_imu(const odo_imu& imu) {
+    const std::lock_guard lock(mutex_);
+    predictor_.add_imu(imu);
+  }
+  /// Take the attitude and the state of the pipeline. [process]
+  void add_attitude(const odo_attitude& attitude) {
+    const std::lock_guard lock(mutex_);
+    predictor_.add_attitude(attitude);
+  }
+  void set_state(uint32_t state, uint32_t reason) {
+    const std::lock_guard lock(mutex_);
+    predictor_.set_state(state, reason);
+  }
   /// Takes a published pose and the state to predict from. [process]
   void add_pose(const odo_pose& pose, const PosePredictor::Base& base) {
     const std::lock_guard lock(mutex_);
@@ -36,7 +48,6 @@ class PoseStream {
     history_.correct(correction);
     predictor_.correct(correction);
   }
-  PosePredictor& predictor() { return predictor_; }
 
   /// The corrected pose, or with `smooth` the one without jumps, at t or at the newest sample (INT64_MIN).
   /// ODO_NOT_READY; ODO_E_NOT_FOUND outside of the stored range. [any]
@@ -62,7 +73,7 @@ class PoseStream {
 
   const int64_t max_gap_ns_;
   std::atomic<int64_t> pushed_ns_{INT64_MIN}, processed_ns_{INT64_MIN};
-  mutable std::mutex mutex_;  // history and predictor are corrected together
+  mutable std::mutex mutex_;  // guards what follows
   PoseHistory history_;
   PosePredictor predictor_;
 };

@@ -55,7 +55,7 @@ Session::Session(PipelineConfig config, std::vector<std::filesystem::path> asset
           cameras_, [this] { return pipeline_->camera(); },
           static_cast<int64_t>(std::max(config_.ordering.max_gap_s, config_.ordering.max_wait_s) * 1e9)),
       intake_(config_, runs_processes(config_) ? &host_.shared_pixels() : nullptr, cameras_, checks_, world_.poses(),
-              host_, outbox_) {
+              host_, outbox_, mutex_) {
   host_.on_wake([this] { notify(); });
 }
 
@@ -78,8 +78,8 @@ Session::~Session() {
 int32_t Session::push(const odo_header& sample) {
   OwnedMessage message;
   if (const int32_t refused = intake_.take(sample, message); refused < 0) return refused;
-  const int32_t status = intake_.add(std::move(message));
-  Lock lock(mutex_);
+  Lock lock;
+  const int32_t status = intake_.add(std::move(message), lock);
   if (live_ && work_is_waiting()) work_waiting_.notify_one();
   if (live_ || owned_ || stopping_)
     return status;  // the owner of the pipeline processes this too; within a callback that is this thread

@@ -72,6 +72,7 @@ class Session {
   const PipelineConfig config_;
   const bool live_;
   const int64_t process_;  // a forked child does not have this session's thread
+  std::mutex mutex_;       // guards the intake's time order and the ownership below; held only briefly
   Outbox outbox_;
   HostServices host_;
   CameraTable cameras_;
@@ -84,7 +85,7 @@ class Session {
   int64_t newest_ns_ = INT64_MIN;      // of the processed messages
   Snapshot<odo_statistics> progress_;  // without the intake's counters
 
-  std::mutex mutex_;  // guards what follows; held only briefly
+  // Guarded by the mutex:
   std::condition_variable work_waiting_, owner_changed_;
   bool stopping_ = false;
   uint64_t flushes_requested_ = 0, flushes_done_ = 0;

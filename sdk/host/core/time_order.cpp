@@ -139,7 +139,7 @@ void TimeOrder::admit_held() {
   }
 }
 
-void TimeOrder::hold(OwnedMessage message) {
+void TimeOrder::hold(OwnedMessage&& message) {
   if (held_.size() == parameters_.held) held_.front().contradictions = parameters_.contradictions;  // the newest count
   held_.push_back({std::move(message), 0});
 }
@@ -152,7 +152,7 @@ void TimeOrder::discard(int contradictions, std::vector<OwnedMessage>& discarded
   });
 }
 
-void TimeOrder::add(OwnedMessage message) {
+void TimeOrder::add(OwnedMessage&& message) {
   const odo_header header = message.header();
   if (!may_be_late(header.type)) {
     Stream& stream = stream_of(header);

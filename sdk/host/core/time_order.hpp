@@ -51,9 +51,9 @@ class TimeOrder {
 
   /// Whether a message may be added; an accepted message must be added.
   Verdict classify(const odo_header& message);
-  void add(OwnedMessage message);
+  void add(OwnedMessage&& message);
   /// Keeps a message that is held; those that the steady sensors have contradicted move to `discarded`.
-  void hold(OwnedMessage message);
+  void hold(OwnedMessage&& message);
   void discard_contradicted(std::vector<OwnedMessage>& discarded) { discard(parameters_.contradictions, discarded); }
   /// Those that are still held, at the end of the input.
   void discard_held(std::vector<OwnedMessage>& discarded) { discard(0, discarded); }

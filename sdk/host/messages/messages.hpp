@@ -177,6 +177,10 @@ class OwnedMessage {
   const odo_header& header() const { return message_.header(); }
   odo_header& header() { return message_.header(); }
   bool empty() const { return header().type == 0; }
+  /// Copies a message into an empty one (AnyMessage::assign), which then owns the reference of its loan.
+  bool assign(const odo_header& message) { return message_.assign(message); }
+  /// Becomes empty without releasing the loan.
+  void disown() { header().type = 0; }
   /// Releases the loan and becomes empty. Calls foreign code: hold no lock.
   void release() {
     if (ODO_IS_BORROWED(header().type)) {

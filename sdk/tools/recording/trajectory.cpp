@@ -63,12 +63,10 @@ Result<StampedPoses> not_empty(StampedPoses trajectory, const std::filesystem::p
   return trajectory;
 }
 
-}  // namespace
-
-namespace {
-
 /// Whether a comment at the head names the columns of the quaternion with w first.
 bool w_is_first(const std::filesystem::path& path) {
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(path, error)) return false;  // nobody may write to a pipe
   std::ifstream file(path);
   std::string line;
   while (std::getline(file, line) && line.starts_with('#'))
