@@ -35,12 +35,14 @@ with Session(config) as session:
     assert session.pose() is None
 refused(session.flush, "closed")
 
-# Texts of events are bytes, not arrays of single ones.
+# Texts of events are bytes, not arrays of single ones; they take strings too.
 report = odograph.Report()
-report.plugin, report.text = b"acme/vo", b"out of light"
+report.plugin, report.text = "acme/vo", b"out of light"
+assert report.plugin == b"acme/vo"
 reported = odograph.Run({odograph.Report: bytearray(bytes(report))}, odograph.Statistics())
 assert reported.reports == ["acme/vo: out of light"], reported.reports
 assert {"run", "Session", "Recording", "Pose", "ODO_POSE_METRIC"} <= set(odograph.__all__)
+assert all(hasattr(odograph, name) for name in odograph.__all__)  # of "from odograph import *"
 
 # A callback's exception is raised by push.
 def fail(_):

@@ -54,7 +54,7 @@ struct Topic {
   std::vector<StoredMessage> messages;
   std::vector<std::pair<int64_t, LogPlace>> pictures;
   size_t gyro = 0, accel = 0, damaged = 0;
-  std::string unknown_encoding;
+  std::string unknown_encoding, lens_fault;
   size_t size() const { return messages.size() + pictures.size(); }
 };
 
@@ -104,6 +104,7 @@ class LogReading {
     if (header.type == 0) return true;
     header.t_ns = t_ns;
     t.type = header.type;
+    t.lens_fault = message->lens_fault;
     if (t.type == ODO_TYPE_IMU)
       t.gyro += (header.flags & ODO_IMU_GYRO) != 0, t.accel += (header.flags & ODO_IMU_ACCEL) != 0;
     if (t.type == ODO_TYPE_CALIBRATION && !t.messages.empty()) return true;  // it is repeated with every picture
@@ -183,6 +184,7 @@ class LogReading {
       const Topic* nearest = nullptr;
       for (const auto& [name, t] : topics_)
         if (t.type == ODO_TYPE_CALIBRATION && (!nearest || shared(name) > shared(nearest->topic.name))) nearest = &t;
+      if (nearest && !nearest->lens_fault.empty()) return wrong(nearest->topic.name + ": " + nearest->lens_fault);
       if (nearest) {
         facts->calibration = copy_as<odo_calibration>(nearest->messages.front().header());
         facts->has_lens = true, facts->lens_from = recording_.path.string() + ": " + nearest->topic.name;

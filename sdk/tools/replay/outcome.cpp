@@ -4,6 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sdk/tools/console/console.hpp"
+#include "sdk/tools/text/text.hpp"
+
 namespace odograph {
 namespace {
 
@@ -52,6 +55,14 @@ double extent_m(const StampedPoses& track) {
   return extent;
 }
 
+/// Whether a front-end estimates the scale from inertia, if it has a parameter of that name.
+bool has_metric_front_end(const PipelineConfig& config) {
+  for (const PluginChoice& choice : config.vo_frontends)
+    for (const auto& [spec, value] : choice.parameters)
+      if (spec.name == "inertial" && value.boolean) return true;
+  return false;
+}
+
 /// The first thing that the host called wrong, otherwise what is missing.
 std::string likeliest(const Recording& recording, const PipelineConfig& config, const RunResult& result) {
   for (const std::string& report : result.reports)
@@ -79,13 +90,28 @@ std::string why_nothing(const Recording& recording, const PipelineConfig& config
   if (result.track.empty()) return because("no pose was published");
   const bool front_end = !config.vo_frontends.empty() && recording.has(ODO_TYPE_FRAME);
   if (front_end && result.statistics.frames == 0) return because("all frames were dropped");
-  if (!holds_motion(recording)) return {};
-  if (extent_m(result.track) < kParameters.moved_m) return because("the input moves, and no pose does");
-  const bool steps = !config.step_estimators.empty() && recording.has(ODO_TYPE_IMU);
-  const bool scale = !config.scale_sources.empty() || (steps && config.coupling.type == CouplingType::localizer) ||
+  const bool inertial = recording.has(ODO_TYPE_IMU), moves = holds_motion(recording);
+  if (inertial && !moves) return {};
+  if (extent_m(result.track) < kParameters.moved_m)
+    return because(moves ? "the input moves, and no pose does" : "no pose moves");
+  const bool steps = !config.step_estimators.empty() && config.coupling.type == CouplingType::localizer;
+  const bool scale = !config.scale_sources.empty() || (inertial && (steps || has_metric_front_end(config))) ||
                      (!config.fixers.empty() && recording.has(ODO_TYPE_GNSS));
   if (scale && result.first_metric == result.track.size()) return because("the poses never had a scale in metres");
   return {};
+}
+
+std::string distance_text(const RunResult& result) {
+  if (result.nothing.empty() && !result.track.empty() && extent_m(result.track) < kParameters.moved_m) return "still";
+  const bool metric = result.first_metric < result.track.size() || result.track.empty();
+  return text(metric ? "%.2f m" : "%.2f units", result.statistics.distance_m);
+}
+
+int exit_status(const RunResult& result) {
+  if (!result.state_failure.empty()) return kBadData;
+  if (result.statistics.plugin_faults > 0) return kPluginFailure;
+  return exit_status(result.loss,
+                     result.nothing.empty() && result.final_state != ODO_LOST ? int{kDone} : int{kLostTracking});
 }
 
 }  // namespace odograph
