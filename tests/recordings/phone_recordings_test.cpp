@@ -266,7 +266,8 @@ TEST_CASE("GnssLogger's older columns are read, with Unix time alone where the s
     if (line.starts_with("# Fix,")) line = "# Fix,Provider,Latitude,Longitude,Altitude,Speed,Accuracy,(UTC)TimeInMs";
     if (line.starts_with("Fix,")) {
       const auto fields = split(line, ',');
-      line = "Fix,gps," + fields[2] + "," + fields[3] + "," + fields[4] + "," + fields[5] + "," + fields[6] + "," + fields[8];
+      line = "Fix,gps," + fields[2] + "," + fields[3] + "," + fields[4] + "," + fields[5] + "," + fields[6] + "," +
+             fields[8];
     }
     old += line + "\n";
   }
@@ -280,7 +281,7 @@ TEST_CASE("GnssLogger's older columns are read, with Unix time alone where the s
   for (size_t at; (at = old.find("utcTimeMillis")) != std::string::npos;) old.replace(at, 13, "other");
   write_text(file, old);
   CHECK(fixes().empty());
-  CHECK(warns(read(file), "has Unix time for it, and not for the other sensors"));
+  CHECK(warns(read(file), "GNSS (in Unix time, which the other sensors lack)"));
 }
 
 TEST_CASE("the platform's own poses are the reference, converted to our axes") {

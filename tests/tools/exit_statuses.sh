@@ -128,9 +128,9 @@ expect 2 "unknown key 'atitude'" "$odograph" view --once --port 0 -c unknown.yam
 expect 2 "unknown key 'atitude'" "$odograph" compare unknown.yaml -i walk
 expect 2 "unknown key 'atitude'" "$odograph" bench vo tiny.odo -c unknown.yaml
 expect 2 "unknown key 'atitude'" "$odograph" config check unknown.yaml
-expect 2 "hieght" "$odograph" run -i walk -o o --set walker.hieght=1.8m
-expect 2 "hieght" "$odograph" compare "$steps" -i walk --set walker.hieght=1.8m
-expect 2 "hieght" "$odograph" compare "$steps?walker.hieght=1.8m" -i walk
+expect 2 "tallness" "$odograph" run -i walk -o o --set walker.tallness=1.8m
+expect 2 "tallness" "$odograph" compare "$steps" -i walk --set walker.tallness=1.8m
+expect 2 "tallness" "$odograph" compare "$steps?walker.tallness=1.8m" -i walk
 expect 2 "hill.obj" "$odograph" run -c hill.yaml -i walk -o o
 expect 2 "no file 'hill.obj'" "$odograph" config check hill.yaml --assets .
 expect 0 "no file 'hill.obj'" "$odograph" config check hill.yaml

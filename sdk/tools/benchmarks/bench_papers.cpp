@@ -46,7 +46,8 @@ struct Walk700 : Benchmark {
                   "The 0.7 km walk of Antigny et al. 2019, simulated: their Table 5, adaptive beside fixed step length",
                   kConfigs | kQuick | kSimulated, {"antigny2019", "antigny2019_fixed_step", "phone_walk_camera"}) {
     options.scenarios.clear();
-    for (const char* walker : kWalkers) options.scenarios.push_back(sample_file(text("scenarios/walk700_%s.yaml", walker)));
+    for (const char* walker : kWalkers)
+      options.scenarios.push_back(sample_file(text("scenarios/walk700_%s.yaml", walker)));
     quick_m = 120;
   }
 

@@ -66,9 +66,9 @@ void print_line(const Row& row, const std::string& distance) {
     scale = text("; rms %.2f m with true scale (%+.1f %%)", error["rms_with_true_scale"].get<double>(),
                  100 * (error["scale"].get<double>() - 1));
   std::printf("%-36s %-32s %12s %5llu steps  error rms %s, median %s, largest %s, end %s m%s\n",
-              row["recording"].get<std::string>().c_str(), row["config"].get<std::string>().c_str(),
-              distance.c_str(), static_cast<unsigned long long>(row["steps"].get<uint64_t>()),
-              part("rms").c_str(), part("median").c_str(), part("largest").c_str(), part("end").c_str(), scale.c_str());
+              row["recording"].get<std::string>().c_str(), row["config"].get<std::string>().c_str(), distance.c_str(),
+              static_cast<unsigned long long>(row["steps"].get<uint64_t>()), part("rms").c_str(),
+              part("median").c_str(), part("largest").c_str(), part("end").c_str(), scale.c_str());
 }
 
 /// Path of a recording's page: as requested for a single recording, otherwise with the recording's name inserted before

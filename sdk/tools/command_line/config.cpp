@@ -65,7 +65,8 @@ int check(const std::string& file, const CheckArguments& a) {
   folders.insert(folders.begin(), std::filesystem::absolute(file).parent_path());
   const auto missing = missing_files(*config, folders);
   for (const std::string& one : missing)
-    std::fprintf(stderr, "%s\n", printable(file + ": " + one + (a.assets.empty() ? "" : " and in " + a.assets)).c_str());
+    std::fprintf(stderr, "%s\n",
+                 printable(file + ": " + one + (a.assets.empty() ? "" : " and in " + a.assets)).c_str());
   if (missing.empty()) std::printf("%s: good\n", file.c_str());
   if (missing.empty() || !a.assets.empty()) return missing.empty() ? kDone : kBadUsage;
   std::printf("%s: good with these files in the folder of --assets\n", file.c_str());
@@ -107,8 +108,7 @@ void add_config(CLI::App& app, int& status) {
   auto* check_command = command->add_subcommand("check", "Find every mistake in configs; runs no plugin");
   check_command->add_option("files", a->files, "pipeline configs (YAML)")->required();
   check_command->add_option("--plugins", a->plugins, "folder to look for plugins in first");
-  check_command->add_option("--assets", a->assets,
-                            "folder of files named by the configs, if they are not beside them");
+  check_command->add_option("--assets", a->assets, "folder of files named by the configs, if they are not beside them");
   check_command->callback([=, &status] {
     for (const std::string& file : a->files) status = std::max(status, check(file, *a));
   });

@@ -98,14 +98,11 @@ int view(ViewArguments& a) {
     renewed = std::chrono::steady_clock::now();
   };
   const auto result = replay(*recording, a.options);
-  int status = kDone;
+  const int status = result ? exit_status(*result) : print_failure(result.failure());
   if (result) {
     page.live = false;
     show(*result);
     for (const auto& report : result->reports) std::fprintf(stderr, "%s\n", printable(report).c_str());
-    status = exit_status(*result);
-  } else {
-    status = print_failure(result.failure());
   }
   if (!result || a.once) server.stop();
   serving.join();

@@ -8,8 +8,8 @@ namespace odograph {
 
 std::string take_distortion(odo_calibration& calibration, const std::string& model, std::vector<double> k) {
   static const std::set<std::string> kFisheye = {"equidistant", "fisheye", "kannala_brandt", "kannala-brandt4"};
-  static const std::set<std::string> kPolynomial = {"",       "none",           "plumb_bob",           "radtan",
-                                                    "pinhole", "brown-conrady", "rational_polynomial", "radial-tangential"};
+  static const std::set<std::string> kPolynomial = {
+      "", "none", "plumb_bob", "radtan", "pinhole", "brown-conrady", "rational_polynomial", "radial-tangential"};
   const bool fisheye = kFisheye.contains(model);
   if (!fisheye && !kPolynomial.contains(model))
     return "distortion model '" + model.substr(0, 40) +

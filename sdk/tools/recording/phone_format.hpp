@@ -51,6 +51,7 @@ struct Table {
                           ///< the field of the rows
   const char* unix_time = "";  ///< the same time as Unix time, if the app writes it; equal to `time`: there is no other
   TimeUnit unix_unit = TimeUnit::nanoseconds;
+  bool has_unix_time_alone() const { return *unix_time && time == unix_time; }
 };
 
 /// Source of the frame times.

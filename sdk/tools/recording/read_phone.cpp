@@ -131,25 +131,22 @@ class Reading {
     return shift_to_unix();
   }
 
-  /// Converts all times to Unix time if the app writes both clocks; tracks on a map need it. Rows with Unix time alone
-  /// have no place among others without it.
+  /// Converts all times to Unix time if the app writes both clocks; tracks on a map need it.
   Result<bool> shift_to_unix() {
-    const auto unix_alone = [](const Rows& rows) { return *rows.table->unix_time && rows.table->time == rows.table->unix_time; };
     std::vector<int64_t> offsets;
     for (const auto& [stream, rows] : read_)
       for (const Row& row : rows.rows)
-        if (!unix_alone(rows) && row.unix_ns != 0 && is_plausible_time(row.unix_ns - row.t_ns)) offsets.push_back(row.unix_ns - row.t_ns);
-    if (offsets.empty()) {
-      for (auto& [stream, rows] : read_)
-        if (unix_alone(rows) && !rows.rows.empty())
-          missing_[stream] = rows.file.filename().string() + " has Unix time for it, and not for the other sensors", rows.rows.clear();
-      return true;
-    }
+        if (!rows.table->has_unix_time_alone() && row.unix_ns != 0 && is_plausible_time(row.unix_ns - row.t_ns))
+          offsets.push_back(row.unix_ns - row.t_ns);
+    for (auto& [stream, rows] : read_)
+      if (offsets.empty() && rows.table->has_unix_time_alone())
+        missing_[stream] = "in Unix time, which the other sensors lack", rows.rows.clear();
+    if (offsets.empty()) return true;
     const auto middle = offsets.begin() + static_cast<std::ptrdiff_t>(offsets.size() / 2);
     std::nth_element(offsets.begin(), middle, offsets.end());
     for (auto& [stream, rows] : read_)
-      for (Row& row : rows.rows)
-        if (!unix_alone(rows)) row.t_ns += *middle;
+      if (!rows.table->has_unix_time_alone())
+        for (Row& row : rows.rows) row.t_ns += *middle;
     return true;
   }
 

@@ -146,7 +146,8 @@ CASE(entry, "entry.exports", "keeps its functions to itself", 10, 0, .loaded = f
   if (named.size() > kNamed) names += " and " + std::to_string(named.size() - kNamed) + " more";
   const std::string remedy = "; compile with -fvisibility=hidden, which leaves the entry exported";
   if (replaced.empty())
-    return {PluginCheck::Outcome::passed, "note: it exports " + names + ", which a library of the app replaces if it has the same name" + remedy};
+    return {PluginCheck::Outcome::passed,
+            "note: it exports " + names + ", which a library of the app replaces if it has the same name" + remedy};
   return "it exports " + names + ", and calls those of this program instead" + remedy;
 }
 
