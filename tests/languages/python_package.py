@@ -58,6 +58,12 @@ view = np.asarray(pose.p_n)
 view[1] = 7
 assert list(pose.p_n) == [1, 7, 3] and view.ctypes.data == ctypes.addressof(pose) + Pose.p_n.offset and pose.t_ns == 5
 
+# A run that comes to nothing states why, one of steps does not.
+still = odograph.run("odograph: 1\n", path)
+assert "no pose was published: the config has neither a step_estimator nor a vo_frontend" in still.nothing, still.nothing
+assert still.reports[-1] == f"the run came to nothing: {still.nothing}"
+assert not odograph.run("odograph: 1\nattitude: {plugin: attitude/vqf}\nstep_estimator: {plugin: step/odograph}\n", path).nothing
+
 # A recording has a length, can be read twice, and is read as written.
 recording = Recording(path)
 first = list(recording)

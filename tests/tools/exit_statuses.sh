@@ -20,7 +20,7 @@ from math import pi, sin, cos
 HEAD = "t_ns,gyro_x,gyro_y,gyro_z,accel_x,accel_y,accel_z\n"
 
 def imu(folder, *, walks=1, gyro=1, accel=1, unit=1, begin=0, seconds=12):
-    """A walk of 18 steps, or a phone at rest."""
+    """A walk of 17 steps, or a phone at rest."""
     os.makedirs(folder, exist_ok=True)
     with open(folder + "/imu.csv", "w", encoding="utf-8") as file:
         file.write(HEAD)
@@ -55,10 +55,9 @@ imu("walk"), imu("rest", walks=0)
 imu("ms", unit=10**6, begin=1_700_000_000_000), imu("us", unit=1000), imu("degrees", gyro=57.29578)
 imu("g", accel=1 / 9.80665)
 film("film"), film("still", moves=0)
-imu("film_walk"), film("film_walk", frames=110)
-imu("film_rest", walks=0), film("film_rest", moves=0, frames=110)
+imu("film_rest", walks=0), film("film_rest", moves=0, frames=119)
 imu("ahead"), film("ahead", begin=3600 * 10**9)
-imu("drive", walks=0), gnss("drive", 10)
+imu("drive", walks=0), film("drive", frames=60), gnss("drive", 10)
 imu("parked", walks=0), gnss("parked", 0)
 imu("rows"), open("rows/imu.csv", "a", encoding="utf-8").write("x,1,2,3,4,5,6\n")
 os.makedirs("euroc_g/mav0/imu0")
@@ -71,6 +70,7 @@ EOF
 printf 'odograph: 1\n' >empty.yaml
 printf 'odograph: 1\nattitude: {plugin: attitude/vqf}\nstep_estimator: {plugin: step/odograph}\nvo_frontend: {plugin: vo/five_point}\nscale_source: {plugin: scale/step_length}\n' >scale.yaml
 printf 'odograph: 1\nattitude: {plugin: attitude/vqf}\nabsolute_fixers: [{plugin: fix/gnss}]\ncoupling: {type: localizer}\n' >gnss.yaml
+printf 'odograph: 1\nvo_frontend: {plugin: vo/five_point}\nabsolute_fixers: [{plugin: fix/gnss}]\n' >drive.yaml
 printf 'odograph: 1\natitude: {plugin: x}\n' >unknown.yaml
 printf 'odograph: 1\nabsolute_fixers: [{plugin: fix/terrain, parameters: {model: hill.obj}}]\n' >hill.yaml
 
@@ -82,16 +82,17 @@ expect 1 "no inertial samples" "$odograph" run -c "$configs/walk.yaml" -i film -
 expect 1 "in ms (multiply by 1,000,000)" "$odograph" run -i ms -o o
 expect 1 "in ms (multiply by 1,000,000) or us" "$odograph" run -c "$steps" -i us -o o
 expect 1 "Multiply by pi/180" "$odograph" run -i degrees -o o
-expect 1 "all frames were dropped" "$odograph" run -c "$configs/monocular.yaml" -i ahead -o o
-expect 1 "never had a scale in metres" "$odograph" run -c scale.yaml -i film -o o
+expect 1 "all frames were dropped" "$odograph" run -c "$configs/walk.yaml" -i ahead -o o
+expect 1 "no pose moves" "$odograph" run -c scale.yaml -i film -o o
+expect 1 "never had a scale in metres" "$odograph" run -c drive.yaml -i drive -o o
 expect 1 "came to nothing" "$odograph" run -c gnss.yaml -i drive -o o
 expect 1 "came to nothing" "$odograph" view --once --port 0 -c empty.yaml -i walk
-expect 1 "all frames were dropped" "$odograph" view --once --port 0 -c "$configs/monocular.yaml" -i ahead
+expect 1 "all frames were dropped" "$odograph" view --once --port 0 -c "$configs/walk.yaml" -i ahead
 expect 1 "came to nothing" "$odograph" compare "$steps" empty.yaml -i walk
 expect 1 "came to nothing" "$odograph" compare "$steps?step_estimator.plugin=step/weinberg2002" -i us
 expect 1 "came to nothing" "$odograph" steps us
-expect 1 "came to nothing" "$odograph" bench vo ahead -c "$configs/monocular.yaml" --fresh
-expect 1 "came to nothing" "$odograph" bench vo ahead -c "$configs/monocular.yaml"
+expect 1 "came to nothing" "$odograph" bench vo ahead -c "$configs/walk.yaml" --fresh
+expect 1 "came to nothing" "$odograph" bench vo ahead -c "$configs/walk.yaml"
 expect 1 "in g? Multiply by 9.80665" "$odograph" run -i euroc_g -o o
 # A phone at rest, and a track up to scale, are results: 0.
 expect 0 "still" "$odograph" run -i rest -o o
@@ -103,7 +104,7 @@ expect 0 "units" "$odograph" run -c "$configs/monocular.yaml" -i film -o o
 expect 0 "units" "$odograph" compare "$configs/monocular.yaml" -i film
 expect 0 "http" "$odograph" view --once --port 0 -c "$configs/monocular.yaml" -i film
 expect 0 " m, " "$odograph" run -i walk -o o
-expect 0 "18 steps" "$odograph" run -c "$steps" -i walk -o o
+expect 0 "17 steps" "$odograph" run -c "$steps" -i walk -o o
 expect 0 "error rms" "$odograph" compare "$steps" --set walker.height=1.9m -i tiny.odo
 expect 0 "walker.height=1.9m" "$odograph" compare "$steps?walker.height=1.9m" -i tiny.odo
 # Lost or bad input: 3, also where the run came to nothing.
@@ -117,10 +118,11 @@ expect 3 "recording is lost" "$odograph" bench vo flip.odo -c "$configs/monocula
 expect 3 "is no time" "$odograph" run -i rows -o o
 expect 3 "in g?" "$odograph" run -i g -o o
 expect 3 "no such file" "$odograph" run -i nothing -o o
-expect 3 "no such file" "$odograph" eval --ref nothing --est tiny.odo
+expect 3 "cannot be opened" "$odograph" eval --ref nothing --est tiny.odo
 expect 3 "no such file" "$odograph" convert nothing o.odo
 expect 3 "nothing.json: no such file" "$odograph" city check nothing.json
 expect 3 "nothing.so: does not exist" "$odograph" plugin check nothing.so
+expect 0 "share/odograph/samples/configs/city_drive.yaml" "$odograph" city bench --help
 # A wrong command or config: 2.
 expect 2 "--input is required" "$odograph" run
 expect 2 "unknown key 'atitude'" "$odograph" run -c unknown.yaml -i walk -o o
@@ -131,12 +133,12 @@ expect 2 "unknown key 'atitude'" "$odograph" config check unknown.yaml
 expect 2 "tallness" "$odograph" run -i walk -o o --set walker.tallness=1.8m
 expect 2 "tallness" "$odograph" compare "$steps" -i walk --set walker.tallness=1.8m
 expect 2 "tallness" "$odograph" compare "$steps?walker.tallness=1.8m" -i walk
-expect 2 "hill.obj" "$odograph" run -c hill.yaml -i walk -o o
 expect 2 "no file 'hill.obj'" "$odograph" config check hill.yaml --assets .
 expect 0 "no file 'hill.obj'" "$odograph" config check hill.yaml
 expect 2 "unknown alignment" "$odograph" eval --ref tiny.odo --est tiny.odo --align sideways
 expect 2 "" "$odograph" plugin
-# A plugin that fails or is not the one of its manifest: 4.
+# A plugin that fails, refuses its parameters or is not the one of its manifest: 4.
+expect 4 "no file 'hill.obj' beside the config" "$odograph" run -c hill.yaml -i walk -o o
 expect 4 "FAIL" "$odograph" plugin check "$source/README.md"
 mkdir changed
 cp "$(dirname "$odograph")"/../lib/odograph/plugins/step_weinberg2002.* changed

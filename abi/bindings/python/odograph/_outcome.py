@@ -57,10 +57,19 @@ def why_nothing(config: Path, given: Input, result: Any) -> str:
     """Why a run over input with motion came to nothing, with the likeliest reason; "" if it came to something."""
     keys, poses = _keys(config), result.poses
 
-    def because(what: str) -> str:
-        host = [text.removeprefix("host: ") for text in result.reports if text.startswith("host: ")]
+    def likeliest() -> str:
+        for report in result.of(abi.Report):
+            if report["plugin"] == b"host" and report["severity"] >= abi.ODO_SEVERITY_WARNING:
+                return str(report["text"].decode())
+        if not keys & {"vo_frontend", "step_estimator"}:
+            return "the config has neither a step_estimator nor a vo_frontend"
+        if "step_estimator" not in keys and abi.ODO_TYPE_FRAME not in given.types:
+            return "the config has a vo_frontend, and the recording no frames"
         states = result.of(abi.State)
-        return f"{what}: {host[0] if host else (reason_text(int(states['reason'][-1])) if len(states) else '') or 'nothing gave a displacement'}"
+        return (reason_text(int(states["reason"][-1])) if len(states) else "") or "nothing gave a displacement"
+
+    def because(what: str) -> str:
+        return f"{what}: {likeliest()}"
 
     if len(poses) == 0:
         return because("no pose was published")
