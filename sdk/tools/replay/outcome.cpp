@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
+#include "sdk/math/time.hpp"
 #include "sdk/tools/console/console.hpp"
 #include "sdk/tools/text/text.hpp"
 
@@ -49,6 +51,18 @@ bool travels(const Recording& recording) {
   return std::max(high[0] - low[0], high[1] - low[1]) > kParameters.gnss_rad;
 }
 
+/// The time between frames and inertial samples if all frames are after them, negative if all are before; otherwise 0.
+double frames_apart_s(const Recording& recording) {
+  std::optional<int64_t> first_imu, last_imu, first_frame, last_frame;
+  for (const RecordedMessage& each : recording.messages) {  // in the order of time
+    const odo_header& header = each.message.header();
+    if (header.type == ODO_TYPE_IMU) first_imu = first_imu.value_or(header.t_ns), last_imu = header.t_ns;
+    if (header.type == ODO_TYPE_FRAME) first_frame = first_frame.value_or(header.t_ns), last_frame = header.t_ns;
+  }
+  if (!last_imu || !last_frame) return 0;
+  return seconds(std::max<int64_t>(0, *first_frame - *last_imu) + std::min<int64_t>(0, *last_frame - *first_imu));
+}
+
 double extent_m(const StampedPoses& track) {
   double extent = 0;
   for (const StampedPose& pose : track) extent = std::max(extent, (pose.p - track.front().p).norm());
@@ -90,6 +104,10 @@ std::string why_nothing(const Recording& recording, const PipelineConfig& config
   if (result.track.empty()) return because("no pose was published");
   const bool front_end = !config.vo_frontends.empty() && recording.has(ODO_TYPE_FRAME);
   if (front_end && result.statistics.frames == 0) return because("all frames were dropped");
+  const bool uses_imu = !config.attitudes.empty() || !config.step_estimators.empty() || has_metric_front_end(config);
+  if (const double apart_s = frames_apart_s(recording); front_end && uses_imu && apart_s != 0)
+    return text("all frames are %.1f s %s the inertial samples: on another clock?", std::abs(apart_s),
+                apart_s > 0 ? "after" : "before");
   const bool inertial = recording.has(ODO_TYPE_IMU), moves = holds_motion(recording);
   if (inertial && !moves) return {};
   if (extent_m(result.track) < kParameters.moved_m)
