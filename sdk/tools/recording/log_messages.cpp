@@ -83,11 +83,12 @@ void read_place(LogFields& in, LoggedMessage& out) {
 /// K is fx 0 cx 0 fy cy 0 0 1; all zero for an uncalibrated camera.
 void take_lens(uint32_t width, uint32_t height, const std::string& model, const std::vector<double>& d,
                const double (&k)[9], LoggedMessage& out) {
+  if (k[0] == 0) return;
   auto c = make_message<odo_calibration>(ODO_TYPE_CALIBRATION, 0);
   c.width = width, c.height = height;
   c.fx = k[0], c.fy = k[4], c.cx = k[2], c.cy = k[5];
   out.lens_fault = take_distortion(c, model, d);
-  take_message(c.header, out);
+  if (out.lens_fault.empty()) take_message(c.header, out);
 }
 
 void read_lens(LogFields& in, LoggedMessage& out) {

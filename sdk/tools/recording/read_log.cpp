@@ -100,11 +100,14 @@ class LogReading {
       t.pictures.emplace_back(t_ns, place);
       return true;
     }
+    if (!message->lens_fault.empty()) {
+      t.type = ODO_TYPE_CALIBRATION, t.lens_fault = message->lens_fault;
+      return true;
+    }
     odo_header& header = message->message.header();
     if (header.type == 0) return true;
     header.t_ns = t_ns;
     t.type = header.type;
-    t.lens_fault = message->lens_fault;
     if (t.type == ODO_TYPE_IMU)
       t.gyro += (header.flags & ODO_IMU_GYRO) != 0, t.accel += (header.flags & ODO_IMU_ACCEL) != 0;
     if (t.type == ODO_TYPE_CALIBRATION && !t.messages.empty()) return true;  // it is repeated with every picture
