@@ -7,6 +7,7 @@
 
 #include <opencv2/imgcodecs.hpp>
 
+#include "sdk/host/base/nearest.hpp"
 #include "sdk/math/scalar.hpp"
 #include "sdk/tools/recording/frame_clock.hpp"
 #include "sdk/tools/recording/phone_format.hpp"
