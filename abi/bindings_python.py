@@ -50,6 +50,8 @@ class Message(c.Structure):
     def __setattr__(self, name, value):
         if name in self.HEAD:
             setattr(self.header, name, value)
+        elif isinstance(value, str):
+            super().__setattr__(name, value.encode())
         elif isinstance(getattr(self, name), c.Array) and not isinstance(value, (bytes, c.Array)):
             getattr(self, name)[:] = value
         else:

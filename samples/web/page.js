@@ -20,6 +20,11 @@ const HELP = [
   [/^\/recording|no recording|not a recording|ODOREC/i, 'Choose a file that Odograph wrote (*.odo). Other recordings become one by “odograph convert”.'],
 ];
 
+const LIBRARY_MISSING = 'The folder odograph beside this page has to hold the package of “packaging/targets wasm”, and the server to deliver it.';
+const BROWSER_TOO_OLD = 'A browser of 2022 or later is needed (WebAssembly with SIMD and exceptions).';
+/** A module with a v128 local and an exception tag. */
+const EXCEPTIONS = new Uint8Array([0, 97, 115, 109, 1, 0, 0, 0, 1, 4, 1, 96, 0, 0, 3, 2, 1, 0, 13, 3, 1, 0, 0, 10, 6, 1, 4, 1, 1, 123, 11]);
+
 const worker = new Worker('worker.js', {type: 'module'});
 const overlay = new Overlay($('picture'));
 let view, live = null;
@@ -117,6 +122,7 @@ function correct({q_n, p_n}) {
 function showPicture(report) {
   report.corrections.forEach(correct);
   const {pose} = report;
+  view.reason = report.reason;
   if (report.bitmap) {
     view.bitmap?.close();
     view.bitmap = report.bitmap;
@@ -189,20 +195,22 @@ const HANDLERS = {
     $('loading').textContent = `Version ${version}. Ready.`;
     $('live').disabled = $('file').disabled = false;
   },
-  failed({text}) { $('loading').textContent = `The library could not be loaded: ${text}. A browser of 2022 or later is needed (WebAssembly with SIMD and exceptions).`; },
+  failed({text}) { $('loading').textContent = `The library could not be loaded: ${text}. ${WebAssembly.validate(EXCEPTIONS) ? LIBRARY_MISSING : BROWSER_TOO_OLD}`; },
   picture: showPicture,
   marks({marks}) { view.marks = marks, draw(); },
   end(report) {
     view.ended = true;
     window.dispatchEvent(new CustomEvent('odograph-end', {detail: report}));
     if (report.loss) note(report.loss, true);
+    if (!report.statistics.frames) note(`No picture was used: ${view.reason || 'the recording has none, or none with a lens and inertial samples'}.`, true);
+    else if (!view.metric) note(`The poses never had a scale in metres: ${view.reason || 'walk some steps, and turn'}.`, true);
     note(`End of the recording. ${report.statistics.frames} pictures in ${(report.took_ms / 1e3).toFixed(1)} s.`);
     $('pause').hidden = true;
   },
   error({text}) { fail(text); },
 };
 worker.onmessage = ({data}) => HANDLERS[data.type](data);
-worker.onerror = event => fail(event.message || 'The worker could not be started: this browser has no module workers. A browser of 2022 or later is needed.');
+worker.onerror = event => fail(event.message || `The worker could not be started. ${LIBRARY_MISSING} Or this browser has no module workers: one of 2023 or later has them.`);
 
 $('live').addEventListener('click', goLive);
 $('file').addEventListener('change', () => { if ($('file').files[0]) openFile($('file').files[0]); $('file').value = ''; });

@@ -3,6 +3,7 @@
 // Anchors through the C API.
 #include <Eigen/Geometry>
 #include <odograph/anchor.h>
+#include <odograph/odograph.hpp>
 
 #include "tests/support/session_app.hpp"
 
@@ -96,6 +97,16 @@ TEST_CASE("an anchor is seen where it was placed, in n and in the view, at the r
   const Quaterniond q_later(pose.q_n[0], pose.q_n[1], pose.q_n[2], pose.q_n[3]);
   CHECK((Vector3d(pose.p_n) + q_later * Vector3d(later.p_view) - Vector3d(later.p_n)).norm() < 1e-9);
   CHECK(later.view_sigma_m > get(app, make(app, place(ODO_ANCHOR_VIEW, ahead))).view_sigma_m);
+}
+
+TEST_CASE("in C++ an anchor before the first pose is an empty optional, and no id") {
+  odo::Session session(odo::Options().text("odograph: 1\n"));
+  CHECK_FALSE(session.try_create_anchor(place(ODO_ANCHOR_VIEW)));
+  CHECK(session.create_anchor(place(ODO_ANCHOR_VIEW)) == 0);
+  CHECK(session.anchors().empty());
+  CHECK_THROWS_AS(session.try_create_anchor(place(99)), odo::Error);
+  odo_anchor_place north = place(ODO_ANCHOR_GEODETIC);
+  CHECK(session.try_create_anchor(north) == std::optional<uint64_t>(1));  // it waits for n's origin
 }
 
 TEST_CASE("a fix at the end of a walk moves each anchor by its own share, not by the newest correction") {

@@ -35,12 +35,14 @@ with Session(config) as session:
     assert session.pose() is None
 refused(session.flush, "closed")
 
-# Texts of events are bytes, not arrays of single ones.
+# Texts of events are bytes, not arrays of single ones; they take strings too.
 report = odograph.Report()
-report.plugin, report.text = b"acme/vo", b"out of light"
+report.plugin, report.text = "acme/vo", b"out of light"
+assert report.plugin == b"acme/vo"
 reported = odograph.Run({odograph.Report: bytearray(bytes(report))}, odograph.Statistics())
 assert reported.reports == ["acme/vo: out of light"], reported.reports
 assert {"run", "Session", "Recording", "Pose", "ODO_POSE_METRIC"} <= set(odograph.__all__)
+assert all(hasattr(odograph, name) for name in odograph.__all__)  # of "from odograph import *"
 
 # A callback's exception is raised by push.
 def fail(_):
@@ -55,6 +57,12 @@ pose = Pose(t_ns=5, p_n=(1, 2, 3))
 view = np.asarray(pose.p_n)
 view[1] = 7
 assert list(pose.p_n) == [1, 7, 3] and view.ctypes.data == ctypes.addressof(pose) + Pose.p_n.offset and pose.t_ns == 5
+
+# A run that comes to nothing states why, one of steps does not.
+still = odograph.run("odograph: 1\n", path)
+assert "no pose was published: the config has neither a step_estimator nor a vo_frontend" in still.nothing, still.nothing
+assert still.reports[-1] == f"the run came to nothing: {still.nothing}"
+assert not odograph.run("odograph: 1\nattitude: {plugin: attitude/vqf}\nstep_estimator: {plugin: step/odograph}\n", path).nothing
 
 # A recording has a length, can be read twice, and is read as written.
 recording = Recording(path)

@@ -7,6 +7,7 @@
 
 #include <opencv2/imgcodecs.hpp>
 
+#include "sdk/host/base/nearest.hpp"
 #include "sdk/math/scalar.hpp"
 #include "sdk/tools/recording/frame_clock.hpp"
 #include "sdk/tools/recording/phone_format.hpp"
@@ -252,6 +253,36 @@ TEST_CASE("what an app leaves out of a fix is unknown, not zero or the previous 
     CHECK(fix.latitude_rad == doctest::Approx(48.85 / kDeg_per_rad));
     CHECK(fix.header.flags == ODO_GNSS_POSITION);  // no height, no covariance
   }
+}
+
+TEST_CASE("GnssLogger's older columns are read, with Unix time alone where the sensors have it too") {
+  const TemporaryFolder folder;
+  apps()[10].write(walk(false), folder / "out");
+  const fs::path file = fs::directory_iterator(folder / "out")->path();
+  const auto fixes = [&] { return messages_of<odo_gnss>(read(file), ODO_TYPE_GNSS); };
+  const auto now = fixes();
+  std::string text = read_text(file), old;
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) {
+    if (line.starts_with("# Fix,")) line = "# Fix,Provider,Latitude,Longitude,Altitude,Speed,Accuracy,(UTC)TimeInMs";
+    if (line.starts_with("Fix,")) {
+      const auto fields = split(line, ',');
+      line = "Fix,gps," + fields[2] + "," + fields[3] + "," + fields[4] + "," + fields[5] + "," + fields[6] + "," +
+             fields[8];
+    }
+    old += line + "\n";
+  }
+  write_text(file, old);
+  const auto older = fixes();
+  REQUIRE(older.size() == now.size());
+  for (size_t i = 0; i < now.size(); ++i) {
+    CHECK(older[i].latitude_rad == now[i].latitude_rad);
+    CHECK(std::abs(older[i].header.t_ns - now[i].header.t_ns) <= 1'000'000);
+  }
+  for (size_t at; (at = old.find("utcTimeMillis")) != std::string::npos;) old.replace(at, 13, "other");
+  write_text(file, old);
+  CHECK(fixes().empty());
+  CHECK(warns(read(file), "GNSS (in Unix time, which the other sensors lack)"));
 }
 
 TEST_CASE("the platform's own poses are the reference, converted to our axes") {

@@ -4,6 +4,7 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "sdk/math/rotation.hpp"
+#include "sdk/tools/recording/distortion.hpp"
 #include "sdk/tools/recording/kalibr.hpp"
 #include "sdk/tools/recording/mcap_writer.hpp"
 #include "sdk/tools/recording/odo_file.hpp"
@@ -319,6 +320,56 @@ TEST_CASE("a log's transforms are the camera's mount; a frame without a name is 
     CHECK(recording.guessed.mount != row.given);
     if (row.given) check_list(first<odo_calibration>(recording, ODO_TYPE_CALIBRATION).p_b_c, {1, 2, 3});
   }
+}
+
+TEST_CASE("a distortion is used whole or refused, never read as none") {
+  struct Row {
+    std::string model;
+    std::vector<double> k;
+    uint32_t used;  // coefficients; 9: refused
+  };
+  const Row rows[] = {
+      {"", {}, 0},
+      {"radtan", {-0.3}, 4},
+      {"plumb_bob", {-0.3, 0.1, 0, 0, 0.2}, 5},
+      {"rational_polynomial", {-0.3, 0.1, 0, 0, 0.2, 1}, 8},
+      {"rational_polynomial", {-0.3, 0.1, 0, 0, 0.2, 1, 2, 3, 0, 0, 0, 0, 0, 0}, 8},
+      {"rational_polynomial", {-0.3, 0.1, 0, 0, 0.2, 1, 2, 3, 0, 0, 1e-3, 0}, 9},
+      {"equidistant", {0.1, 0.2, 0.3, 0.4}, 4},
+      {"equidistant", {0.1, 0.2}, 4},
+      {"equidistant", {0.1, 0.2, 0.3, 0.4, 0.5}, 9},
+      {"fov", {0.93}, 9},
+      {"thin_prism_fisheye", {0.1}, 9},
+  };
+  for (const Row& row : rows) {
+    CAPTURE(row.model);
+    odo_calibration c{};
+    const std::string fault = take_distortion(c, row.model, row.k);
+    CHECK(fault.empty() == (row.used < 9));
+    if (!fault.empty()) continue;
+    CHECK(c.distortion_count == row.used);
+    CHECK(c.model == (row.model == "equidistant" ? ODO_CAMERA_KANNALA_BRANDT : ODO_CAMERA_PINHOLE));
+    check_list(c.distortion, {row.k.empty() ? 0 : row.k[0], row.k.size() > 1 ? row.k[1] : 0});
+  }
+}
+
+TEST_CASE("a log whose CameraInfo has another distortion model asks for a camera.yaml") {
+  const TemporaryFolder folder;
+  auto writer = required(McapWriter::create(folder / "log.mcap", ""));
+  const auto write = [&](const std::string& topic, const std::string& type, const std::string& json) {
+    (*writer)->write((*writer)->add({topic, "json", type, "jsonschema", "{}"}), 100'000'000'000, json);
+  };
+  const std::string head = R"({"header":{"stamp":{"sec":100,"nanosec":0},"frame_id":"c"},)";
+  write("/camera_info", "sensor_msgs/msg/CameraInfo",
+        head + R"("height":1,"width":2,"distortion_model":"fov","d":[0.9],"k":[2,0,1,0,2,0.5,0,0,1]})");
+  write("/camera", "sensor_msgs/msg/Image",
+        head + R"("height":1,"width":2,"encoding":"mono8","is_bigendian":0,"step":2,"data":"AAA="})");
+  REQUIRE((*writer)->finish().ok());
+  const auto refused = read_recording(folder / "log.mcap");
+  REQUIRE_FALSE(refused.ok());
+  CHECK(contains(refused.failure().text, "/camera_info: distortion model 'fov'"));
+  write_text(folder / "camera.yaml", "model: pinhole\nwidth: 2\nheight: 1\nfx: 2\nfy: 2\ncx: 1\ncy: 0.5\n");
+  CHECK(read_recording(folder / "log.mcap").ok());
 }
 
 TEST_CASE("Kalibr's mount is read in either direction, and no time shift is dropped") {

@@ -200,6 +200,9 @@ TEST_CASE("impossible calibrations are errors with their location") {
       {"[1,0,0,0,", "[2,0,0,0,", "sensor.yaml:5:9: T_BS: its 3 x 3 part is no rotation"},
       {"[1,0,0,0,", "[1,0,0,", "data: expected a list of 16 numbers"},
       {"0.07", "many", "distortion_coefficients: 'many'; expected a number"},
+      {"radial-tangential", "fov", "distortion model 'fov'; expected radial-tangential or equidistant"},
+      {"0.07", "0.07, 1, 2, 3, 4, 5, 6", "with 10 coefficients; expected at most 8"},
+      {"sensor_type: camera", "camera_model: omni", "camera_model 'omni'; expected pinhole"},
   };
   for (const Case& c : cases) {
     Euroc euroc;

@@ -121,6 +121,7 @@ expect 3 "no such file" "$odograph" calibrate --imu nothing -o c4
 expect 3 "--squares" "$odograph" calibrate tiny.odo
 expect 0 "worst: focal length" "$odograph" bench calibrate --seeds 1 --pictures 12 --keep boards
 expect 0 "'camera: FILE'" "$odograph" calibrate boards/pinhole_s1 -o c
+expect 3 "not inner corners: they show 10x7" "$odograph" calibrate boards/pinhole_s1 -o c --squares 9x6
 : >film.mp4
 expect 3 "not a video" "$odograph" calibrate film.mp4 -o c3
 printf 'odograph: 1\ncamera: c/camera.yaml\nvo_frontend: {plugin: vo/five_point}\n' >own_camera.yaml

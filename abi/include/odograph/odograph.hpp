@@ -145,11 +145,17 @@ class Session {
     return error.status == ODO_OK ? std::string() : std::string(error.message);
   }
 
-  uint64_t create_anchor(odo_anchor_place place, std::string_view name = {}) {
+  /// Empty while the position of the phone is unknown (ODO_NOT_READY): try again after the first poses.
+  std::optional<uint64_t> try_create_anchor(odo_anchor_place place, std::string_view name = {}) {
     uint64_t id = 0;
     place.struct_size = sizeof place, place.name = str(name);
-    check(odo_anchor_create(c(), &place, &id));
-    return id;
+    const int32_t status = odo_anchor_create(c(), &place, &id);
+    check(status);
+    return status == ODO_NOT_READY ? std::nullopt : std::optional<uint64_t>(id);
+  }
+  /// 0, which is no anchor's id, where try_create_anchor() is empty.
+  uint64_t create_anchor(const odo_anchor_place& place, std::string_view name = {}) {
+    return try_create_anchor(place, name).value_or(0);
   }
   odo_anchor anchor(uint64_t id, uint32_t world = ODO_WORLD_CORRECTED, int64_t t_ns = ODO_TIME_LATEST) const {
     auto anchor = sized<odo_anchor>();

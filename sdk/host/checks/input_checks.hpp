@@ -18,7 +18,7 @@ namespace odograph {
 class InputChecks {
  public:
   struct Parameters {
-    int64_t too_dense_ns = 20'000;        ///< mean interval of an inertial sensor: 50 kHz; phones give up to 1 kHz
+    int64_t too_dense_ns = 50'000;        ///< mean interval of an inertial sensor: 20 kHz; phones give 25 Hz to 1 kHz
     int64_t too_sparse_ns = 150'000'000;  ///< 7 Hz, at which a step has three samples
     int dense_samples = 100, sparse_samples = 10;  ///< in a row
     /// Of a frame's time after that of the newest inertial sample pushed, by 20 frames in a row: sensors deliver in

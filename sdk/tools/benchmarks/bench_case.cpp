@@ -4,9 +4,12 @@
 #include <algorithm>
 #include <cstdio>
 
-#include "sdk/host/base/nearest.hpp"
+#include "sdk/host/base/printable.hpp"
+#include "sdk/host/platform/library.hpp"
 #include "sdk/tools/console/console.hpp"
+#include "sdk/tools/replay/outcome.hpp"
 #include "sdk/tools/replay/recording_cache.hpp"
+#include "sdk/tools/replay/replayed.hpp"
 
 namespace odograph {
 
@@ -44,6 +47,14 @@ void add_common(CLI::App& command, Benchmark& b) {
   command.add_flag("--json", o.json, "print the rows as JSON");
 }
 
+/// Why a run is no measurement; empty if it is one. A run that ends lost is one.
+std::string fault_of(const RunResult& result) {
+  if (const uint64_t faults = result.statistics.plugin_faults; faults > 0)
+    return text("plugins failed %llu times", static_cast<unsigned long long>(faults));
+  if (!result.nothing.empty()) return "the run came to nothing: " + result.nothing;
+  return result.loss.any() ? "a part of the recording is lost" : "";
+}
+
 int run(Benchmark& b) {
   if (b.options.sensors) b.qualities = sensor_qualities();
   const auto cases = b.cases();
@@ -51,18 +62,31 @@ int run(Benchmark& b) {
   const auto rows = rows_of(b, *cases);
   if (!rows) return print_failure(rows.failure());
   const BenchReport report = b.report(*rows);
+  int status = kDone;
+  for (const Json& row : *rows) {
+    if (!row.contains("_fault")) continue;
+    std::fprintf(stderr, "%s\n", printable(row["_fault"]["text"].get<std::string>()).c_str());
+    status = std::max(status, row["_fault"]["status"].get<int>());
+  }
   const std::string json =
       b.options.json ? (report.json.is_null() ? visible_rows(*rows) : report.json).dump(2) + '\n' : "";
   std::fputs((b.options.json ? json : report.text).c_str(), stdout);
-  return kDone;
+  return status;
 }
 
 }  // namespace
 
+std::string sample_file(const std::string& name) {
+  const std::string here = "samples/" + name;
+  const fs::path installed = own_file().parent_path().parent_path() / "share/odograph" / here;
+  std::error_code error;
+  return !fs::exists(here, error) && fs::exists(installed, error) ? installed.string() : here;
+}
+
 Benchmark::Benchmark(std::string its_name, std::string its_about, unsigned its_offers,
                      const std::vector<std::string>& configs)
     : name(std::move(its_name)), about(std::move(its_about)), offers(its_offers) {
-  for (const std::string& config : configs) options.configs.push_back("samples/configs/" + config + ".yaml");
+  for (const std::string& config : configs) options.configs.push_back(sample_file("configs/" + config + ".yaml"));
 }
 
 Result<fs::path> Benchmark::simulated_recording(const fs::path& scenario, uint64_t seed) const {
@@ -103,16 +127,8 @@ Result<std::vector<BenchCase>> Benchmark::cases() {
     for (size_t v = 0; v < variants.size(); ++v)
       for (const std::string& config : (offers & kConfigs) ? options.configs : std::vector<std::string>{""}) {
         BenchCase one = thing;
-        const size_t query = std::min(config.find('?'), config.size());
-        std::vector<std::string> set = options.set;
-        if (query < config.size())
-          for (std::string& value : split(config.substr(query + 1), '&')) set.push_back(std::move(value));
-        for (size_t i = 0; i < set.size(); ++i) {  // the entries that the recording requires come last
-          const auto value = parse_override(set[i]);
-          if (!value) return value.failure();
-          one.run.overrides.insert(one.run.overrides.begin() + static_cast<std::ptrdiff_t>(i), *value);
-        }
-        one.run.config = config.substr(0, query), one.variant = v;
+        if (const auto chosen = choose_config(one.run, config, options.set); !chosen) return chosen.failure();
+        one.variant = v;
         if (!variants[v].empty()) one.labels[variant_label] = variants[v];
         if (!config.empty()) one.labels["config"] = config;
         if (const auto done = complete(one); !done) return done.failure();
@@ -135,7 +151,12 @@ Result<Json> Benchmark::measure_recording(const BenchCase& one, const Recording&
   RunOptions run = one.run;
   run.collect_attitudes = true;
   const auto result = replay(recording, run);
-  return result ? measure_replay(one, recording, *result) : result.failure();
+  if (!result) return result.failure();
+  auto row = measure_replay(one, recording, *result);
+  if (const std::string text = fault_of(*result); row && !text.empty())
+    (*row)["_fault"] = {{"status", exit_status(*result)},
+                        {"text", recording.path.string() + ", " + run.config + ": " + text}};
+  return row;
 }
 
 Result<Json> Benchmark::measure_replay(const BenchCase&, const Recording&, const RunResult&) const { return Json(); }

@@ -28,9 +28,12 @@ struct BenchCase {
   std::string scenario{};  ///< from which its recording is simulated
 };
 
+/// Path of a file of samples/: in the current folder, otherwise as installed beside the program's folder.
+std::string sample_file(const std::string& name);
+
 /// Options common to all benchmarks; `Offers` selects those that a benchmark has.
 struct BenchOptions {
-  std::vector<std::string> configs, set, recordings, scenarios{"samples/scenarios/street_short.yaml"};
+  std::vector<std::string> configs, set, recordings, scenarios{sample_file("scenarios/street_short.yaml")};
   std::string folder, keep = "out/bench";
   uint64_t seeds = 1, first_seed = 1;
   size_t jobs = 1;

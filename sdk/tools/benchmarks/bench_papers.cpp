@@ -46,7 +46,8 @@ struct Walk700 : Benchmark {
                   "The 0.7 km walk of Antigny et al. 2019, simulated: their Table 5, adaptive beside fixed step length",
                   kConfigs | kQuick | kSimulated, {"antigny2019", "antigny2019_fixed_step", "phone_walk_camera"}) {
     options.scenarios.clear();
-    for (const char* walker : kWalkers) options.scenarios.push_back(text("samples/scenarios/walk700_%s.yaml", walker));
+    for (const char* walker : kWalkers)
+      options.scenarios.push_back(sample_file(text("scenarios/walk700_%s.yaml", walker)));
     quick_m = 120;
   }
 
@@ -129,7 +130,7 @@ struct Drive : Benchmark {
                   "first config is the baseline",
                   kConfigs | kQuick | kSimulated | kByConfig,
                   {"gakne2018_vo", "gakne2018", "monocular", "city_drive"}) {
-    options.scenarios = {"samples/scenarios/drive_downtown.yaml"};
+    options.scenarios = {sample_file("scenarios/drive_downtown.yaml")};
     quick_m = 300;
   }
   void add_options(CLI::App& command) override {

@@ -22,6 +22,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr size_t kMostViews = 60;  // of which a lens is estimated
+constexpr size_t kTried = 10;      // pictures in which a board of another size is looked for
 
 struct CalibrateArguments {
   BoardOptions options;
@@ -92,6 +93,15 @@ std::vector<BoardView> max_different(std::vector<BoardView> views, cv::Size size
   std::vector<BoardView> out;
   for (const size_t i : taken) out.push_back(std::move(views[i]));
   return out;
+}
+
+/// The number of inner corners, as other programs state it, in place of that of the squares.
+std::string hint_of_inner_corners(std::vector<PictureSource> sources, Board board) {
+  sources.resize(std::min(sources.size(), kTried));
+  ++board.columns, ++board.rows;
+  const auto seen = look(sources, board);
+  if (!seen || seen->views.empty()) return "";
+  return text("; --squares counts squares, not inner corners: they show %dx%d", board.columns, board.rows);
 }
 
 std::string figures_of(const LensCalibration& c) {
@@ -167,7 +177,8 @@ int calibrate(const CalibrateArguments& a) {
     failure.text = "calibrate: " + failure.text;
     if (2 * seen->views.size() < seen->pictures)
       failure.text += "; looked for " + a.options.kind + " " + a.options.squares +
-                      " (--board, --squares, --family) in " + std::to_string(seen->pictures) + " pictures";
+                      " (--board, --squares, --family) in " + std::to_string(seen->pictures) + " pictures" +
+                      hint_of_inner_corners(sources, *board);
     return print_failure(failure);
   }
   const auto warnings = warnings_about(*found);

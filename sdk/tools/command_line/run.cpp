@@ -11,6 +11,7 @@
 #include "sdk/tools/page/run_page.hpp"
 #include "sdk/tools/replay/default_config.hpp"
 #include "sdk/tools/replay/guessed_camera.hpp"
+#include "sdk/tools/replay/outcome.hpp"
 
 namespace odograph {
 namespace {
@@ -70,8 +71,8 @@ void print(const RunArguments& a, const Recording& recording, const RunResult& r
     return;
   }
   const odo_statistics& s = result.statistics;
-  std::printf("%s: %s, %zu poses, %.2f m, %llu steps, %llu frames; tracking %.1f s, degraded %.1f s, lost %.1f s\n",
-              a.input.c_str(), recording.format.c_str(), result.track.size(), s.distance_m,
+  std::printf("%s: %s, %zu poses, %s, %llu steps, %llu frames; tracking %.1f s, degraded %.1f s, lost %.1f s\n",
+              a.input.c_str(), recording.format.c_str(), result.track.size(), distance_text(result).c_str(),
               static_cast<unsigned long long>(s.steps), static_cast<unsigned long long>(s.frames), s.tracking_s,
               s.degraded_s, s.lost_s);
   if (s.scale_sigma > 0)
@@ -101,8 +102,7 @@ int run(RunArguments& a) {
   }
   check_guesses(*recording);
   if (const auto chosen = choose_config(a, *recording); !chosen) return print_failure(chosen.failure());
-  const bool inertial = recording->has(ODO_TYPE_IMU);
-  if (!inertial)
+  if (!recording->has(ODO_TYPE_IMU))
     std::fprintf(stderr,
                  "%s: contains no inertial samples, which steps and vo/odograph need; from pictures alone, "
                  "samples/configs/monocular.yaml gives a track up to scale\n",
@@ -128,15 +128,10 @@ int run(RunArguments& a) {
   for (const auto& report : result->reports) std::fprintf(stderr, "%s\n", printable(report).c_str());
   if (!result->state_failure.empty()) std::fprintf(stderr, "%s\n", printable(result->state_failure).c_str());
   print(a, *recording, *result);
-  if (!result->state_failure.empty()) return kBadData;
-  const bool stood = !inertial && result->statistics.distance_m == 0;
-  const bool lost = !result->nothing.empty() || result->final_state == ODO_LOST || stood;
-  if (const uint64_t faults = result->statistics.plugin_faults; faults > 0) {
+  if (const uint64_t faults = result->statistics.plugin_faults; faults > 0)
     std::fprintf(stderr, "plugins failed %llu times; the results are written\n",
                  static_cast<unsigned long long>(faults));
-    return kPluginFailure;
-  }
-  return exit_status(result->loss, lost ? kLostTracking : kDone);
+  return exit_status(*result);
 }
 
 }  // namespace

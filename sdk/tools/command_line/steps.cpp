@@ -6,11 +6,12 @@
 #include <nlohmann/json.hpp>
 
 #include "sdk/host/base/output_file.hpp"
+#include "sdk/host/base/printable.hpp"
 #include "sdk/host/platform/temporary_folder.hpp"
 #include "sdk/math/scalar.hpp"
 #include "sdk/math/time.hpp"
 #include "sdk/tools/command_line/commands.hpp"
-#include "sdk/tools/replay/runner.hpp"
+#include "sdk/tools/replay/outcome.hpp"
 
 namespace odograph {
 namespace {
@@ -99,7 +100,8 @@ int steps(const StepsArguments& a) {
       std::printf("truth: %zu steps, %.1f m\n", recording->true_steps.size(), walked);
     }
   }
-  return exit_status(result->loss, kDone);
+  for (const auto& report : result->reports) std::fprintf(stderr, "%s\n", printable(report).c_str());
+  return exit_status(*result);
 }
 
 }  // namespace

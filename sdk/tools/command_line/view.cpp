@@ -10,6 +10,7 @@
 #include "sdk/host/base/printable.hpp"
 #include "sdk/tools/command_line/commands.hpp"
 #include "sdk/tools/page/run_page.hpp"
+#include "sdk/tools/replay/outcome.hpp"
 
 // After Eigen, because a macro of the resolver's header, which this one includes, clashes with Eigen's parameter names.
 #include <httplib.h>
@@ -97,17 +98,15 @@ int view(ViewArguments& a) {
     renewed = std::chrono::steady_clock::now();
   };
   const auto result = replay(*recording, a.options);
-  int status = kDone;
+  const int status = result ? exit_status(*result) : print_failure(result.failure());
   if (result) {
     page.live = false;
     show(*result);
     for (const auto& report : result->reports) std::fprintf(stderr, "%s\n", printable(report).c_str());
-  } else {
-    status = print_failure(result.failure());
   }
   if (!result || a.once) server.stop();
   serving.join();
-  return result && !result->nothing.empty() ? int{kLostTracking} : status;
+  return status;
 }
 
 }  // namespace

@@ -86,8 +86,10 @@ class PageOfRun {
       out = text("%.2f m rms from the truth, %.2f %% of the path of %.1f m", aligned_.rms_m(),
                  100 * aligned_.rms_m() / std::max(1e-9, path_m), path_m);
     else
-      out = text("%.1f m of path", path_m);
-    if (!aligned_.metric) out += ", its scale fitted to the truth";
+      out = text(aligned_.metric || !recording_.truth.empty() ? "%.1f m of path"
+                                                              : "%.1f units of path, without a scale in metres",
+                 path_m);
+    if (!aligned_.metric && !aligned_.error_m.empty()) out += ", its scale fitted to the truth";
     if (s.scale_sigma > 0) out += text("; metric scale known to %.1f %%", 100 * s.scale_sigma);
     if (s.tracking_s + s.degraded_s + s.lost_s > 0)
       out += text("; tracking for %.1f of %.1f s", s.tracking_s, s.tracking_s + s.degraded_s + s.lost_s);

@@ -10,6 +10,7 @@
 
 #include "sdk/host/config/camera_yaml.hpp"
 #include "sdk/math/rotation.hpp"
+#include "sdk/tools/recording/distortion.hpp"
 #include "sdk/tools/recording/kalibr.hpp"
 #include "sdk/tools/recording/phone_camera.hpp"
 #include "sdk/tools/recording/protobuf_fields.hpp"
@@ -51,7 +52,6 @@ Result<bool> from_calibration_json(const fs::path& file, CameraFacts& facts) {
   const Json& camera = whole["cameras"][0];
   odo_calibration& c = facts.calibration;
   const std::string model = camera.value("model", Json("pinhole")).is_string() ? camera.value("model", "pinhole") : "";
-  c.model = model == "kannala-brandt4" ? ODO_CAMERA_KANNALA_BRANDT : ODO_CAMERA_PINHOLE;
   if (model != "kannala-brandt4" && model != "pinhole" && model != "brown-conrady")
     return wrong("model '" + model.substr(0, 40) + "'; expected pinhole, brown-conrady or kannala-brandt4");
   c.fx = number_in(camera, "focalLengthX"), c.fy = number_in(camera, "focalLengthY");
@@ -64,9 +64,7 @@ Result<bool> from_calibration_json(const fs::path& file, CameraFacts& facts) {
   if (const auto found = camera.find("distortionCoefficients"); found != camera.end() && found->is_array())
     for (const Json& one : *found) k.push_back(one.is_number() ? one.get<double>() : std::nan(""));
   if (model == "pinhole" && k.size() == 3) k = {k[0], k[1], 0, 0, k[2]};  // radial only
-  c.distortion_count = k.size() >= 8 ? 8 : k.size() >= 5 ? 5 : k.size() == 4 ? 4 : 0;
-  if (c.model == ODO_CAMERA_KANNALA_BRANDT) c.distortion_count = std::min<uint32_t>(c.distortion_count, 4);
-  std::copy_n(k.begin(), c.distortion_count, c.distortion);
+  if (const std::string fault = take_distortion(c, model, k); !fault.empty()) return wrong(fault);
   facts.has_lens = true;
   const auto mount = camera.find("imuToCamera");
   double T[12];
@@ -139,6 +137,9 @@ void from_protobuf(const fs::path& file, CameraFacts& facts, std::vector<std::st
       const double k[5] = {distortion[0], distortion[1], distortion[3], distortion[4], distortion[2]};
       std::copy_n(k, 5, c.distortion);
       c.distortion_count = 5;
+    } else if (!distortion.empty()) {
+      warnings.push_back(std::to_string(distortion.size()) +
+                         " distortion coefficients, which are not used; expected 5: put a camera.yaml beside");
     }
     facts.has_lens = true, facts.frames_have_lens = false;
   }

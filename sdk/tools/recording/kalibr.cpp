@@ -7,6 +7,7 @@
 
 #include "sdk/host/config/spec.hpp"
 #include "sdk/math/time.hpp"
+#include "sdk/tools/recording/distortion.hpp"
 #include "sdk/tools/recording/phone_camera.hpp"
 
 namespace odograph {
@@ -65,7 +66,6 @@ Result<odo_calibration> read_camchain(const std::filesystem::path& path) {
   if (distortion != "radtan" && distortion != "equidistant" && distortion != "none")
     return refused("distortion_model", "radtan, equidistant or none");
   auto c = make_message<odo_calibration>(ODO_TYPE_CALIBRATION, 0);
-  c.model = distortion == "equidistant" ? ODO_CAMERA_KANNALA_BRANDT : ODO_CAMERA_PINHOLE;
   const auto lens = numbers(file, *camera, "intrinsics", 4), size = numbers(file, *camera, "resolution", 2);
   const auto k = numbers(file, *camera, "distortion_coeffs", 4, distortion != "none");
   const char* mount_key = camera->find("T_cam_imu") ? "T_cam_imu" : "T_imu_cam";
@@ -78,8 +78,8 @@ Result<odo_calibration> read_camchain(const std::filesystem::path& path) {
   if (!((*size)[0] >= 1 && (*size)[0] <= 16384 && (*size)[1] >= 1 && (*size)[1] <= 16384))
     return refused("resolution", "1 to 16384 pixels");
   c.width = static_cast<uint32_t>((*size)[0]), c.height = static_cast<uint32_t>((*size)[1]);
-  c.distortion_count = static_cast<uint32_t>(k->size());
-  std::copy(k->begin(), k->end(), c.distortion);
+  if (const std::string fault = take_distortion(c, distortion, *k); !fault.empty())
+    return Failure{ODO_E_DATA, at(file, camera->mark, fault)};
   if (!mount->empty()) {
     double rows[12];
     std::copy_n(mount->begin(), 12, rows);

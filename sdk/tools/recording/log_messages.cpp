@@ -9,6 +9,7 @@
 
 #include "sdk/math/scalar.hpp"
 #include "sdk/math/rotation.hpp"
+#include "sdk/tools/recording/distortion.hpp"
 #include "sdk/tools/recording/log_fields.hpp"
 #include "sdk/tools/recording/picture_header.hpp"
 
@@ -82,18 +83,12 @@ void read_place(LogFields& in, LoggedMessage& out) {
 /// K is fx 0 cx 0 fy cy 0 0 1; all zero for an uncalibrated camera.
 void take_lens(uint32_t width, uint32_t height, const std::string& model, const std::vector<double>& d,
                const double (&k)[9], LoggedMessage& out) {
+  if (k[0] == 0) return;
   auto c = make_message<odo_calibration>(ODO_TYPE_CALIBRATION, 0);
-  const bool fisheye = model == "equidistant" || model == "fisheye" || model == "kannala_brandt";
-  c.model = fisheye ? ODO_CAMERA_KANNALA_BRANDT : ODO_CAMERA_PINHOLE;
   c.width = width, c.height = height;
   c.fx = k[0], c.fy = k[4], c.cx = k[2], c.cy = k[5];
-  c.distortion_count = fisheye || d.size() == 4 ? std::min<uint32_t>(4, uint32_t(d.size()))
-                       : d.size() >= 8          ? 8
-                       : d.size() >= 5          ? 5
-                                                : 0;
-  if (fisheye && c.distortion_count < 4) c.distortion_count = 0;
-  std::copy_n(d.begin(), c.distortion_count, c.distortion);
-  take_message(c.header, out);
+  out.lens_fault = take_distortion(c, model, d);
+  if (out.lens_fault.empty()) take_message(c.header, out);
 }
 
 void read_lens(LogFields& in, LoggedMessage& out) {

@@ -22,6 +22,7 @@ struct LoggedMessage {
   std::string frame;  ///< the coordinate frame
   /// Imu, MagneticField, FluidPressure, NavSatFix, CameraInfo; type 0: none, or invalid. Its time is not set.
   AnyMessage message;
+  std::string lens_fault;  ///< of a CameraInfo: why its lens is refused
   /// A picture: PNG or JPEG unchanged, or pixels in an `encoding` as ROS names them.
   struct Picture {
     std::string encoding;  ///< "": a file format

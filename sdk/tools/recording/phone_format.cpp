@@ -222,8 +222,10 @@ Format gnss_logger() {
     table.unix_time = "utcTimeMillis", table.unix_unit = kMilliseconds;
     return table;
   };
-  const Columns fix = {"LatitudeDegrees", "LongitudeDegrees", "?AltitudeMeters", "?AccuracyMeters",
-                       "?VerticalAccuracyMeters"};
+  const Columns fix = {"LatitudeDegrees|Latitude", "LongitudeDegrees|Longitude", "?AltitudeMeters|Altitude",
+                       "?AccuracyMeters|Accuracy", "?VerticalAccuracyMeters"};
+  Table old_fix = rows("Fix", Stream::place, fix);  // without the time since the start of the phone
+  old_fix.time = old_fix.unix_time = "(UTC)TimeInMs|UnixTimeMillis", old_fix.unit = kMilliseconds;
   return {
       .name = "GnssLogger",
       .marks = {"gnss_log*.txt"},
@@ -236,7 +238,7 @@ Format gnss_logger() {
                  rows("Mag", Stream::field, {"MagXMicroT", "MagYMicroT", "MagZMicroT"}, ODO_MAGNETOMETER_CORRECTED,
                       kMicro),
                  rows("UncalMag", Stream::field, {"UncalMagXMicroT", "UncalMagYMicroT", "UncalMagZMicroT"}, 0, kMicro),
-                 rows("Fix", Stream::place, fix)},
+                 rows("Fix", Stream::place, fix), old_fix},
       .switch_on_gyro = "switch on 'Sensors' beside 'Measurements' and 'Location' before the log begins",
       .switch_on_accel = "switch on 'Sensors' beside 'Measurements' and 'Location' before the log begins",
       .switch_on_video = "",

@@ -49,8 +49,9 @@ struct Table {
   uint32_t flags = 0;     ///< of the message
   const char* kind = "";  ///< named_rows: the row's kind; json_lines: "/pointer=value" that a row must have; protobuf:
                           ///< the field of the rows
-  const char* unix_time = "";  ///< the same time as Unix time, if the app writes it
+  const char* unix_time = "";  ///< the same time as Unix time, if the app writes it; equal to `time`: there is no other
   TimeUnit unix_unit = TimeUnit::nanoseconds;
+  bool has_unix_time_alone() const { return *unix_time && time == unix_time; }
 };
 
 /// Source of the frame times.

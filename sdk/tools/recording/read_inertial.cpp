@@ -11,6 +11,7 @@
 #include "sdk/math/gravity.hpp"
 #include "sdk/math/rotation.hpp"
 #include "sdk/math/time.hpp"
+#include "sdk/tools/recording/distortion.hpp"
 #include "sdk/tools/recording/recording.hpp"
 #include "sdk/tools/recording/text_rows.hpp"
 
@@ -86,21 +87,24 @@ Result<odo_calibration> read_asl_camera(const fs::path& path, uint32_t id) {
   if (!resolution) return resolution.failure();
   auto c = make_message<odo_calibration>(ODO_TYPE_CALIBRATION, 0);
   c.header.source = id;
-  const YamlNode* model = node->find("distortion_model");
-  const bool fisheye = model && (model->text == "equidistant" || model->text == "kannala_brandt");
-  c.model = fisheye ? ODO_CAMERA_KANNALA_BRANDT : ODO_CAMERA_PINHOLE;
+  if (const YamlNode* camera = node->find("camera_model"); camera && camera->text != "pinhole")
+    return Failure{ODO_E_DATA,
+                   at(file, camera->mark, "camera_model '" + camera->text.substr(0, 40) + "'; expected pinhole")};
   c.fx = (*intrinsics)[0], c.fy = (*intrinsics)[1], c.cx = (*intrinsics)[2], c.cy = (*intrinsics)[3];
   for (const double pixels : *resolution)
     if (!(pixels >= 1 && pixels <= 16384 && pixels == std::floor(pixels)))
       return Failure{ODO_E_DATA, at(file, node->find("resolution")->mark,
                                     "resolution: " + number_text(pixels) + "; expected whole pixels, 1 to 16384")};
   c.width = static_cast<uint32_t>((*resolution)[0]), c.height = static_cast<uint32_t>((*resolution)[1]);
+  std::vector<double> k;
   if (node->find("distortion_coefficients")) {
-    const auto k = reals(file, *node, "distortion_coefficients", 0, 1e4);
-    if (!k) return k.failure();
-    c.distortion_count = k->size() >= 8 ? 8 : k->size() >= 5 ? 5 : k->size() >= 4 ? 4 : 0;
-    std::copy_n(k->begin(), c.distortion_count, c.distortion);
+    const auto given = reals(file, *node, "distortion_coefficients", 0, 1e4);
+    if (!given) return given.failure();
+    k = *given;
   }
+  const YamlNode* model = node->find("distortion_model");
+  if (const std::string fault = take_distortion(c, model ? model->text : "", k); !fault.empty())
+    return Failure{ODO_E_DATA, at(file, (model ? model : node->find("distortion_coefficients"))->mark, fault)};
   if (const YamlNode* T = node->find("T_BS"))
     if (const auto mount = read_mount(file, *T, c); !mount) return mount.failure();
   if (const std::string fault = message_fault(c.header); !fault.empty())

@@ -54,7 +54,7 @@ struct Topic {
   std::vector<StoredMessage> messages;
   std::vector<std::pair<int64_t, LogPlace>> pictures;
   size_t gyro = 0, accel = 0, damaged = 0;
-  std::string unknown_encoding;
+  std::string unknown_encoding, lens_fault;
   size_t size() const { return messages.size() + pictures.size(); }
 };
 
@@ -98,6 +98,10 @@ class LogReading {
       t.type = ODO_TYPE_FRAME;
       if (!is_supported_encoding(message->picture->encoding)) t.unknown_encoding = message->picture->encoding;
       t.pictures.emplace_back(t_ns, place);
+      return true;
+    }
+    if (!message->lens_fault.empty()) {
+      t.type = ODO_TYPE_CALIBRATION, t.lens_fault = message->lens_fault;
       return true;
     }
     odo_header& header = message->message.header();
@@ -183,6 +187,7 @@ class LogReading {
       const Topic* nearest = nullptr;
       for (const auto& [name, t] : topics_)
         if (t.type == ODO_TYPE_CALIBRATION && (!nearest || shared(name) > shared(nearest->topic.name))) nearest = &t;
+      if (nearest && !nearest->lens_fault.empty()) return wrong(nearest->topic.name + ": " + nearest->lens_fault);
       if (nearest) {
         facts->calibration = copy_as<odo_calibration>(nearest->messages.front().header());
         facts->has_lens = true, facts->lens_from = recording_.path.string() + ": " + nearest->topic.name;

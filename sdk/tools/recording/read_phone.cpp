@@ -136,12 +136,17 @@ class Reading {
     std::vector<int64_t> offsets;
     for (const auto& [stream, rows] : read_)
       for (const Row& row : rows.rows)
-        if (row.unix_ns != 0 && is_plausible_time(row.unix_ns - row.t_ns)) offsets.push_back(row.unix_ns - row.t_ns);
+        if (!rows.table->has_unix_time_alone() && row.unix_ns != 0 && is_plausible_time(row.unix_ns - row.t_ns))
+          offsets.push_back(row.unix_ns - row.t_ns);
+    for (auto& [stream, rows] : read_)
+      if (offsets.empty() && rows.table->has_unix_time_alone())
+        missing_[stream] = "in Unix time, which the other sensors lack", rows.rows.clear();
     if (offsets.empty()) return true;
     const auto middle = offsets.begin() + static_cast<std::ptrdiff_t>(offsets.size() / 2);
     std::nth_element(offsets.begin(), middle, offsets.end());
     for (auto& [stream, rows] : read_)
-      for (Row& row : rows.rows) row.t_ns += *middle;
+      if (!rows.table->has_unix_time_alone())
+        for (Row& row : rows.rows) row.t_ns += *middle;
     return true;
   }
 

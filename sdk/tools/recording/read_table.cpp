@@ -48,6 +48,7 @@ void split_fields(std::string_view line, char separator, std::vector<std::string
 /// A column's name without its unit, in lower case: "Timestamp[nanosec]", "gyro_x (rad/s)".
 std::string plain_name(std::string_view name) {
   if (!name.empty() && (name.front() == '#')) name.remove_prefix(1);
+  if (name.starts_with('(')) name.remove_prefix(name.find(')') + 1);  // "(UTC)TimeInMs"
   name = trimmed(name.substr(0, std::min(name.find('['), name.find('('))));
   std::string plain(name);
   if (plain.starts_with("\xEF\xBB\xBF")) plain.erase(0, 3);  // byte order mark of a spreadsheet

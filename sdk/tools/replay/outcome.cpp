@@ -3,6 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+
+#include "sdk/math/time.hpp"
+#include "sdk/tools/console/console.hpp"
+#include "sdk/tools/text/text.hpp"
 
 namespace odograph {
 namespace {
@@ -46,10 +51,30 @@ bool travels(const Recording& recording) {
   return std::max(high[0] - low[0], high[1] - low[1]) > kParameters.gnss_rad;
 }
 
+/// The time between frames and inertial samples if all frames are after them, negative if all are before; otherwise 0.
+double frames_apart_s(const Recording& recording) {
+  std::optional<int64_t> first_imu, last_imu, first_frame, last_frame;
+  for (const RecordedMessage& each : recording.messages) {  // in the order of time
+    const odo_header& header = each.message.header();
+    if (header.type == ODO_TYPE_IMU) first_imu = first_imu.value_or(header.t_ns), last_imu = header.t_ns;
+    if (header.type == ODO_TYPE_FRAME) first_frame = first_frame.value_or(header.t_ns), last_frame = header.t_ns;
+  }
+  if (!last_imu || !last_frame) return 0;
+  return seconds(std::max<int64_t>(0, *first_frame - *last_imu) + std::min<int64_t>(0, *last_frame - *first_imu));
+}
+
 double extent_m(const StampedPoses& track) {
   double extent = 0;
   for (const StampedPose& pose : track) extent = std::max(extent, (pose.p - track.front().p).norm());
   return extent;
+}
+
+/// Whether a front-end estimates the scale from inertia, if it has a parameter of that name.
+bool has_metric_front_end(const PipelineConfig& config) {
+  for (const PluginChoice& choice : config.vo_frontends)
+    for (const auto& [spec, value] : choice.parameters)
+      if (spec.name == "inertial" && value.boolean) return true;
+  return false;
 }
 
 /// The first thing that the host called wrong, otherwise what is missing.
@@ -79,13 +104,32 @@ std::string why_nothing(const Recording& recording, const PipelineConfig& config
   if (result.track.empty()) return because("no pose was published");
   const bool front_end = !config.vo_frontends.empty() && recording.has(ODO_TYPE_FRAME);
   if (front_end && result.statistics.frames == 0) return because("all frames were dropped");
-  if (!holds_motion(recording)) return {};
-  if (extent_m(result.track) < kParameters.moved_m) return because("the input moves, and no pose does");
-  const bool steps = !config.step_estimators.empty() && recording.has(ODO_TYPE_IMU);
-  const bool scale = !config.scale_sources.empty() || (steps && config.coupling.type == CouplingType::localizer) ||
+  const bool uses_imu = !config.attitudes.empty() || !config.step_estimators.empty() || has_metric_front_end(config);
+  if (const double apart_s = frames_apart_s(recording); front_end && uses_imu && apart_s != 0)
+    return text("all frames are %.1f s %s the inertial samples: on another clock?", std::abs(apart_s),
+                apart_s > 0 ? "after" : "before");
+  const bool inertial = recording.has(ODO_TYPE_IMU), moves = holds_motion(recording);
+  if (inertial && !moves) return {};
+  if (extent_m(result.track) < kParameters.moved_m)
+    return because(moves ? "the input moves, and no pose does" : "no pose moves");
+  const bool steps = !config.step_estimators.empty() && config.coupling.type == CouplingType::localizer;
+  const bool scale = !config.scale_sources.empty() || (inertial && (steps || has_metric_front_end(config))) ||
                      (!config.fixers.empty() && recording.has(ODO_TYPE_GNSS));
   if (scale && result.first_metric == result.track.size()) return because("the poses never had a scale in metres");
   return {};
+}
+
+std::string distance_text(const RunResult& result) {
+  if (result.nothing.empty() && !result.track.empty() && extent_m(result.track) < kParameters.moved_m) return "still";
+  const bool metric = result.first_metric < result.track.size() || result.track.empty();
+  return text(metric ? "%.2f m" : "%.2f units", result.statistics.distance_m);
+}
+
+int exit_status(const RunResult& result) {
+  if (!result.state_failure.empty()) return kBadData;
+  if (result.statistics.plugin_faults > 0) return kPluginFailure;
+  return exit_status(result.loss,
+                     result.nothing.empty() && result.final_state != ODO_LOST ? int{kDone} : int{kLostTracking});
 }
 
 }  // namespace odograph

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sdk/tools/replay/replayed.hpp"
 
+#include <algorithm>
+
+#include "sdk/host/base/nearest.hpp"
 #include "sdk/host/base/output_file.hpp"
 #include "sdk/host/platform/temporary_folder.hpp"
 
@@ -29,6 +32,22 @@ Failure named_as(const std::string& name, const std::string& own, Failure failur
 }
 
 }  // namespace
+
+Result<bool> choose_config(RunOptions& options, const std::string& choice, const std::vector<std::string>& set) {
+  const size_t query = std::min(choice.find('?'), choice.size());
+  std::vector<std::string> texts = set;
+  if (query < choice.size())
+    for (std::string& value : split(choice.substr(query + 1), '&')) texts.push_back(std::move(value));
+  std::vector<Override> overrides;
+  for (const std::string& text : texts) {
+    const auto value = parse_override(text);
+    if (!value) return value.failure();
+    overrides.push_back(*value);
+  }
+  options.config = choice.substr(0, query);
+  options.overrides.insert(options.overrides.begin(), overrides.begin(), overrides.end());
+  return true;
+}
 
 Result<PipelineConfig> config_of(const RunOptions& options) {
   const TemporaryFolder folder;

@@ -11,6 +11,10 @@ namespace odograph {
 
 using SessionHandle = std::unique_ptr<odo_session, void (*)(odo_session*)>;
 
+/// Sets the config and, before the overrides that the options have, those of `set` ("PATH=VALUE") and of the choice:
+/// FILE or FILE?PATH=VALUE&PATH=VALUE.
+Result<bool> choose_config(RunOptions& options, const std::string& choice, const std::vector<std::string>& set);
+
 /// The pipeline config of the options, with overrides applied.
 Result<PipelineConfig> config_of(const RunOptions& options);
 

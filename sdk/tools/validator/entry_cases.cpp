@@ -5,8 +5,12 @@
 #include <cctype>
 #include <chrono>
 #include <cstring>
+#include <iterator>
+#include <map>
+#include <set>
 
 #include <dlfcn.h>
+#include <link.h>
 
 #include "sdk/host/base/printable.hpp"
 #include "sdk/host/config/signature.hpp"
@@ -93,6 +97,58 @@ CASE(entry, "file.signature", "has a manifest signed by the key of --signer", 10
 CASE(entry, "entry.loads", "loads and exports the entry", 10, 0, .loaded = false) {
   entry_of(fixture);
   return {};
+}
+
+/// The functions and variables that a loaded library defines, exports and finds by name, so that an earlier library of
+/// the process with the same name replaces them. Without weak ones, as which C++ exports inline functions.
+std::vector<std::string> replaceable_symbols(void* handle) {
+  link_map* map = nullptr;
+  if (dlinfo(handle, RTLD_DI_LINKMAP, &map) != 0) return {};
+  std::map<int64_t, uintptr_t> dynamic;
+  for (const ElfW(Dyn)* entry = map->l_ld; entry->d_tag != DT_NULL; ++entry)
+    dynamic[static_cast<int64_t>(entry->d_tag)] = static_cast<uintptr_t>(entry->d_un.d_val);
+  const auto address = [&](int64_t tag) {  // some loaders leave it relative to the library
+    const uintptr_t value = dynamic[tag];
+    return value != 0 && value < map->l_addr ? value + map->l_addr : value;
+  };
+  const auto* symbols = reinterpret_cast<const ElfW(Sym)*>(address(DT_SYMTAB));
+  const auto* names = reinterpret_cast<const char*>(address(DT_STRTAB));
+  std::set<std::string> found;
+  const auto take = [&](int64_t table, int64_t size, bool addends) {
+    const size_t stride = addends ? sizeof(ElfW(Rela)) : sizeof(ElfW(Rel));
+    for (uintptr_t at = address(table), end = at + dynamic[size]; at != 0 && at < end; at += stride) {
+      const auto info = reinterpret_cast<const ElfW(Rel)*>(at)->r_info;
+      const auto& symbol = symbols[sizeof info == 8 ? static_cast<uint64_t>(info) >> 32 : info >> 8];
+      if (symbol.st_shndx != SHN_UNDEF && ELF64_ST_BIND(symbol.st_info) == STB_GLOBAL &&
+          ELF64_ST_VISIBILITY(symbol.st_other) == STV_DEFAULT)
+        found.insert(names + symbol.st_name);
+    }
+  };
+  take(DT_RELA, DT_RELASZ, true);
+  take(DT_REL, DT_RELSZ, false);
+  take(DT_JMPREL, DT_PLTRELSZ, dynamic[DT_PLTREL] == DT_RELA);
+  return {found.begin(), found.end()};
+}
+
+CASE(entry, "entry.exports", "keeps its functions to itself", 10, 0, .loaded = false) {
+  constexpr size_t kNamed = 5;
+  void* handle = dlopen(fixture.path.c_str(), RTLD_NOW | RTLD_LOCAL);
+  if (!handle) throw Verdict(dlerror());
+  std::vector<std::string> replaced, all = replaceable_symbols(handle);
+  std::copy_if(all.begin(), all.end(), std::back_inserter(replaced), [&](const std::string& name) {
+    const void* first = dlsym(RTLD_DEFAULT, name.c_str());
+    return first && first != dlsym(handle, name.c_str());
+  });
+  if (all.empty()) return "";
+  std::string names;
+  const auto& named = replaced.empty() ? all : replaced;
+  for (size_t i = 0; i < std::min(named.size(), kNamed); ++i) names += (i ? ", " : "") + named[i];
+  if (named.size() > kNamed) names += " and " + std::to_string(named.size() - kNamed) + " more";
+  const std::string remedy = "; compile with -fvisibility=hidden, which leaves the entry exported";
+  if (replaced.empty())
+    return {PluginCheck::Outcome::passed,
+            "note: it exports " + names + ", which a library of the app replaces if it has the same name" + remedy};
+  return "it exports " + names + ", and calls those of this program instead" + remedy;
 }
 
 CASE(entry, "entry.fills_table", "fills a table that the host accepts", 10, 0, .loaded = false) {

@@ -16,7 +16,7 @@
         pose = session.pose()
 
 Messages have the names and fields of the C headers, which state units, frames of reference and validity; constants keep
-their C names. np.asarray(pose.p_n) gives an array field without a copy. Recordings are `*.odo`: `odograph convert` creates
+their C names. np.asarray(pose.p_n) gives an array field without a copy; texts are bytes in UTF-8, and take strings. run.reports are strings. Recordings are `*.odo`: `odograph convert` creates
 them from other formats. `evaluate` and `truth` need the command line. docs/languages.md has examples.
 """
 from . import abi
@@ -29,4 +29,4 @@ from ._session import Session
 
 __all__ = ["run", "Run", "plot", "decode", "evaluate", "truth", "Recording", "Recorder", "Session", "OdographError", "library", "version",
            "status_text", "state_text", "reason_text", "mode_text"]
-__all__ += [name for name in vars(abi) if name.startswith(("ODO_", "odo_")) or isinstance(getattr(abi, name), type)]
+__all__ += [name for name in vars(abi) if name.startswith(("ODO_", "odo_")) or (name[0] != "_" and isinstance(getattr(abi, name), type))]

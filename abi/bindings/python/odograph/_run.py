@@ -6,6 +6,7 @@ from typing import Any, Callable, Iterable
 import numpy as np
 
 from . import abi
+from ._outcome import Input, why_nothing
 from ._recording import Recording
 from ._session import Path, Session
 
@@ -46,10 +47,12 @@ class Run:
 
     run.poses: p_n (N x 3, metres, North-East-Down), q_n (N x 4: w, x, y, z, rotates vectors from camera or body to n), covariance, state, and
     header: t_ns and flags. Only rows with flags & ODO_POSE_METRIC are in metres.
+
+    run.nothing: why it came to nothing although the input moves, with the likeliest reason; "" if it came to something. Also a report.
     """
 
     def __init__(self, events: dict[type[abi.Message], bytearray], statistics: abi.Statistics) -> None:
-        self._events, self.statistics = events, statistics
+        self._events, self.statistics, self.nothing = events, statistics, ""
 
     def of(self, kind: type[abi.Message]) -> Array:
         """All events of a type: run.of(odograph.Step)["length_m"]."""
@@ -80,7 +83,8 @@ class Run:
     @property
     def reports(self) -> list[str]:
         """Warnings and errors of the library and its plugins."""
-        return [f"{row['plugin'].decode()}: {row['text'].decode()}" for row in self.of(abi.Report)]
+        reports = [f"{row['plugin'].decode()}: {row['text'].decode()}" for row in self.of(abi.Report)]
+        return reports + ([f"the run came to nothing: {self.nothing}"] if self.nothing else [])
 
 
 def run(config: Path, recording: "Path | Recording", *, decode: Callable[[bytes], Array] = decode,  # pylint: disable=redefined-outer-name
@@ -93,19 +97,23 @@ def run(config: Path, recording: "Path | Recording", *, decode: Callable[[bytes]
         if on_event:
             on_event(event)
 
+    given = Input()
     messages: Iterable[Any] = recording if isinstance(recording, Recording) else Recording(recording)
     if progress:
         from tqdm.auto import tqdm  # pylint: disable=import-outside-toplevel
         messages = tqdm(messages, unit=" messages")
     with Session(config, on_event=take, **options) as session:
         for message in messages:
+            given.see(message)
             if isinstance(message, abi.Frame):
                 if message.picture:
                     session.push_frame(message.t_ns, decode(message.picture), like=message)
             elif not 0x1000 <= message.TYPE < 0x2000:  # skip events that the app recorded
                 session.push(message)
         session.flush()
-        return Run(events, session.statistics())
+        result = Run(events, session.statistics())
+    result.nothing = why_nothing(config, given, result)
+    return result
 
 
 def plot(result: Run, axes: Any = None) -> Any:

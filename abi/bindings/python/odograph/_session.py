@@ -130,7 +130,8 @@ class Session:
         return pose if status == abi.ODO_OK else None
 
     def create_anchor(self, kind: int, name: str = "", **place: Any) -> int:
-        """Creates an anchor of kind ODO_ANCHOR_* with the fields of odo_anchor_place. Returns its id."""
+        """Creates an anchor of kind ODO_ANCHOR_* with the fields of odo_anchor_place. Returns its id, or 0, which is no anchor's, while the
+        position of the phone is unknown."""
         made, number = sized(abi.AnchorPlace), c.c_uint64()
         made.kind, made.t_ns, made.name = kind, abi.ODO_TIME_LATEST, string(name)
         for field, value in place.items():
