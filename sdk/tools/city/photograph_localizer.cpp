@@ -66,9 +66,10 @@ class PhotographLocalizer::Host : public HostServices {
   explicit Host(const fs::path& folder) : HostServices(0, {folder}, [](const Report&) {}) {}
   void report(uint32_t, uint32_t severity, const std::string& key, const std::string& said, int32_t, Author) override {
     if (severity >= ODO_SEVERITY_ERROR) error = said;
+    if (key == "reference_system") reference_system = said;
     if (key.starts_with("no_fix_")) why = said.substr(0, said.find("; refused so far"));
   }
-  std::string why, error;
+  std::string why, error, reference_system;
 };
 
 PhotographLocalizer::PhotographLocalizer() = default;
@@ -147,6 +148,8 @@ Result<PhotographPose> PhotographLocalizer::estimate_pose(const cv::Mat& photogr
   placed.why = host_->why;
   return placed;
 }
+
+const std::string& PhotographLocalizer::reference_system() const { return host_->reference_system; }
 
 std::vector<float> PhotographLocalizer::skyline(const Vector3d& p_n) const {
   std::vector<float> elevation(ODO_SKYLINE_DIRECTIONS);
