@@ -151,7 +151,8 @@ json.dump(model, open("feet.city.json", "w"))
 PYTHON
 expect 0 "edges of buildings; they span latitudes 52.104" "$odograph" city check town.city.jsonl
 expect 1 "phone.jpg: not placed: " "$odograph" city locate --model town.city.jsonl -o found --sigma 3 phone.jpg
-expect 0 "by Amersfoort to WGS 84 (4), accurate to 1 m" cat err
+cp err system
+expect 0 "by Amersfoort to WGS 84 (4), accurate to 1 m" cat system
 expect 0 "latitudes 40.98599 to 40.98602 and longitudes -73.90649 to -73.90646" "$odograph" city check feet.city.json
 expect 3 "its coordinates are in the unit US survey foot" "$odograph" city build feet.city.json -o feet.skylines
 expect 0 "\`city locate\` needs --model-at or --at: " "$odograph" city check local.city.json
