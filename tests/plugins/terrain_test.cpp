@@ -134,7 +134,7 @@ TEST_CASE(
   CHECK(contains(why(file), "no ground: all triangles are upright"));
 }
 
-TEST_CASE("GeoTIFF in strips and tiles is placed by its UTM zone and its degrees") {
+TEST_CASE("GeoTIFF in strips and tiles is placed by its reference system") {
   const TemporaryFolder folder;
   const double latitude = 48.7758, longitude = 9.1829;
   int zone = 0;
@@ -169,7 +169,20 @@ TEST_CASE("GeoTIFF in strips and tiles is placed by its UTM zone and its degrees
   write_geotiff(folder / "other.tif", 0, 0, 10, 31255, false, false);
   const Terrain other = read_terrain((folder / "other.tif").string());
   CHECK_THROWS_WITH_AS(Placement({.geodetic = true}, other.reference()),
-                       doctest::Contains("the model's projection (EPSG 31255) is not supported"), std::runtime_error);
+                       doctest::Contains("lie outside the area of its reference system EPSG:31255"),
+                       std::runtime_error);
+  // Heights and coordinates in US feet: 2263 by latitude and longitude, with its published accuracy.
+  const double feet = 3937.0 / 1200;
+  write_geotiff(folder / "feet.tif", 307868.958 * feet - 195, 90987.680 * feet + 195, 10, 2263, false, false);
+  const Terrain new_york = read_terrain((folder / "feet.tif").string());
+  const std::array<double, 2> roon{40 + 59 / 60.0 + 9.55699 / 3600, -73 - 54 / 60.0 - 23.37124 / 3600};
+  const Placement placed({.geodetic_origin = {roon[0], roon[1], 0}, .geodetic = true}, new_york.reference());
+  REQUIRE(placed.ground_at(new_york, 0, 0, 0, down));
+  CHECK(down == doctest::Approx(-79 / feet).epsilon(1e-4));
+  CHECK(placed.accuracy_m() == doctest::Approx(4));
+  CHECK(contains(placed.description(), "EPSG:2263"));
+  CHECK_THROWS_WITH_AS(Placement({}, new_york.reference()), doctest::Contains("are in the unit US survey foot"),
+                       std::runtime_error);
   write(folder / "broken.tif", "II*");
   CHECK(contains(why(folder / "broken.tif"), "is not a TIFF file"));
 }

@@ -9,7 +9,7 @@ work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 cd "$work" || exit 1
 . "$source/tests/support/expect.sh"
-# Houses around 52.105 N, 4.275 E, which is 78803.80, 458001.49 of RD New (cs2cs EPSG:4326 EPSG:28992).
+# Houses around 52.105 N, 4.275 E, which is 78803.80, 458001.49 of RD New.
 python3 - <<'PYTHON'
 import json
 vertices, objects = [], {}
@@ -134,6 +134,27 @@ expect 0 "CityJSON 2.0, 12 objects" "$odograph" city check town.city.json
 cp out check
 expect 0 "edges of buildings; they span latitudes 52.104" cat check
 expect 0 "edges of buildings; they span latitudes 52.104" "$odograph" city check town.gml
+expect 0 "the model is in EPSG:7415 (Amersfoort / RD New + NAP height), easting first, by Amersfoort to WGS 84" "$odograph" city check town.gml
+# A CityJSONSeq is read by both commands.
+python3 - <<'PYTHON'
+import json
+model = json.load(open("town.city.json"))
+with open("town.city.jsonl", "w") as file:
+    file.write(json.dumps({**model, "transform": {"scale": [1, 1, 1], "translate": [0, 0, 0]}, "CityObjects": {}, "vertices": []}) + "\n")
+    for name, building in model["CityObjects"].items():
+        file.write(json.dumps({"type": "CityJSONFeature", "id": name, "CityObjects": {name: building}, "vertices": model["vertices"]}) + "\n")
+# The town in US feet.
+model["vertices"] = [[307868.958 * 3937 / 1200 + 10 * x, 90987.68 * 3937 / 1200 + 10 * y, z] for x, y, z in ((0, 0, 0), (1, 0, 0), (1, 1, 9))]
+model["CityObjects"] = {"house": {"type": "Building", "geometry": [{"type": "MultiSurface", "lod": "1", "boundaries": [[[0, 1, 2]]]}]}}
+model["metadata"]["referenceSystem"] = "https://www.opengis.net/def/crs/EPSG/0/2263"
+json.dump(model, open("feet.city.json", "w"))
+PYTHON
+expect 0 "edges of buildings; they span latitudes 52.104" "$odograph" city check town.city.jsonl
+expect 1 "phone.jpg: not placed: " "$odograph" city locate --model town.city.jsonl -o found --sigma 3 phone.jpg
+cp err system
+expect 0 "by Amersfoort to WGS 84 (4), accurate to 1 m" cat system
+expect 0 "latitudes 40.98599 to 40.98602 and longitudes -73.90649 to -73.90646" "$odograph" city check feet.city.json
+expect 3 "its coordinates are in the unit US survey foot" "$odograph" city build feet.city.json -o feet.skylines
 expect 0 "\`city locate\` needs --model-at or --at: " "$odograph" city check local.city.json
 expect 3 "cut.gml:1: not XML" "$odograph" city check cut.gml
 expect 3 "town.gml: CityGML; this command reads CityJSON and OBJ alone" "$odograph" city build town.gml -o town.skylines

@@ -5,7 +5,6 @@
 
 #include "plugins/fix/skyline/city_gml.hpp"
 #include "plugins/fix/skyline/ground.hpp"
-#include "plugins/shared/projection.hpp"
 #include "tests/support/support.hpp"
 
 using namespace odograph::skyline;
@@ -155,14 +154,4 @@ TEST_CASE("what is no CityGML is refused with its line") {
   CHECK(contains(why(gml(deep)), "deep"));
   CHECK(why("<!DOCTYPE a [<!ENTITY a \"aaaaaaaaaa\"><!ENTITY b "
             "\"&a;&a;&a;&a;&a;&a;&a;&a;&a;&a;\">]><CityModel>&b;</CityModel>") != "taken");
-}
-
-TEST_CASE("reference systems are known by the names that surveys use") {
-  CHECK(epsg_of("urn:ogc:def:crs,crs:EPSG::25832,crs:EPSG::7837") == 25832);
-  CHECK(epsg_of("urn:adv:crs:ETRS89_UTM32*DE_DHHN2016_NH") == 25832);
-  CHECK(epsg_of("https://www.opengis.net/def/crs/EPSG/0/7415") == 7415);
-  CHECK(epsg_of("EPSG:5555") == 5555);
-  CHECK(epsg_of("DB_REF") == 0);
-  CHECK(Projection::of(5555).has_value());
-  CHECK(Projection::of(6697).has_value());
 }

@@ -30,10 +30,19 @@ struct CityPlacement {
   double geoid_height_m = 0;                          ///< ellipsoidal height of the file's zero height
 };
 
-/// Reads the buildings of a CityJSON file (1.0 to 2.0, the finest level of detail). Throws std::runtime_error with file
-/// and object, also where a geodetic origin needs an unsupported reference system.
-std::vector<Edge> read_city_outline(const std::string& file, const CityPlacement& placement);
+/// How a model's coordinates became n's, where a geodetic origin asks for it.
+struct Georeference {
+  std::string description;  ///< reference system, transformation and accuracy; empty without a geodetic origin
+  double accuracy_m = 0;    ///< of the transformation to WGS 84, as published
+};
+
+/// Reads the buildings of a CityJSON file (1.0 to 2.0, also CityJSONSeq; the finest level of detail) or a CityGML
+/// document. Throws std::runtime_error with file and object, also where the reference system does not suit the
+/// placement.
+std::vector<Edge> read_city_outline(const std::string& file, const CityPlacement& placement,
+                                    Georeference* georeference = nullptr);
 /// The same from text; `name` replaces the file in messages.
-std::vector<Edge> parse_city_outline(const std::string& text, const std::string& name, const CityPlacement& placement);
+std::vector<Edge> parse_city_outline(const std::string& text, const std::string& name, const CityPlacement& placement,
+                                     Georeference* georeference = nullptr);
 
 }  // namespace odograph::skyline

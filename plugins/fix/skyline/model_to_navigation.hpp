@@ -2,47 +2,34 @@
 #pragma once
 
 #include <optional>
-#include <stdexcept>
 #include <string>
+#include <vector>
 
 #include <GeographicLib/LocalCartesian.hpp>
 
 #include "plugins/fix/skyline/city_outline.hpp"
-#include "plugins/shared/projection.hpp"
+#include "plugins/shared/reference_system.hpp"
 
 namespace odograph::skyline {
 
-/// Transformation from a model's easting, northing and height to n.
+/// Transformation from a model's coordinates to n.
 class ModelToNavigation {
  public:
-  /// Throws std::runtime_error where a geodetic origin needs an unsupported reference system. `epsg` 0: the file names
-  /// none.
-  ModelToNavigation(const CityPlacement& placement, int epsg, const std::string& name) : p_(placement) {
-    if (!p_.geodetic) return;
-    projection_ = Projection::of(epsg);
-    if (!projection_)
-      throw std::runtime_error(
-          name +
-          (epsg == 0 ? std::string(": the model states no reference system with an EPSG code")
-                     : ": the model's reference system (EPSG " + std::to_string(epsg) + ") is not supported") +
-          ", so that latitude and longitude cannot be converted to its coordinates");
-    local_.Reset(p_.geodetic_origin[0], p_.geodetic_origin[1], p_.geodetic_origin[2]);
-  }
+  /// `system`: name of the reference system, empty where the file states none; `points` of the model: its middle
+  /// chooses the order of axes and the transformation. Throws std::runtime_error, beginning with the file's name, where
+  /// the coordinates cannot be transformed.
+  ModelToNavigation(const CityPlacement& placement, const std::string& system,
+                    const std::vector<Eigen::Vector3d>& points, const std::string& file);
 
-  Eigen::Vector3d operator()(const Eigen::Vector3d& at) const {
-    if (!projection_) {
-      const Eigen::Vector3d d = at - Eigen::Vector3d(p_.model_origin.data());
-      return {d.y(), d.x(), -d.z()};
-    }
-    const Geodetic g = projection_->geodetic({at.x(), at.y()});
-    double east = 0, north = 0, up = 0;
-    local_.Forward(g.latitude_deg, g.longitude_deg, at.z() + p_.geoid_height_m, east, north, up);
-    return {north, east, -up};
-  }
+  Eigen::Vector3d operator()(const Eigen::Vector3d& at) const;
+  /// A point of an implicit geometry: its offset from the reference point, in the model's coordinates, or in metres to
+  /// the east and the north and upwards where those are degrees.
+  Eigen::Vector3d operator()(const Eigen::Vector3d& reference_point, const Eigen::Vector3d& offset) const;
+  Georeference georeference() const;
 
  private:
   CityPlacement p_;
-  std::optional<Projection> projection_;
+  std::optional<ReferenceSystem> system_;
   GeographicLib::LocalCartesian local_;
 };
 

@@ -45,7 +45,7 @@ class Skyline : public FixerConfig {
         odo::reals<P>("model_origin", "m", -1e8, 1e8, &P::model_origin,
                       "easting, northing and height of n's origin in the model"),
         odo::boolean<P>("geodetic", &P::geodetic,
-                        "geodetic_origin stands for model_origin; the model is geographic, UTM or RD New"),
+                        "geodetic_origin stands for model_origin, by the model's reference system"),
         odo::reals<P>("geodetic_origin", "", -1e5, 1e5, &P::geodetic_origin,
                       "latitude and longitude of n's origin in degrees, its ellipsoidal height in m"),
         odo::real<P>("geoid_height", "m", -200, 200, &P::geoid_height, "ellipsoidal height of the model's zero height"),
@@ -89,6 +89,8 @@ class Skyline : public FixerConfig {
     } catch (const std::runtime_error& error) {
       throw odo::Error(ODO_E_CONFIG, error.what());
     }
+    if (!fixer_->georeference().description.empty())
+      host.report(ODO_SEVERITY_INFO, "reference_system", "the model is in " + fixer_->georeference().description);
     extension_.emplace(host, model.empty() ? std::nullopt : std::optional(fixer_->city()),
                        Eigen::Vector3d(model_origin.data()));
   }

@@ -61,7 +61,8 @@ SkylineFixer::SkylineFixer(const FixerConfig& config)
   }
   if (!config.model.empty())
     edges = read_city_outline(config.model,
-                              {config.model_origin, config.geodetic, config.geodetic_origin, config.geoid_height});
+                              {config.model_origin, config.geodetic, config.geodetic_origin, config.geoid_height},
+                              &georeference_);
   matcher_.emplace(City(std::move(edges)));
   if (config.photographs)
     photograph_fixer_.emplace(matcher_->city());
@@ -276,7 +277,8 @@ void SkylineFixer::update_road_height(const Match& match) {
 }
 
 void SkylineFixer::emit(Fix fix) {
-  fix.match.covariance += Eigen::Matrix2d::Identity() * (config_.min_sigma * config_.min_sigma);
+  const double variance = config_.min_sigma * config_.min_sigma + georeference_.accuracy_m * georeference_.accuracy_m;
+  fix.match.covariance += Eigen::Matrix2d::Identity() * variance;
   fix.match.second_best_ratio = std::max(kParameters.min_integrity, fix.match.second_best_ratio);
   outcomes_.emplace_back(std::move(fix));
 }

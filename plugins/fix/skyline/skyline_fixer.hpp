@@ -8,6 +8,7 @@
 
 #include <Eigen/Geometry>
 
+#include "plugins/fix/skyline/city_outline.hpp"
 #include "plugins/fix/skyline/fixer_parameters.hpp"
 #include "plugins/fix/skyline/photograph_fixer.hpp"
 #include "plugins/fix/skyline/picture_job.hpp"
@@ -62,6 +63,7 @@ class SkylineFixer {
   bool is_due(int64_t t_ns) const;
   std::vector<Outcome> add_picture(Picture picture);
   const City& city() const { return matcher_->city(); }
+  const Georeference& georeference() const { return georeference_; }
 
  private:
   void begin(Picture picture);
@@ -79,6 +81,7 @@ class SkylineFixer {
   std::vector<Outcome> take_outcomes() { return std::exchange(outcomes_, {}); }
 
   FixerConfig config_;
+  Georeference georeference_;
   SkylineDatabase database_;
   std::optional<PlaceFinder> place_finder_;
   std::optional<Matcher> matcher_;

@@ -14,7 +14,9 @@ namespace {
 
 constexpr ttag_t kPixelScale = 33550, kTiepoint = 33922, kTransformation = 34264, kGeoKeys = 34735, kNoData = 42113;
 constexpr uint16_t kRasterType = 1025, kPixelIsPoint = 2, kModelType = 1024, kModelGeographic = 2;
-constexpr uint16_t kGeographicType = 2048, kProjectedType = 3072, kVerticalUnits = 4099, kMetre = 9001;
+constexpr uint16_t kGeographicType = 2048, kProjectedType = 3072, kVerticalType = 4096, kVerticalUnits = 4099;
+constexpr uint16_t kMetre = 9001, kFoot = 9002, kSurveyFoot = 9003, kUserDefined = 32767;
+constexpr double kFoot_m = 0.3048, kSurveyFoot_m = 1200.0 / 3937;
 void declare_tags(TIFF* tiff) {
   static const TIFFFieldInfo fields[] = {
       {kPixelScale, -1, -1, TIFF_DOUBLE, FIELD_CUSTOM, 1, 1, const_cast<char*>("ModelPixelScale")},
@@ -49,11 +51,16 @@ Keys keys_of(TIFF* tiff, const std::string& file) {
   for (uint16_t k = 4; k + 3 < count; k = static_cast<uint16_t>(k + 4)) {
     if (values[k + 1] != 0) continue;  // not stored inline: a text or a double
     const uint16_t value = values[k + 3];
+    if (value == kUserDefined) continue;
     if (values[k] == kRasterType) keys.point = value == kPixelIsPoint;
     if (values[k] == kModelType) keys.reference.geographic = value == kModelGeographic;
     if (values[k] == kProjectedType || (values[k] == kGeographicType && keys.reference.epsg == 0))
       keys.reference.epsg = value;
-    if (values[k] == kVerticalUnits && value != kMetre) refuse(file, "heights are not in metres");
+    if (values[k] == kVerticalType) keys.reference.vertical_epsg = value;
+    if (values[k] != kVerticalUnits) continue;
+    if (value != kMetre && value != kFoot && value != kSurveyFoot)
+      refuse(file, "heights are neither in metres nor in feet");
+    keys.reference.height_unit_m = value == kMetre ? 1 : value == kFoot ? kFoot_m : kSurveyFoot_m;
   }
   return keys;
 }
@@ -110,7 +117,7 @@ Terrain read_geotiff(const std::string& file) {
   grid.cell_east_m = values[0], grid.cell_north_m = values[1];
   if (!TIFFGetField(tiff.get(), kTiepoint, &count, &values) || count < 6)
     refuse(file, "has no georeference (ModelTiepoint)");
-  const Keys keys = keys_of(tiff.get(), file);
+  Keys keys = keys_of(tiff.get(), file);
   // A tie point refers to the corner of its pixel, unless pixels are points.
   const double half = keys.point ? 0.0 : 0.5;
   grid.east_m = values[3] + (half - values[0]) * grid.cell_east_m;
@@ -121,6 +128,8 @@ Terrain read_geotiff(const std::string& file) {
   if (TIFFGetField(tiff.get(), kNoData, &text) && text) missing = std::strtod(text, nullptr);
   grid.height_m.resize(static_cast<size_t>(columns) * rows);
   read_heights(tiff.get(), file, missing, grid);
+  keys.reference.middle = {grid.east_m + 0.5 * static_cast<double>(columns - 1) * grid.cell_east_m,
+                           grid.north_m + 0.5 * static_cast<double>(rows - 1) * grid.cell_north_m};
   return Terrain(std::move(grid), keys.reference);
 }
 

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <memory>
+#include <string>
 
 #include "plugins/fix/terrain/terrain.hpp"
 
@@ -15,11 +16,10 @@ class Placement {
     std::array<double, 3> model_origin = {0, 0, 0};     ///< easting, northing and height of n's origin in the model, m
     double grid_north_rad = 0;                          ///< direction of the model's north, from true north to the east
     std::array<double, 3> geodetic_origin = {0, 0, 0};  ///< latitude and longitude in degrees, ellipsoidal height in m
-    bool geodetic = false;  ///< geodetic_origin replaces model_origin; the projection of the model must be supported
+    bool geodetic = false;      ///< geodetic_origin replaces model_origin, by the model's reference system
     double geoid_height_m = 0;  ///< ellipsoidal height of the model's zero height
   };
-  /// Throws std::runtime_error if a geodetic origin needs a projection that plugins/shared/projection.hpp does not
-  /// support.
+  /// Throws std::runtime_error where the model's reference system does not suit the origin.
   Placement(const Parameters& parameters, const Reference& reference);
   ~Placement();
   Placement(Placement&&) noexcept;
@@ -29,9 +29,15 @@ class Placement {
   /// nearest to `expected_down_m`.
   bool ground_at(const Terrain& terrain, double north_m, double east_m, double expected_down_m, double& down_m) const;
 
+  /// Reference system, transformation and accuracy; empty without a geodetic origin.
+  std::string description() const;
+  /// Of the transformation to WGS 84, horizontally, m, as published.
+  double accuracy_m() const;
+
  private:
   struct Earth;
   Parameters p_;
+  double height_unit_m_ = 1;
   std::unique_ptr<Earth> earth_;
 };
 

@@ -35,7 +35,7 @@ class TerrainFixer {
                    "easting, northing and height of n's origin in the model"),
         odo::real("grid_north", "rad", -3.2, 3.2, &P::grid_north, "the model's north, from true north to the east"),
         odo::boolean("geodetic", &P::geodetic,
-                     "geodetic_origin replaces model_origin; the model is geographic, UTM or RD New"),
+                     "geodetic_origin replaces model_origin, by the model's reference system"),
         odo::reals("geodetic_origin", "", -1e5, 1e5, &P::geodetic_origin,
                    "latitude and longitude of n's origin in degrees, its ellipsoidal height in m"),
         odo::real("geoid_height", "m", -200, 200, &P::geoid_height, "ellipsoidal height of the model's zero height"),
@@ -58,6 +58,8 @@ class TerrainFixer {
       terrain_.emplace(read_terrain(*file));
       placement_.emplace(Placement::Parameters{model_origin, grid_north, geodetic_origin, geodetic, geoid_height},
                          terrain_->reference());
+      if (const std::string system = placement_->description(); !system.empty())
+        host.report(ODO_SEVERITY_INFO, "reference_system", "the model is in " + system);
     } catch (const std::runtime_error& error) {
       throw odo::Error(ODO_E_CONFIG, error.what());
     }
@@ -82,7 +84,7 @@ class TerrainFixer {
         pose.header.flags & ODO_POSE_COVARIANCE
             ? std::min(max_horizontal_sigma, std::sqrt(std::max({0.0, pose.covariance[21], pose.covariance[28]})))
             : max_horizontal_sigma;
-    const double by_place = rise_within(north, east, down, horizontal);
+    const double by_place = rise_within(north, east, down, std::hypot(horizontal, placement_->accuracy_m()));
     auto fix = odo::make<odo_fix>(pose.header.t_ns);
     fix.header.flags = ODO_FIX_DOWN | ODO_FIX_COVARIANCE | ODO_FIX_INTEGRITY;
     fix.p_n[2] = down - held_m;
@@ -99,8 +101,11 @@ class TerrainFixer {
   static int32_t ODO_CALL ground_at(void* user, double north_m, double east_m, double near_down_m, double* down_m,
                                     double* sigma_m) {
     const auto& self = *static_cast<const TerrainFixer*>(user);
-    *sigma_m = self.model_sigma;
-    return self.placement_->ground_at(*self.terrain_, north_m, east_m, near_down_m, *down_m) ? ODO_OK : ODO_E_NOT_FOUND;
+    if (!self.placement_->ground_at(*self.terrain_, north_m, east_m, near_down_m, *down_m)) return ODO_E_NOT_FOUND;
+    const double accuracy_m = self.placement_->accuracy_m();
+    const double rise_m = accuracy_m > 0 ? self.rise_within(north_m, east_m, *down_m, accuracy_m) : 0.0;
+    *sigma_m = std::hypot(self.model_sigma, rise_m);
+    return ODO_OK;
   }
 
   /// Height sigma from a horizontal position error: rms difference of the ground one sigma away in four directions.

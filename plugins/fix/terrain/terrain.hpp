@@ -41,8 +41,11 @@ class Mesh {
 
 /// Coordinate reference of a file, as far as the file gives it.
 struct Reference {
-  int epsg = 0;             ///< 0: not given
-  bool geographic = false;  ///< degrees instead of metres
+  int epsg = 0;                           ///< 0: not given
+  int vertical_epsg = 0;                  ///< 0: not given
+  bool geographic = false;                ///< degrees instead of a projection's units
+  double height_unit_m = 0;               ///< 0: not given
+  std::array<double, 2> middle = {0, 0};  ///< of the model, in its coordinates
 };
 
 /// Height of the ground above the datum of a model. Immutable, thread-safe.

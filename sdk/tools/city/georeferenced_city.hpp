@@ -33,6 +33,8 @@ class GeoreferencedCity {
   Eigen::Vector3d p_n(const Coordinates& place) const;  ///< at zero height
   Coordinates coordinates(const Eigen::Vector3d& p_n) const;
   size_t edges() const { return edges_; }  ///< of buildings
+  /// The model's reference system and its transformation, in words; empty unless is_geodetic() by it.
+  const std::string& reference_system() const { return localizer_->reference_system(); }
   /// The range of the buildings' coordinates.
   std::string span() const;
   /// Why no photograph can be taken at a place, if so: the model has no building within 60 m.

@@ -66,9 +66,10 @@ class PhotographLocalizer::Host : public HostServices {
   explicit Host(const fs::path& folder) : HostServices(0, {folder}, [](const Report&) {}) {}
   void report(uint32_t, uint32_t severity, const std::string& key, const std::string& said, int32_t, Author) override {
     if (severity >= ODO_SEVERITY_ERROR) error = said;
+    if (key == "reference_system") reference_system = said;
     if (key.starts_with("no_fix_")) why = said.substr(0, said.find("; refused so far"));
   }
-  std::string why, error;
+  std::string why, error, reference_system;
 };
 
 PhotographLocalizer::PhotographLocalizer() = default;
@@ -148,17 +149,21 @@ Result<PhotographPose> PhotographLocalizer::estimate_pose(const cv::Mat& photogr
   return placed;
 }
 
+const std::string& PhotographLocalizer::reference_system() const { return host_->reference_system; }
+
 std::vector<float> PhotographLocalizer::skyline(const Vector3d& p_n) const {
   std::vector<float> elevation(ODO_SKYLINE_DIRECTIONS);
   std::vector<int32_t> object(ODO_SKYLINE_DIRECTIONS);
-  if (table_->look(table_->user, p_n.data(), elevation.data(), object.data()) != ODO_OK) elevation.clear();
+  if (!plugin_->alive() || table_->look(table_->user, p_n.data(), elevation.data(), object.data()) != ODO_OK)
+    elevation.clear();
   return elevation;
 }
 
 std::optional<PhotographLocalizer::Ground> PhotographLocalizer::ground(const Eigen::Vector2d& at) const {
   Ground ground{};
   int32_t terrain = 0;
-  if (table_->ground(table_->user, at.x(), at.y(), &ground.down_m, &terrain) != ODO_OK) return std::nullopt;
+  if (!plugin_->alive() || table_->ground(table_->user, at.x(), at.y(), &ground.down_m, &terrain) != ODO_OK)
+    return std::nullopt;
   ground.terrain = terrain != 0;
   return ground;
 }
@@ -167,6 +172,7 @@ std::vector<std::array<Vector3d, 2>> PhotographLocalizer::edges_near(const Eigen
   std::vector<std::array<Vector3d, 2>> near;
   std::array<Vector3d, 2> ends;
   int32_t object = 0;
+  if (!plugin_->alive()) return near;  // its table ended with it
   for (uint64_t i = 0; table_->edge(table_->user, i, ends[0].data(), ends[1].data(), &object) == ODO_OK; ++i)
     if (object >= 0 && (ends[0].head<2>() - at).norm() < radius_m) near.push_back(ends);
   return near;

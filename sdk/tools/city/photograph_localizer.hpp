@@ -57,6 +57,8 @@ class PhotographLocalizer {
 
   /// `photograph`: 8-bit BGR, upright, square pixels, with the optical axis at its centre.
   Result<PhotographPose> estimate_pose(const cv::Mat& photograph, double focal_px, const PhotographGuess& guess);
+  /// The model's reference system and its transformation, in words; empty without a geodetic origin.
+  const std::string& reference_system() const;
   /// The model's skyline from a place: elevation (rad) of 720 directions from north to the east.
   std::vector<float> skyline(const Eigen::Vector3d& p_n) const;
   struct Ground {

@@ -14,7 +14,8 @@ namespace {
 Result<bool> print_buildings(const std::string& file) {
   const auto city = GeoreferencedCity::geodetic(file);
   if (city)
-    std::printf("  %zu edges of buildings; they span %s\n", city->edges(), city->span().c_str());
+    std::printf("  %zu edges of buildings; they span %s\n  %s\n", city->edges(), city->span().c_str(),
+                city->reference_system().c_str());
   else if (city.failure().status == ODO_E_UNSUPPORTED)
     std::printf("  `city locate` needs --model-at or --at: %s\n", city.failure().text.c_str());
   else
@@ -42,7 +43,7 @@ int check(const std::vector<std::string>& files) {
     for (const auto& [type, count] : c.skipped)
       std::printf("  %zu geometries of the type %s are not used\n", count, type.c_str());
     for (const auto& warning : c.warnings) std::printf("  warning: %s\n", warning.c_str());
-    if (!gml && (c.format != "CityJSON" || c.surfaces == 0)) continue;
+    if (!gml && (c.format == "OBJ" || c.surfaces == 0)) continue;
     const auto read = print_buildings(file);
     if (!read && gml) status = print_failure(read.failure());
     if (!read && !gml) std::printf("  warning: fix/skyline rejects it: %s\n", read.failure().text.c_str());

@@ -257,6 +257,8 @@ int locate(const LocateArguments& a) {
       status = print_failure({ODO_E_ARGUMENT, "no picture states " + what});
   if (!city) status = print_failure(city.failure());
   if (status != kDone) return status;
+  if (const std::string& system = city->reference_system(); !system.empty())
+    std::fprintf(stderr, "odograph: %s\n", system.c_str());
   Locator locator(a, *place, *city, pictures.size());
   for (const Picture& picture : pictures)
     if (const auto done = locator.add(picture); !done) {

@@ -132,6 +132,8 @@ Result<std::vector<Vector2d>> read_line(const std::string& file, const Vector3d&
 int build(const SkylineArguments& a) {
   const auto city = read_city_model(a.model);
   if (!city) return print_failure(city.failure());
+  auto skylines = Skylines::make("model", a.model, city->origin);
+  if (!skylines) return print_failure(skylines.failure());
   Result<std::vector<Vector3d>> places = Failure{};
   if (a.along.empty()) {
     places = places_of_grid(*city, a.places);
@@ -142,8 +144,6 @@ int build(const SkylineArguments& a) {
   }
   if (!places) return print_failure(places.failure());
   if (places->empty()) return print_failure({ODO_E_DATA, a.model + ": no place outside buildings"});
-  auto skylines = Skylines::make("model", a.model, city->origin);
-  if (!skylines) return print_failure(skylines.failure());
   const auto start = std::chrono::steady_clock::now();
   if (const auto done = (*skylines)->build(a.output, *places, a.places.spacing_m); !done)
     return print_failure(done.failure());
