@@ -97,7 +97,7 @@ struct ReferenceSystem::Parts {
   std::unique_ptr<PJ_CONTEXT, Destroy> context{proj_context_create()};
   Object horizontal, operation;  // both with easting or longitude first
   int epsg = 0;
-  bool geographic = false, northing_first = false, exchanged = false;
+  bool geographic = false, northing_first = false, exchanged = false, moves = false;
   double west_deg = -180, south_deg = -90, east_deg = 180, north_deg = 90;  // area of use
   std::string name, unit, height_unit, datum_steps;
   double unit_m = 0, height_unit_m = 1, accuracy_m = 0;
@@ -123,6 +123,18 @@ struct ReferenceSystem::Parts {
   PJ_COORD transform(PJ* by, PJ_DIRECTION direction, double x, double y) const {
     const std::lock_guard lock(mutex);
     return proj_trans(by, direction, proj_coord(x, y, 0, HUGE_VAL));
+  }
+
+  /// Whether the transformation gives a place another latitude or longitude than its own datum does.
+  bool changes_datum(const ModelPoint& place) const {
+    constexpr double kSame_deg = 1e-8;  // a millimetre
+    const Object own(proj_crs_get_geodetic_crs(context.get(), horizontal.get()));
+    Object within(proj_create_crs_to_crs_from_pj(context.get(), horizontal.get(), own.get(), nullptr, nullptr));
+    if (within) within.reset(proj_normalize_for_visualization(context.get(), within.get()));
+    if (!within) return true;
+    const auto [x, y] = northing_first ? std::pair{place.second, place.first} : std::pair{place.first, place.second};
+    const PJ_COORD here = transform(within.get(), PJ_FWD, x, y), there = transform(operation.get(), PJ_FWD, x, y);
+    return !(std::abs(here.xy.x - there.xy.x) < kSame_deg && std::abs(here.xy.y - there.xy.y) < kSame_deg);
   }
 
   /// Distance from the area of use, degrees; 0 inside it.
@@ -179,7 +191,7 @@ ReferenceSystem& ReferenceSystem::operator=(ReferenceSystem&&) noexcept = defaul
 double ReferenceSystem::unit_m() const { return parts_->unit_m; }
 double ReferenceSystem::height_unit_m() const { return parts_->height_unit_m; }
 const std::string& ReferenceSystem::unit() const { return parts_->unit_m == 1 ? parts_->height_unit : parts_->unit; }
-double ReferenceSystem::accuracy_m() const { return parts_->accuracy_m; }
+double ReferenceSystem::accuracy_m() const { return parts_->moves ? parts_->accuracy_m : 0; }
 bool ReferenceSystem::northing_first() const { return parts_->northing_first; }
 
 ReferenceSystem::Order ReferenceSystem::choose_around(const ModelPoint& place) {
@@ -205,6 +217,7 @@ ReferenceSystem::Order ReferenceSystem::choose_around(const ModelPoint& place) {
   p.operation.reset(proj_trans_get_last_used_operation(all.get()));
   if (!p.operation) p.operation = std::move(all);
   p.accuracy_m = std::max(0.0, proj_coordoperation_get_accuracy(context, p.operation.get()));
+  p.moves = p.changes_datum(place);
   p.datum_steps = datum_steps(p.operation.get());
   return p.exchanged ? Order::exchanged : (other == 0) == (named == 0) ? Order::either : Order::named;
 }

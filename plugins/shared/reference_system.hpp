@@ -61,7 +61,8 @@ class ReferenceSystem {
   Geodetic geodetic(const ModelPoint& point) const;
   /// None outside the projection's domain.
   std::optional<ModelPoint> model(const Geodetic& point) const;
-  /// Of the transformation to WGS 84, m, as EPSG states it; 0 where it states none.
+  /// Of the transformation to WGS 84, m, as EPSG states it; 0 where it states none, and where the transformation leaves
+  /// latitudes and longitudes as they are (ETRS89, NAD83): what such systems differ by is one offset for all.
   double accuracy_m() const;
   /// System, order of axes, transformation and accuracy, in words.
   std::string description() const;

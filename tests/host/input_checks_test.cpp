@@ -2,134 +2,13 @@
 //
 // Mistakes of an app in the live API: each is named within seconds of a motion that shows it, and no pose is "tracking"
 // while it lasts. Right input of the same motions is not called wrong.
-#include <cmath>
-#include <functional>
-#include <map>
-#include <string>
-#include <vector>
-
-#include "sdk/math/rotation.hpp"
-#include "sdk/math/time.hpp"
-#include "tests/support/messages.hpp"
-#include "tests/support/session_app.hpp"
+#include "tests/support/mistaken_app.hpp"
 
 using namespace odograph;
-using Eigen::Quaterniond;
-using Eigen::Vector3d;
 
 TEST_SUITE_BEGIN("input_checks");
 
 namespace {
-
-constexpr int64_t kStart_ns = 5'000'000'000;
-
-/// A hand that walks, looks around, or rests.
-struct Motion {
-  double swing_rad = 0.6, bounce_mps2 = 2.5;
-  Vector3d surge_n = Vector3d::Zero();  ///< m/s^2, amplitude at 0.2 Hz: a bus that starts and brakes
-  double yaw_radps = 0;                 ///< about down, without a hand's motion: a roundabout
-
-  Quaterniond q_n_b(double t) const {
-    const auto swing = [&](double hz, double phase) { return swing_rad * std::sin(2 * EIGEN_PI * hz * t + phase); };
-    const Quaterniond upright(0.5, -0.5, -0.5, 0.5);  // held up, display towards the walker, who looks north
-    return Quaterniond(Eigen::AngleAxisd(yaw_radps * t + swing(0.21, 0), Vector3d::UnitZ())) * upright *
-           Quaterniond(Eigen::AngleAxisd(swing(0.17, 1), Vector3d::UnitX())) *
-           Quaterniond(Eigen::AngleAxisd(0.5 * swing(0.29, 2), Vector3d::UnitZ()));
-  }
-  Vector3d rate_b(double t) const {
-    constexpr double kStep_s = 1e-4;
-    return log_rotation(q_n_b(t - kStep_s).conjugate() * q_n_b(t + kStep_s)) / (2 * kStep_s);
-  }
-  Vector3d force_b(double t) const {
-    const Vector3d a_n(0.6 * bounce_mps2 * std::sin(2 * EIGEN_PI * 1.8 * t), 0,
-                       bounce_mps2 * std::sin(2 * EIGEN_PI * 3.6 * t));
-    const Vector3d surge = surge_n * std::sin(2 * EIGEN_PI * 0.2 * t);
-    return q_n_b(t).conjugate() * (a_n + surge - Vector3d(0, 0, 9.81));
-  }
-};
-
-/// What a camera in the middle of a distant world sees.
-class Pictures {
- public:
-  static constexpr int kWidth = 160, kHeight = 120;
-  static constexpr double kFocal_px = 130;
-
-  std::vector<uint8_t> at(const Quaterniond& q_n_c) const {
-    std::vector<uint8_t> out(size_t(kWidth) * kHeight);
-    for (int v = 0; v < kHeight; ++v)
-      for (int u = 0; u < kWidth; ++u) {
-        const Vector3d d = q_n_c * Vector3d((u - 80) / kFocal_px, (v - 60) / kFocal_px, 1).normalized();
-        const double azimuth = std::atan2(d.y(), d.x()), height = std::asin(d.z());
-        double value = 128;  // walls, storeys, and what is neither
-        for (int k = 0; k < 4; ++k)
-          value += 14 * std::sin((9 + 7 * k) * azimuth + k) + 14 * std::sin((8 + 9 * k) * height + k);
-        value += 14 * std::sin(30 * azimuth + 20 * height);
-        out[size_t(v) * kWidth + size_t(u)] = static_cast<uint8_t>(std::clamp(value, 0.0, 255.0));
-      }
-    return out;
-  }
-};
-
-/// An app with its mistakes.
-struct Input {
-  Motion motion;
-  double hz = 200, seconds = 12;
-  bool camera = false;
-  std::function<void(odo_imu&)> imu = [](odo_imu&) {};
-  std::function<void(odo_calibration&)> calibration = [](odo_calibration&) {};
-  std::function<void(std::vector<uint8_t>&, odo_frame&)> frame = [](std::vector<uint8_t>&, odo_frame&) {};
-  std::function<void(App&, int64_t t_ns)> further = [](App&, int64_t) {};  ///< ten times a second
-  std::function<int64_t(int64_t)> time = [](int64_t t_ns) { return t_ns; };
-};
-
-/// Runs it. Returns the keys of warnings with their texts and the first second of each.
-struct Outcome {
-  std::map<std::string, std::string> warnings, notes;
-  double tracking_s = 0;
-  bool tracks_at_end = false;
-};
-
-Outcome run(const Input& input) {
-  RunningApp app(
-      "odograph: 1\nattitude:\n  plugin: attitude/vqf\nstep_estimator:\n  plugin: step/odograph\n"
-      "coupling:\n  type: localizer\n");
-  const Pictures pictures;
-  const Quaterniond q_b_c = rear_camera_mount();
-  if (input.camera) {
-    auto c = make_message<odo_calibration>(ODO_TYPE_CALIBRATION, input.time(kStart_ns));
-    c.header.flags = ODO_CALIBRATION_EXTRINSICS;
-    c.model = ODO_CAMERA_PINHOLE, c.width = Pictures::kWidth, c.height = Pictures::kHeight;
-    c.fx = c.fy = Pictures::kFocal_px, c.cx = 79.5, c.cy = 59.5;
-    put_quaternion(q_b_c, c.q_b_c);
-    input.calibration(c);
-    app.push(c);
-  }
-  const int samples = static_cast<int>(input.seconds * input.hz), every = static_cast<int>(input.hz / 10);
-  for (int i = 0; i < samples; ++i) {
-    const double t = i / input.hz;
-    const int64_t t_ns = kStart_ns + static_cast<int64_t>(t * 1e9);
-    auto imu = imu_at(input.time(t_ns), input.motion.rate_b(t), input.motion.force_b(t));
-    input.imu(imu);
-    app.push(imu);
-    if (every == 0 || i % every != 0) continue;
-    input.further(app, t_ns);
-    if (!input.camera) continue;
-    auto pixels = pictures.at(input.motion.q_n_b(t) * q_b_c);
-    auto frame = make_message<odo_frame>(ODO_TYPE_FRAME, input.time(t_ns));
-    frame.format = ODO_FORMAT_GREY8, frame.width = Pictures::kWidth, frame.height = Pictures::kHeight;
-    input.frame(pixels, frame);
-    frame.planes[0] = {pixels.data(), frame.width, 1, 0};
-    app.push(frame);
-  }
-  app.flush();
-  Outcome out;
-  for (const odo_report& report : app.reports)
-    (report.severity >= ODO_SEVERITY_WARNING ? out.warnings : out.notes).emplace(report.key, report.text);
-  out.tracking_s = app.statistics().tracking_s;
-  const auto states = app.all<odo_state>(ODO_TYPE_STATE);
-  out.tracks_at_end = !states.empty() && states.back().state == ODO_TRACKING;
-  return out;
-}
 
 std::function<void(odo_imu&)> scaled(double gyro, double accel) {
   return [=](odo_imu& m) {
@@ -206,6 +85,8 @@ struct Mistakes {
   void axes();
   void cameras();
   void clocks();
+  void sampling();
+  void others();
 };
 
 void Mistakes::units() {
@@ -219,14 +100,14 @@ void Mistakes::units() {
     Vector3d::Map(imu.accel_b) -= up_b;
   };
   auto& removed_at_rest = add("linear acceleration of a phone at rest", "accel_without_gravity", "gravity");
-  removed_at_rest.motion = {0, 0, {}, 0};
+  removed_at_rest.motion = {0, 0, kNoSurge, 0};
   removed_at_rest.imu = [](odo_imu& imu) { imu.accel_b[0] = 0.01, imu.accel_b[1] = imu.accel_b[2] = 0.02; };
   auto& feet = add("accelerations in ft/s^2", "accel_level", "unit");
   feet.imu = scaled(1, 3.28084);
   auto& level = add("an accelerometer 16 % too high, at rest", "accel_level", "scale error");
-  level.motion = {0, 0.05, {}, 0}, level.imu = scaled(1, 1.16);
+  level.motion = {0, 0.05, kNoSurge, 0}, level.imu = scaled(1, 1.16);
   auto& low = add("an accelerometer 16 % too low, at rest", "accel_level", "scale error");
-  low.motion = {0, 0.05, {}, 0}, low.imu = scaled(1, 0.84);
+  low.motion = {0, 0.05, kNoSurge, 0}, low.imu = scaled(1, 0.84);
   add("an accelerometer that ends at 10.5 m/s^2", "accel_clipped", "range").imu = [](odo_imu& m) {
     for (double& x : m.accel_b) x = std::clamp(x, -10.5, 10.5);
   };
@@ -321,12 +202,52 @@ void Mistakes::clocks() {
   add("GNSS in Unix time", "dropped_gnss", "IMU's clock").further = place(0.84, 0.2, 1'700'000'000'000'000'000);
 }
 
+void Mistakes::sampling() {
+  auto& batched = add("samples in batches of 20, with the time of arrival", "imu_batched", "arrival");
+  batched.time = [](int64_t t_ns) {
+    const int64_t sample = (t_ns - kStart_ns) / 5'000'000;
+    return kStart_ns + (sample / 20 + 1) * 100'000'000 + sample % 20 * 10'000;
+  };
+  add("a timer at 200 Hz for a sensor of 12.5 Hz", "imu_repeated", "timer").imu = [last = odo_imu{},
+                                                                                   i = 0](odo_imu& m) mutable {
+    if (i++ % 16 == 0) last = m;
+    std::copy_n(last.accel_b, 3, m.accel_b), std::copy_n(last.gyro_b, 3, m.gyro_b);
+  };
+  add("one half of each sample", "imu_half_filled", "ODO_IMU_GYRO").imu = [i = 0](odo_imu& m) mutable {
+    std::fill_n(i++ % 2 ? m.accel_b : m.gyro_b, 3, 0.0);
+  };
+  auto& gravity = add("the gravity sensor", "accel_filtered", "gravity sensor");
+  gravity.imu = [](odo_imu& m) { Vector3d::Map(m.accel_b) = 9.80665 * Vector3d(m.accel_b).normalized(); };
+}
+
+void Mistakes::others() {
+  const auto place = [](double latitude_rad) {
+    return with<odo_gnss>(ODO_TYPE_GNSS, [=](odo_gnss& m) {
+      m.header.flags = ODO_GNSS_POSITION | ODO_GNSS_COVARIANCE;
+      m.latitude_rad = latitude_rad, m.longitude_rad = 0.2;
+      m.covariance_n[0] = m.covariance_n[4] = m.covariance_n[8] = 25;
+    });
+  };
+  auto& old = add("the last known position again and again", "gnss_repeated", "old position");
+  old.seconds = 25, old.further = place(0.84);
+  auto& field = add("a field in the axes of the camera", "magnetometer_axes", "axes of accel_b");
+  field.seconds = 20;
+  field.further = [=, m = field.motion](App& app, int64_t t_ns) {
+    place(0.84 + 1e-9 * static_cast<double>(t_ns % 1000))(app, t_ns);
+    const Vector3d field_b =
+        m.q_n_b(1e-9 * static_cast<double>(t_ns - kStart_ns)).conjugate() * Vector3d(20e-6, 0, 44e-6);
+    with<odo_magnetometer>(ODO_TYPE_MAGNETOMETER, [&](odo_magnetometer& of) {
+      of.field_b[0] = field_b.x(), of.field_b[1] = -field_b.y(), of.field_b[2] = -field_b.z();
+    })(app, t_ns);
+  };
+}
+
 }  // namespace
 
 TEST_CASE("each mistake is named with its remedy, and nothing tracks with it") {
   Mistakes table;
-  table.units(), table.axes(), table.cameras(), table.clocks();
-  CHECK(table.all.size() >= 40);
+  table.units(), table.axes(), table.cameras(), table.clocks(), table.sampling(), table.others();
+  CHECK(table.all.size() >= 50);
   for (const Mistake& mistake : table.all) {
     const std::string name = mistake.name;
     CAPTURE(name);
@@ -346,13 +267,13 @@ TEST_CASE("each mistake is named with its remedy, and nothing tracks with it") {
 
 TEST_CASE("right input is not called wrong: hands, rest, a bus, a roundabout, cameras of every mount") {
   const Motion motions[] = {{},
-                            {0.2, 3, {}, 0},
-                            {0, 0, {}, 0},
-                            {0, 0.02, {}, 0},
+                            {0.2, 3, kNoSurge, 0},
+                            {0, 0, kNoSurge, 0},
+                            {0, 0.02, kNoSurge, 0},
                             {0.05, 0.3, {4, 0, 0}, 0},
                             {0.05, 0.3, {0, 3, 0}, 0.6},
-                            {1.2, 5, {}, 0},
-                            {0.6, 0, {}, 0}};
+                            {1.2, 5, kNoSurge, 0},
+                            {0.6, 0, kNoSurge, 0}};
   for (const Motion& motion : motions)
     for (const bool camera : {false, true}) {
       Input input;

@@ -28,6 +28,10 @@ constexpr Row kRows[] = {
     {"accel_level", "accel_b has a norm of %V m/s^2; expected 9.8 within 10 %: another unit, or a scale error?"},
     {"accel_clipped",
      "accel_b stays at %V m/s^2 in one of twenty samples or more: it is clipped; choose a larger range"},
+    {"accel_filtered",
+     "the norm of accel_b varies by %V m/s^2 only while gyro_b turns; expected the accelerometer, not the gravity "
+     "sensor "
+     "or a filtered one"},
     {"gyro_in_degrees",
      "gyro_b turns 57 times as far as gravity in accel_b or the picture: in degrees per second? Multiply by "
      "pi/180"},
@@ -38,7 +42,9 @@ constexpr Row kRows[] = {
     {"imu_axes",
      "accel_b and gyro_b do not have the same axes: gravity would fit the rotation if accel_b were %A of what it is"},
     {"picture_turned",
-     "pictures are turned clockwise by %V degrees against the camera's mount: turn them back, or q_b_c with them"},
+     "pictures are turned clockwise by %V degrees against the camera's mount: turn them back, or q_b_c with them (by "
+     "180 "
+     "also where accel_b and gyro_b are in left-handed axes)"},
     {"picture_mirrored",
      "pictures are mirrored against the camera's mount: those of a front camera? Expected as the lens sees "
      "it, and q_b_c of that camera"},
@@ -57,14 +63,34 @@ constexpr Row kRows[] = {
      "inertial samples are %V ns apart; expected nanoseconds: in ms (multiply by 1,000,000) or us (by 1,000)?"},
     {"imu_slow",
      "inertial samples are %V s apart; expected at most 0.02 s: sampling too slow, or times in another unit?"},
+    {"imu_batched",
+     "inertial samples come in bursts, %V s apart within them: are these times of arrival? Expected those at which the "
+     "sensor was read, which the system states with each sample"},
+    {"imu_repeated",
+     "%V % of the inertial samples repeat the one before: does a timer push the latest values? Expected each sample of "
+     "the sensor once, with its own time"},
+    {"imu_half_filled",
+     "accel_b or gyro_b is 0 in %V % of the inertial samples: set ODO_IMU_GYRO and ODO_IMU_ACCEL only where the values "
+     "are filled"},
+    {"gnss_repeated",
+     "all positions are the same since %V s of walking: an old position? Expected those that the receiver measures, "
+     "with "
+     "the time of each"},
+    {"magnetometer_axes",
+     "the magnetic field's inclination is %V rad, of the other hemisphere: is field_b in the axes of accel_b?"},
 };
 static_assert(std::size(kRows) == static_cast<size_t>(InputFault::kCount));
+
+static_assert(std::size(kRows) <= 32, "a bit for each");
 
 uint32_t bit(InputFault fault) { return 1u << static_cast<uint32_t>(fault); }
 
 constexpr uint32_t kOfPictures = 1u << uint32_t(InputFault::picture_turned) |
                                  1u << uint32_t(InputFault::picture_mirrored) |
                                  1u << uint32_t(InputFault::camera_mount) | 1u << uint32_t(InputFault::focal_length);
+/// Faults of sampling, of which many others are consequences.
+constexpr uint32_t kOfSampling = 1u << uint32_t(InputFault::imu_batched) | 1u << uint32_t(InputFault::imu_repeated) |
+                                 1u << uint32_t(InputFault::imu_half_filled);
 /// The inertial faults that pictures would show too.
 constexpr uint32_t kOfRotation = 1u << uint32_t(InputFault::gyro_in_degrees) | 1u << uint32_t(InputFault::gyro_sign) |
                                  1u << uint32_t(InputFault::gyro_silent) | 1u << uint32_t(InputFault::imu_axes);
@@ -86,7 +112,9 @@ InputChecks::InputChecks(HostServices& host)
       picture_([this](auto... what) { found(what...); }) {}
 
 void InputChecks::found(InputFault fault, bool wrong, double value, const SignedAxes& axes) {
-  if (wrong && (kOfPictures & bit(fault)) && (wrong_ & kOfRotation)) wrong = false;  // a consequence
+  const bool of_sampling = ((kOfSampling | bit(InputFault::time_unit)) & bit(fault)) != 0;
+  const uint32_t causes = of_sampling ? 0 : kOfSampling | (kOfPictures & bit(fault) ? kOfRotation : 0);
+  if (wrong && (wrong_ & causes)) wrong = false;  // a consequence
   const uint32_t before = wrong ? wrong_.fetch_or(bit(fault)) : wrong_.fetch_and(~bit(fault));
   if (((before & bit(fault)) != 0) == wrong) return;
   const Row& row = kRows[static_cast<size_t>(fault)];
@@ -108,19 +136,8 @@ void InputChecks::on_push(const odo_header& sample) {
     return;
   }
   imu_ns_ = sample.t_ns, imu_since_frame_ = true;
-  Times& times = times_[sample.flags & (ODO_IMU_GYRO | ODO_IMU_ACCEL)];
-  const int64_t interval_ns = times.samples == 0 ? 0 : saturating_difference(sample.t_ns, times.newest_ns);
-  if (times.samples == 0 || interval_ns < 0) times = {sample.t_ns, sample.t_ns, 0, 0};
-  times.newest_ns = sample.t_ns;
-  ++times.samples;
-  times.sparse = interval_ns > p_.too_sparse_ns ? times.sparse + 1 : 0;  // one long interval is a pause
-  if (times.sparse >= p_.sparse_samples) found(InputFault::imu_slow, true, seconds(interval_ns), {});
-  if (times.samples <= p_.dense_samples) return;
-  const double mean_ns =
-      static_cast<double>(saturating_difference(times.newest_ns, times.first_ns)) / (times.samples - 1);
-  found(InputFault::time_unit, mean_ns < static_cast<double>(p_.too_dense_ns), mean_ns, {});
-  if (times.sparse == 0) found(InputFault::imu_slow, false, 0, {});
-  times.samples = 0;
+  sampling_[sample.flags & (ODO_IMU_GYRO | ODO_IMU_ACCEL)].add(as<odo_imu>(sample),
+                                                               [this](auto... what) { found(what...); });
 }
 
 void InputChecks::on_sample(const odo_header& sample) {
@@ -129,6 +146,30 @@ void InputChecks::on_sample(const odo_header& sample) {
   if (of_camera && sample.source != camera_) return;
   if (sample.type == ODO_TYPE_CALIBRATION) picture_.add(as<odo_calibration>(sample));
   if (sample.type == ODO_TYPE_FRAME) picture_.add(as<odo_frame>(sample));
+  if (sample.type == ODO_TYPE_GNSS) add(as<odo_gnss>(sample));
+  if (sample.type == ODO_TYPE_MAGNETOMETER) add(as<odo_magnetometer>(sample));
+}
+
+void InputChecks::add(const odo_gnss& gnss) {
+  if ((gnss.header.flags & ODO_GNSS_POSITION) == 0) return;
+  const bool same = gnss.latitude_rad == place_.latitude_rad && gnss.longitude_rad == place_.longitude_rad;
+  if (!same) place_ = gnss, walked_s_ = motion_.walked_s(), places_ = 0;
+  ++places_;
+  const double walked_s = motion_.walked_s() - walked_s_;
+  if (!same || places_ >= p_.repeated_places)
+    found(InputFault::gnss_repeated, walked_s > p_.repeated_walk_s, walked_s, {});
+}
+
+void InputChecks::add(const odo_magnetometer& magnetometer) {
+  const Eigen::Vector3d field_b(magnetometer.field_b), up_b = motion_.force_b();
+  const bool far = std::abs(place_.latitude_rad) > p_.min_latitude_rad;  // from the magnetic equator
+  if (!far || up_b.isZero() || field_b.isZero()) return;
+  if (seconds(saturating_difference(magnetometer.header.t_ns, dip_ns_)) < 1) return;
+  dip_ns_ = magnetometer.header.t_ns;
+  const double dip_rad = std::asin(-field_b.normalized().dot(up_b.normalized()));
+  const double north_rad = place_.latitude_rad > 0 ? dip_rad : -dip_rad;
+  wrong_dips_ = north_rad < -p_.min_dip_rad ? wrong_dips_ + 1 : 0;
+  found(InputFault::magnetometer_axes, wrong_dips_ >= p_.wrong_dips, dip_rad, {});
 }
 
 void InputChecks::on_imu(const odo_imu& imu) {
@@ -141,6 +182,7 @@ void InputChecks::reset() {
   wrong_ = 0;
   motion_.reset();
   picture_.reset();
+  place_ = {}, places_ = wrong_dips_ = 0, dip_ns_ = 0;
 }
 
 }  // namespace odograph

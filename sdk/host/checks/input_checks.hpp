@@ -8,6 +8,7 @@
 
 #include "sdk/host/checks/motion_check.hpp"
 #include "sdk/host/checks/picture_check.hpp"
+#include "sdk/host/checks/sampling_check.hpp"
 #include "sdk/host/plugin_host/services.hpp"
 
 namespace odograph {
@@ -18,13 +19,16 @@ namespace odograph {
 class InputChecks {
  public:
   struct Parameters {
-    int64_t too_dense_ns = 50'000;        ///< mean interval of an inertial sensor: 20 kHz; phones give 25 Hz to 1 kHz
-    int64_t too_sparse_ns = 150'000'000;  ///< 7 Hz, at which a step has three samples
-    int dense_samples = 100, sparse_samples = 10;  ///< in a row
     /// Of a frame's time after that of the newest inertial sample pushed, by 20 frames in a row: sensors deliver in
     /// batches of up to 0.1 s.
     int64_t frame_ahead_ns = 150'000'000;
     int frames_ahead = 20;
+    /// A receiver holds its position while it stands, and repeats an old one without satellites.
+    double repeated_walk_s = 15;  ///< s of shaking as by steps while all positions are bit for bit the same
+    int repeated_places = 5;
+    /// The field points down in the north and up in the south. Its inclination is 18 to 69 degrees in real recordings.
+    double min_latitude_rad = 0.35, min_dip_rad = 0.35;  ///< 20 degrees
+    int wrong_dips = 10;                                 ///< seconds in a row
   };
 
   explicit InputChecks(HostServices& host);
@@ -42,6 +46,8 @@ class InputChecks {
 
  private:
   void found(InputFault fault, bool wrong, double value, const SignedAxes& axes);
+  void add(const odo_gnss& gnss);
+  void add(const odo_magnetometer& magnetometer);
 
   Parameters p_;
   HostServices& host_;
@@ -50,16 +56,17 @@ class InputChecks {
   PictureCheck picture_;
   uint32_t camera_ = 0;
   bool has_camera_ = false;
+  odo_gnss place_{};     // the newest one that differs from those before
+  double walked_s_ = 0;  // until it, see MotionCheck
+  int places_ = 0;       // the same, since then
+  int64_t dip_ns_ = 0;   // of the newest inclination
+  int wrong_dips_ = 0;   // in a row
 
-  struct Times {
-    int64_t first_ns = 0, newest_ns = 0;
-    int samples = 0, sparse = 0;  ///< since first_ns; in a row with too long an interval
-  };
   std::mutex mutex_;            // guards what follows
   int64_t imu_ns_ = INT64_MIN;  // of the newest sample pushed
   bool imu_since_frame_ = false;
-  int frames_ahead_ = 0;          // in a row
-  std::array<Times, 4> times_{};  // by the halves of an IMU that a sample has
+  int frames_ahead_ = 0;                     // in a row
+  std::array<SamplingCheck, 4> sampling_{};  // by the halves of an IMU that a sample has
 };
 
 }  // namespace odograph

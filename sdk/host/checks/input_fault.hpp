@@ -15,6 +15,7 @@ enum class InputFault : uint8_t {
   accel_without_gravity,
   accel_level,
   accel_clipped,
+  accel_filtered,
   gyro_in_degrees,
   gyro_sign,
   gyro_silent,
@@ -27,6 +28,11 @@ enum class InputFault : uint8_t {
   picture_frozen,
   time_unit,
   imu_slow,
+  imu_batched,
+  imu_repeated,
+  imu_half_filled,
+  gnss_repeated,
+  magnetometer_axes,
   kCount
 };
 

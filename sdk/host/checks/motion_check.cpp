@@ -43,7 +43,7 @@ void MotionCheck::reset() {
   ranges_ = {};
   q_e_b_.fill(Quaterniond::Identity());
   begun_ns_ = last_ns_ = 0;
-  in_g_ = without_ = off_ = range_windows_ = 0;
+  in_g_ = without_ = off_ = filtered_ = range_windows_ = 0;
 }
 
 void MotionCheck::add(const odo_imu& imu) {
@@ -81,7 +81,9 @@ void MotionCheck::end_window() {
 
 void MotionCheck::check_level(const Window& w) {
   const double n = w.samples, norm = w.norm / n, share = w.force.norm() / w.norm;
-  const bool quiet = w.norm2 / n - norm * norm < p_.quiet_mps2 * p_.quiet_mps2;
+  const double scatter_mps2 = std::sqrt(std::max(0.0, w.norm2 / n - norm * norm));
+  const bool quiet = scatter_mps2 < p_.quiet_mps2;
+  if (scatter_mps2 > p_.walking_mps2) walked_s_ += p_.window_s;
   const auto count = [](int& windows, bool holds) { windows = holds ? windows + 1 : 0; };
   const bool in_g = norm > p_.one_g_low && norm < p_.one_g_high && share > p_.with_gravity;
   const bool without = !in_g && (norm < p_.still || (norm < p_.moving && share < p_.without_gravity));
@@ -89,6 +91,8 @@ void MotionCheck::check_level(const Window& w) {
                    ((quiet && (norm < p_.low_mps2 || norm > p_.high_mps2)) || share * norm > p_.fast_mps2 ||
                     (share > p_.with_gravity && norm < p_.moving));
   count(in_g_, in_g), count(without_, without), count(off_, off);
+  count(filtered_, scatter_mps2 < p_.filtered_mps2 && w.turned_rad > p_.filtered_rad);
+  found_(InputFault::accel_filtered, filtered_ >= p_.steady, scatter_mps2, {});
   found_(InputFault::accel_in_g, in_g_ >= p_.steady, norm, {});
   found_(InputFault::accel_without_gravity, without_ >= p_.steady, norm, {});
   found_(InputFault::accel_level, off_ >= p_.steady, norm, {});

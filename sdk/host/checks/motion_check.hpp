@@ -30,9 +30,12 @@ class MotionCheck {
     double still = 0.5;                         ///< m/s^2, norm at rest without gravity, at most
     double moving = 6;                          ///< m/s^2, mean norm of a walk without gravity: 1 to 4; judgement
     double with_gravity = 0.8, without_gravity = 0.4;  ///< norm of the mean over mean norm; judgement
-    double fast_mps2 = 13;        ///< m/s^2, norm of the mean: a second of more than 0.3 g is no walk and no lift
-    double clipped_share = 0.05;  ///< of the samples at one extreme; a sine has 1.4 % within a thousandth of it
-    double clipped_scatter = 1;   ///< m/s^2 rms of an axis that can be called clipped
+    double fast_mps2 = 13;         ///< m/s^2, norm of the mean: a second of more than 0.3 g is no walk and no lift
+    double clipped_share = 0.05;   ///< of the samples at one extreme; a sine has 1.4 % within a thousandth of it
+    double clipped_scatter = 1;    ///< m/s^2 rms of an axis that can be called clipped
+    double filtered_mps2 = 0.003;  ///< rms of the norm; honest at least 0.032, of 22 real recordings
+    double filtered_rad = 0.1;     ///< turned within a window
+    double walking_mps2 = 0.7;     ///< rms of the norm: a slow walk in the hand
     double steady_level =
         1.5;                  ///< ratio of the largest to the least mean force of windows whose directions are compared
     double turned_rad = 0.4;  ///< rad, turn of gravity in b that shows the gyroscope's unit, sign and axes
@@ -48,6 +51,14 @@ class MotionCheck {
   /// A sample with gyroscope and accelerometer, in time order.
   void add(const odo_imu& imu);
   void reset();
+
+  /// Of the newest window, m/s^2; zero before.
+  Eigen::Vector3d force_b() const {
+    return windows_.empty() ? Eigen::Vector3d::Zero()
+                            : Eigen::Vector3d(windows_.back(0).force / windows_.back(0).samples);
+  }
+  /// Time for which the phone was shaken as by steps, s; also before a reset.
+  double walked_s() const { return walked_s_; }
 
  private:
   static constexpr size_t kWindows = 8, kRates = 3;
@@ -86,8 +97,9 @@ class MotionCheck {
   std::array<Range, 3> ranges_;
   std::array<Eigen::Quaterniond, kRates> q_e_b_;
   int64_t begun_ns_ = 0, last_ns_ = 0;
-  int in_g_ = 0, without_ = 0, off_ = 0;  // windows in a row
-  int range_windows_ = 0;                 // since the ranges began
+  int in_g_ = 0, without_ = 0, off_ = 0, filtered_ = 0;  // windows in a row
+  double walked_s_ = 0;
+  int range_windows_ = 0;  // since the ranges began
 };
 
 }  // namespace odograph

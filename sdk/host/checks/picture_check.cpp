@@ -119,7 +119,7 @@ void PictureCheck::add(const odo_imu& imu) {
 void PictureCheck::reset() {
   turned_.clear();
   pairs_.clear();
-  picture_ns_.reset();
+  waiting_.reset(), picture_ns_.reset();
   pairs_since_ = 0, same_ = 0;
 }
 
@@ -142,6 +142,7 @@ std::optional<Vector3d> PictureCheck::rotation_c(int64_t from_ns, int64_t to_ns)
 void PictureCheck::add(const odo_frame& frame) {
   const int64_t t_ns = frame.header.t_ns;
   if (!calibrated_ || (picture_ns_ && seconds(saturating_difference(t_ns, *picture_ns_)) < p_.interval_s)) return;
+  take_waiting();
   const auto last_ns = std::exchange(picture_ns_, t_ns);
   const Profiles& earlier = profiles_[newest_];
   newest_ = 1 - newest_;
@@ -151,8 +152,16 @@ void PictureCheck::add(const odo_frame& frame) {
   check_frozen(picture == earlier, t_ns);
   const double f_px = (frame.header.flags & ODO_FRAME_INTRINSICS) && frame.fx > 0 ? frame.fx : f_px_;
   const auto shift_px = picture.shift_since(earlier, p_.min_likeness);
-  if (!shift_px) return;
-  pairs_.push({*last_ns, t_ns, *shift_px / f_px});
+  if (shift_px) waiting_ = Pair{*last_ns, t_ns, *shift_px / f_px, {}};
+}
+
+void PictureCheck::take_waiting() {
+  if (!waiting_) return;
+  Pair pair = *std::exchange(waiting_, std::nullopt);
+  const auto turned = rotation_c(pair.from_ns, pair.to_ns);
+  if (!turned) return;
+  pair.turned_c = *turned;
+  pairs_.push(pair);
   if (++pairs_since_ < p_.min_pairs) return;
   pairs_since_ = p_.min_pairs / 2;
   check();
@@ -172,9 +181,7 @@ PictureCheck::Fit PictureCheck::fit(const SignedAxes& axes) const {
   double xx = 0, yy = 0, sx = 0, sy = 0;
   for (size_t i = 0; i < pairs_.size(); ++i) {
     const Pair& pair = pairs_.back(i);
-    const auto turned = rotation_c(pair.from_ns, pair.to_ns);
-    if (!turned) continue;
-    const double x = -axes.of(*turned, 1), y = axes.of(*turned, 0);  // of a distant point, in focal lengths
+    const double x = -axes.of(pair.turned_c, 1), y = axes.of(pair.turned_c, 0);  // of a distant point, in focal lengths
     ++out.pairs;
     sx += pair.shift.x() * x, sy += pair.shift.y() * y;
     xx += pair.shift.x() * pair.shift.x(), yy += pair.shift.y() * pair.shift.y();

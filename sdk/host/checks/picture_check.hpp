@@ -42,15 +42,15 @@ class Profiles {
 class PictureCheck {
  public:
   struct Parameters {
-    double interval_s = 0.06;    ///< s between pictures that are compared
-    double max_gap_s = 0.3;      ///< s between them at most
-    double min_contrast = 1;     ///< grey levels rms of the profiles: no dark pocket, no white wall; judgement
-    double min_likeness = 0.8;   ///< correlation of the profiles; judgement
-    size_t min_pairs = 15;       ///< a second of motion
-    double turned_rad2 = 0.003;  ///< rad^2, sum of the squared angles about each axis of the picture: a second of a
-                                 ///< walking hand's 12 degrees a second
-    double focal_rad2 = 0.02;    ///< rad^2, about both, for the focal length
-    double agrees = 0.6;         ///< correlation of shift and rotation; below 0.2 it contradicts; judgement
+    double interval_s = 0.06;     ///< s between pictures that are compared
+    double max_gap_s = 0.3;       ///< s between them at most
+    double min_contrast = 1;      ///< grey levels rms of the profiles: no dark pocket, no white wall; judgement
+    double min_likeness = 0.8;    ///< correlation of the profiles; judgement
+    size_t min_pairs = 15;        ///< a second of motion
+    double turned_rad2 = 0.0015;  ///< rad^2, sum of the squared angles about each axis of the picture: 20 pictures that
+                                  ///< each turned by half a degree
+    double focal_rad2 = 0.02;     ///< rad^2, about both, for the focal length
+    double agrees = 0.6;          ///< correlation of shift and rotation; below 0.2 it contradicts; judgement
     double contradicts = 0.2;
     double explains = 0.8;  ///< of another orientation
     /// Of measured over stated focal length: translation adds to the shift, 0.94 to 1.29 on real recordings.
@@ -72,10 +72,11 @@ class PictureCheck {
     int64_t t_ns = 0;
     Eigen::Quaterniond q_e_b = Eigen::Quaterniond::Identity();
   };
-  /// Two pictures, and the shift from one to the other in focal lengths.
+  /// Two pictures, the shift from one to the other in focal lengths, and the rotation of the camera, in its axes.
   struct Pair {
     int64_t from_ns = 0, to_ns = 0;
     Eigen::Vector2d shift = Eigen::Vector2d::Zero();
+    Eigen::Vector3d turned_c = Eigen::Vector3d::Zero();
   };
   /// Correlation of shift and predicted shift by component, and their ratio.
   struct Fit {
@@ -86,6 +87,7 @@ class PictureCheck {
 
   std::optional<Eigen::Vector3d> rotation_c(int64_t from_ns, int64_t to_ns) const;
   Fit fit(const SignedAxes& axes) const;
+  void take_waiting();
   void check_frozen(bool same, int64_t t_ns);
   void check();
 
@@ -96,6 +98,7 @@ class PictureCheck {
   Eigen::Quaterniond q_b_c_ = Eigen::Quaterniond::Identity();
   TimedRing<Turned, 1024> turned_;  // 5 s at 200 Hz
   Ring<Pair, 64> pairs_;
+  std::optional<Pair> waiting_;  // for the gyroscope to reach it
   std::array<Profiles, 2> profiles_;
   size_t newest_ = 0;
   std::optional<int64_t> picture_ns_;

@@ -88,7 +88,7 @@ int32_t Intake::borrow(odo_borrowed& message) {
 
 int32_t Intake::add(OwnedMessage&& message, Lock& lock) {
   const odo_header header = message.header();
-  checks_.on_push(header);
+  checks_.on_push(message.header());
   std::vector<OwnedMessage> dropped, discarded;
   TimeOrder::Verdict verdict = TimeOrder::Verdict::accepted;
   int spikes = 0;

@@ -96,8 +96,7 @@ Result<std::unique_ptr<PhotographLocalizer>> PhotographLocalizer::make(const fs:
     return Failure{ODO_E_DATA,
                    made->host_->error.empty() ? model.string() + ": " + plugin.failure().text : made->host_->error};
   made->plugin_ = std::move(*plugin);
-  made->table_ = static_cast<const odo_skylines*>(made->plugin_->extension(ODO_EXTENSION_SKYLINES));
-  if (!made->table_ || made->table_->struct_size < sizeof(odo_skylines))
+  if (!made->table())
     return Failure{ODO_E_UNSUPPORTED, "this fix/skyline does not support photographs; is it an older version?"};
   return made;
 }
@@ -151,19 +150,25 @@ Result<PhotographPose> PhotographLocalizer::estimate_pose(const cv::Mat& photogr
 
 const std::string& PhotographLocalizer::reference_system() const { return host_->reference_system; }
 
+/// Null where the plugin has failed. It is another one after a reset.
+const odo_skylines* PhotographLocalizer::table() const {
+  const auto* table = static_cast<const odo_skylines*>(plugin_->extension(ODO_EXTENSION_SKYLINES));
+  return table && table->struct_size >= sizeof(odo_skylines) ? table : nullptr;
+}
+
 std::vector<float> PhotographLocalizer::skyline(const Vector3d& p_n) const {
   std::vector<float> elevation(ODO_SKYLINE_DIRECTIONS);
   std::vector<int32_t> object(ODO_SKYLINE_DIRECTIONS);
-  if (!plugin_->alive() || table_->look(table_->user, p_n.data(), elevation.data(), object.data()) != ODO_OK)
-    elevation.clear();
+  const odo_skylines* of = table();
+  if (!of || of->look(of->user, p_n.data(), elevation.data(), object.data()) != ODO_OK) elevation.clear();
   return elevation;
 }
 
 std::optional<PhotographLocalizer::Ground> PhotographLocalizer::ground(const Eigen::Vector2d& at) const {
   Ground ground{};
   int32_t terrain = 0;
-  if (!plugin_->alive() || table_->ground(table_->user, at.x(), at.y(), &ground.down_m, &terrain) != ODO_OK)
-    return std::nullopt;
+  const odo_skylines* of = table();
+  if (!of || of->ground(of->user, at.x(), at.y(), &ground.down_m, &terrain) != ODO_OK) return std::nullopt;
   ground.terrain = terrain != 0;
   return ground;
 }
@@ -172,8 +177,8 @@ std::vector<std::array<Vector3d, 2>> PhotographLocalizer::edges_near(const Eigen
   std::vector<std::array<Vector3d, 2>> near;
   std::array<Vector3d, 2> ends;
   int32_t object = 0;
-  if (!plugin_->alive()) return near;  // its table ended with it
-  for (uint64_t i = 0; table_->edge(table_->user, i, ends[0].data(), ends[1].data(), &object) == ODO_OK; ++i)
+  const odo_skylines* of = table();
+  for (uint64_t i = 0; of && of->edge(of->user, i, ends[0].data(), ends[1].data(), &object) == ODO_OK; ++i)
     if (object >= 0 && (ends[0].head<2>() - at).norm() < radius_m) near.push_back(ends);
   return near;
 }

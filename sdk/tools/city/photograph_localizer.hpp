@@ -72,10 +72,10 @@ class PhotographLocalizer {
  private:
   class Host;
   PhotographLocalizer();
+  const odo_skylines* table() const;
 
   std::unique_ptr<Host> host_;
   std::unique_ptr<PluginInstance> plugin_;
-  const odo_skylines* table_ = nullptr;
   int64_t t_ns_ = 0;
 };
 
