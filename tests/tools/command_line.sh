@@ -232,7 +232,7 @@ expect 3 "not a skyline database" "$odograph" city query town.city.json
 head -c 2000 town.skylines >cut.skylines
 expect 3 "bytes long" "$odograph" city query cut.skylines
 expect 3 "nothing.skylines" "$odograph" city query nothing.skylines
-expect 0 "Figure 11" "$odograph" bench drive --scenario car.yaml -c "$configs/monocular.yaml" --keep kept
+expect 1 "Figure 11" "$odograph" bench drive --scenario car.yaml -c "$configs/monocular.yaml" --keep kept
 printf 'odograph_scenario: 1\nworld: {type: city, model: nothing.city.json}\n' >city.yaml
 expect 3 "nothing.city.json: no such file" "$odograph" sim city.yaml -o x.odo
 printf '{"type": "CityJSON"}' >nothing.city.json

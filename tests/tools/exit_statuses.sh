@@ -133,8 +133,6 @@ expect 2 "unknown key 'atitude'" "$odograph" config check unknown.yaml
 expect 2 "tallness" "$odograph" run -i walk -o o --set walker.tallness=1.8m
 expect 2 "tallness" "$odograph" compare "$steps" -i walk --set walker.tallness=1.8m
 expect 2 "tallness" "$odograph" compare "$steps?walker.tallness=1.8m" -i walk
-expect 2 "no file 'hill.obj'" "$odograph" config check hill.yaml --assets .
-expect 0 "no file 'hill.obj'" "$odograph" config check hill.yaml
 expect 2 "unknown alignment" "$odograph" eval --ref tiny.odo --est tiny.odo --align sideways
 expect 2 "" "$odograph" plugin
 # A plugin that fails, refuses its parameters or is not the one of its manifest: 4.

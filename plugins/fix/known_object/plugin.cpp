@@ -39,8 +39,7 @@ class KnownObject {
   static std::vector<odo::Parameter<KnownObject>> parameters() {
     using P = KnownObject;
     return {
-        {ODO_PARAMETER_STRING, "objects", "file", 0, 0, "", "GeoJSON or YAML file of the objects, beside the config",
-         &P::objects},
+        odo::text("objects", &P::objects, "GeoJSON or YAML file of the objects, beside the config"),
         odo::boolean("geodetic", &P::geodetic, "geodetic_origin is n's origin"),
         odo::reals("geodetic_origin", "", -1e5, 1e5, &P::geodetic_origin,
                    "latitude and longitude of n's origin in degrees, its ellipsoidal height in m"),

@@ -40,8 +40,7 @@ class Skyline : public FixerConfig {
   static std::vector<odo::Parameter<Skyline>> parameters() {
     using P = Skyline;
     return {
-        {ODO_PARAMETER_STRING, "model", "file", 0, 0, "", "CityJSON or CityGML file of the city, beside the config",
-         &P::model},
+        odo::text<P>("model", &P::model, "CityJSON or CityGML file of the city, beside the config"),
         odo::reals<P>("model_origin", "m", -1e8, 1e8, &P::model_origin,
                       "easting, northing and height of n's origin in the model"),
         odo::boolean<P>("geodetic", &P::geodetic,
@@ -49,9 +48,8 @@ class Skyline : public FixerConfig {
         odo::reals<P>("geodetic_origin", "", -1e5, 1e5, &P::geodetic_origin,
                       "latitude and longitude of n's origin in degrees, its ellipsoidal height in m"),
         odo::real<P>("geoid_height", "m", -200, 200, &P::geoid_height, "ellipsoidal height of the model's zero height"),
-        {ODO_PARAMETER_STRING, "skylines", "file", 0, 0, "",
-         "database of skylines (`odograph city build`), beside the config; without a model also its edges",
-         &P::skylines},
+        odo::text<P>("skylines", &P::skylines,
+                     "database of skylines (`odograph city build`), beside the config; without a model also its edges"),
         odo::choice<P>("sky", "robust|flood_fill", &P::sky, "method of sky segmentation; flood_fill is the paper's"),
         odo::choice<P>("inclination", "pose|vanishing_point", &P::inclination,
                        "source of pitch and roll; vanishing_point is the paper's"),

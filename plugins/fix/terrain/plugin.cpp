@@ -29,8 +29,7 @@ class TerrainFixer {
   static std::vector<odo::Parameter<TerrainFixer>> parameters() {
     using P = TerrainFixer;
     return {
-        {ODO_PARAMETER_STRING, "model", "file", 0, 0, "", "OBJ mesh, ESRI ASCII grid or GeoTIFF, beside the config",
-         &P::model},
+        odo::text("model", &P::model, "OBJ mesh, ESRI ASCII grid or GeoTIFF, beside the config"),
         odo::reals("model_origin", "m", -1e8, 1e8, &P::model_origin,
                    "easting, northing and height of n's origin in the model"),
         odo::real("grid_north", "rad", -3.2, 3.2, &P::grid_north, "the model's north, from true north to the east"),

@@ -34,8 +34,7 @@ class Vit {
   static std::vector<odo::Parameter<Vit>> parameters() {
     return {
         odo::text("library", &Vit::library, "shared library of the system: beside the config, or found by the loader"),
-        {ODO_PARAMETER_STRING, "config", "file", 0, 0, "",
-         "the system's own config file, beside this one; empty = its defaults", &Vit::config},
+        odo::text("config", &Vit::config, "the system's own config file, beside this one; empty = its defaults"),
         odo::real("wait", "s", 0, 10, &Vit::wait, "longest time to wait for a frame's pose")};
   }
 

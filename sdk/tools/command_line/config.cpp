@@ -6,7 +6,6 @@
 #include "sdk/host/config/camera_yaml.hpp"
 #include "sdk/host/config/manifest.hpp"
 #include "sdk/host/config/pipeline_config.hpp"
-#include "sdk/host/plugin_host/assets.hpp"
 #include "sdk/host/plugin_host/sealed_copy.hpp"
 #include "sdk/tools/command_line/commands.hpp"
 #include "sdk/tools/evaluation/faults.hpp"
@@ -14,11 +13,6 @@
 
 namespace odograph {
 namespace {
-
-struct CheckArguments {
-  std::vector<std::string> files;
-  std::string plugins, assets;
-};
 
 /// The plugins of a config, with their fallbacks.
 std::vector<const PluginChoice*> plugins_of(const PipelineConfig& config) {
@@ -40,36 +34,17 @@ Result<bool> check_libraries(const PipelineConfig& config) {
   return true;
 }
 
-/// The files that parameters name (unit "file") and no folder contains, a line each.
-std::vector<std::string> missing_files(const PipelineConfig& config,
-                                       const std::vector<std::filesystem::path>& folders) {
-  std::vector<std::string> missing;
-  for (const PluginChoice* choice : plugins_of(config))
-    for (const auto& [spec, value] : choice->parameters)
-      if (spec.unit == "file" && !value.text.empty() && !find_asset(folders, value.text))
-        missing.push_back(choice->manifest.id + ": " + spec.name + ": no file '" + value.text + "' beside the config");
-  return missing;
-}
-
-/// Prints a verdict on a file. Without `assets`, files that are not beside it may be in the folder given to the run.
-int check(const std::string& file, const CheckArguments& a) {
-  std::vector<std::filesystem::path> directories, folders = path_list(a.assets);
-  if (!a.plugins.empty()) directories.emplace_back(a.plugins);
-  const auto config = read_pipeline_config_file(file, directories, folders);
+int check(const std::string& file, const std::string& plugins) {
+  std::vector<std::filesystem::path> directories;
+  if (!plugins.empty()) directories.emplace_back(plugins);
+  const auto config = read_pipeline_config_file(file, directories);
   if (!config) {
     print_failure(config.failure());
     return kBadUsage;
   }
   if (const auto same = check_libraries(*config); !same)
     return print_failure({ODO_E_CONFIG, file + ": " + same.failure().text});
-  folders.insert(folders.begin(), std::filesystem::absolute(file).parent_path());
-  const auto missing = missing_files(*config, folders);
-  for (const std::string& one : missing)
-    std::fprintf(stderr, "%s\n",
-                 printable(file + ": " + one + (a.assets.empty() ? "" : " and in " + a.assets)).c_str());
-  if (missing.empty()) std::printf("%s: good\n", file.c_str());
-  if (missing.empty() || !a.assets.empty()) return missing.empty() ? kDone : kBadUsage;
-  std::printf("%s: good with these files in the folder of --assets\n", file.c_str());
+  std::printf("%s: good\n", file.c_str());
   return kDone;
 }
 
@@ -104,13 +79,13 @@ int schema(const std::string& which) {
 void add_config(CLI::App& app, int& status) {
   auto* command = app.add_subcommand("config", "Check a pipeline config, explain its keys, print its schema");
   command->require_subcommand(1);
-  auto a = std::make_shared<CheckArguments>();
+  auto files = std::make_shared<std::vector<std::string>>();
+  auto plugins = std::make_shared<std::string>();
   auto* check_command = command->add_subcommand("check", "Find every mistake in configs; runs no plugin");
-  check_command->add_option("files", a->files, "pipeline configs (YAML)")->required();
-  check_command->add_option("--plugins", a->plugins, "folder to look for plugins in first");
-  check_command->add_option("--assets", a->assets, "folder of files named by the configs, if they are not beside them");
+  check_command->add_option("files", *files, "pipeline configs (YAML)")->required();
+  check_command->add_option("--plugins", *plugins, "folder to look for plugins in first");
   check_command->callback([=, &status] {
-    for (const std::string& file : a->files) status = std::max(status, check(file, *a));
+    for (const std::string& file : *files) status = std::max(status, check(file, *plugins));
   });
   command->add_subcommand("keys", "List all keys of a pipeline config")->callback([&status] {
     list(pipeline_spec().children, "");
