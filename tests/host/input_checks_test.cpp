@@ -288,6 +288,15 @@ TEST_CASE("right input is not called wrong: hands, rest, a bus, a roundabout, ca
     }
 }
 
+TEST_CASE("a pause is no batch of samples") {
+  Input input;
+  input.time = [](int64_t t_ns) {
+    const bool later = t_ns > kStart_ns + 6 * kSecond_ns;
+    return later ? t_ns + 3600 * kSecond_ns : t_ns;
+  };
+  CHECK(run(input).warnings.count("imu_batched") == 0);
+}
+
 TEST_CASE("a fault that ends is forgotten, and the pose tracks again") {
   Input input;
   input.seconds = 30;

@@ -47,12 +47,13 @@ void SamplingCheck::add(const odo_imu& imu, const FaultFound& found) {
 }
 
 void SamplingCheck::end_batch(const FaultFound& found) {
+  constexpr size_t kPauses = 2;  // the longest intervals do not count
+  std::sort(intervals_ns_.begin(), intervals_ns_.end());
   double sum_ns = 0;
-  for (const int64_t interval_ns : intervals_ns_) sum_ns += static_cast<double>(interval_ns);
-  const auto middle = intervals_ns_.begin() + kBatch / 2;
-  std::nth_element(intervals_ns_.begin(), middle, intervals_ns_.end());
-  const double mean_ns = sum_ns / kBatch, median_ns = static_cast<double>(*middle), share = 1.0 / kBatch;
-  found(InputFault::imu_batched, median_ns < p_.batched * mean_ns, seconds(*middle), {});
+  for (size_t i = 0; i + kPauses < kBatch; ++i) sum_ns += static_cast<double>(intervals_ns_[i]);
+  const int64_t middle_ns = intervals_ns_[kBatch / 2];
+  const double mean_ns = sum_ns / (kBatch - kPauses), median_ns = static_cast<double>(middle_ns), share = 1.0 / kBatch;
+  found(InputFault::imu_batched, median_ns < p_.batched * mean_ns, seconds(middle_ns), {});
   const bool moves = static_cast<double>(moving_) * share > 1 - p_.repeated;  // at rest values repeat
   const double repeated = static_cast<double>(repeated_) * share, zeros = static_cast<double>(zeros_) * share;
   found(InputFault::imu_repeated, moves && repeated > p_.repeated, 100 * repeated, {});

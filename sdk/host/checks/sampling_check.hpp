@@ -20,7 +20,7 @@ class SamplingCheck {
     int64_t too_dense_ns = 50'000;        ///< mean interval of an inertial sensor: 20 kHz; phones give 25 Hz to 1 kHz
     int64_t too_sparse_ns = 150'000'000;  ///< 7 Hz, at which a step has three samples
     int dense_samples = 100, sparse_samples = 10;  ///< in a row
-    double batched = 0.2;                          ///< median over mean interval; honest 0.81
+    double batched = 0.2;                          ///< median over mean interval, without the two longest; honest 0.81
     double repeated = 0.6;                    ///< share of samples that equal the one before in all values; honest 0.3
     double half_filled = 0.03;                ///< share of zeros beside values that are none; honest 0
     double rate_radps = 0.1, force_mps2 = 1;  ///< of values that are no rest
