@@ -237,6 +237,7 @@ void Mistakes::others() {
     const Vector3d field_b =
         m.q_n_b(1e-9 * static_cast<double>(t_ns - kStart_ns)).conjugate() * Vector3d(20e-6, 0, 44e-6);
     with<odo_magnetometer>(ODO_TYPE_MAGNETOMETER, [&](odo_magnetometer& of) {
+      of.header.flags = ODO_MAGNETOMETER_CORRECTED;
       of.field_b[0] = field_b.x(), of.field_b[1] = -field_b.y(), of.field_b[2] = -field_b.z();
     })(app, t_ns);
   };

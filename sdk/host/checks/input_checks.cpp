@@ -12,7 +12,7 @@
 namespace odograph {
 namespace {
 
-/// What is said of a fault: %V the measured value, %A the axes that would fit. docs/troubleshooting.md has the limits.
+/// What is said of a fault: %V the measured value, %A the axes that would fit. docs/input_checks.md has the limits.
 struct Row {
   const char* key;
   const char* text;
@@ -30,8 +30,7 @@ constexpr Row kRows[] = {
      "accel_b stays at %V m/s^2 in one of twenty samples or more: it is clipped; choose a larger range"},
     {"accel_filtered",
      "the norm of accel_b varies by %V m/s^2 only while gyro_b turns; expected the accelerometer, not the gravity "
-     "sensor "
-     "or a filtered one"},
+     "sensor or a filtered one"},
     {"gyro_in_degrees",
      "gyro_b turns 57 times as far as gravity in accel_b or the picture: in degrees per second? Multiply by "
      "pi/180"},
@@ -43,8 +42,7 @@ constexpr Row kRows[] = {
      "accel_b and gyro_b do not have the same axes: gravity would fit the rotation if accel_b were %A of what it is"},
     {"picture_turned",
      "pictures are turned clockwise by %V degrees against the camera's mount: turn them back, or q_b_c with them (by "
-     "180 "
-     "also where accel_b and gyro_b are in left-handed axes)"},
+     "180 also where accel_b and gyro_b are in left-handed axes)"},
     {"picture_mirrored",
      "pictures are mirrored against the camera's mount: those of a front camera? Expected as the lens sees "
      "it, and q_b_c of that camera"},
@@ -74,8 +72,7 @@ constexpr Row kRows[] = {
      "are filled"},
     {"gnss_repeated",
      "all positions are the same since %V s of walking: an old position? Expected those that the receiver measures, "
-     "with "
-     "the time of each"},
+     "with the time of each"},
     {"magnetometer_axes",
      "the magnetic field's inclination is %V rad, of the other hemisphere: is field_b in the axes of accel_b?"},
 };
@@ -162,8 +159,9 @@ void InputChecks::add(const odo_gnss& gnss) {
 
 void InputChecks::add(const odo_magnetometer& magnetometer) {
   const Eigen::Vector3d field_b(magnetometer.field_b), up_b = motion_.force_b();
-  const bool far = std::abs(place_.latitude_rad) > p_.min_latitude_rad;  // from the magnetic equator
-  if (!far || up_b.isZero() || field_b.isZero()) return;
+  const bool far = std::abs(place_.latitude_rad) > p_.min_latitude_rad;                  // from the magnetic equator
+  const bool corrected = (magnetometer.header.flags & ODO_MAGNETOMETER_CORRECTED) != 0;  // else with the phone's own
+  if (!corrected || !far || up_b.isZero() || field_b.isZero()) return;
   if (seconds(saturating_difference(magnetometer.header.t_ns, dip_ns_)) < 1) return;
   dip_ns_ = magnetometer.header.t_ns;
   const double dip_rad = std::asin(-field_b.normalized().dot(up_b.normalized()));
