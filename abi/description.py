@@ -168,6 +168,8 @@ class Description:
     def _check(self):
         for name, struct in self.structs.items():
             first = struct.fields[0].name
+            if self.is_element(name):  # its message states its size
+                continue
             if not struct.frozen and first not in ("struct_size", "header"):
                 sys.exit(f"{name} begins with {first} instead of its size")
         for name, number in self.messages().items():
@@ -177,6 +179,11 @@ class Description:
                 sys.exit(f"{name}: a message that lends no memory has a pointer")
         if self.constants["ODO_PLUGIN_ENTRY_SYMBOL"] != self.entry_symbol():
             sys.exit("plugin.h: ODO_PLUGIN_ENTRY and ODO_PLUGIN_ENTRY_SYMBOL differ")
+
+    def is_element(self, name):
+        """Whether it follows a message, odo_point an odo_points, with that one's stride."""
+        message = self.structs.get(name + "s")
+        return message is not None and any(f.name == "stride" for f in message.fields)
 
     def has_pointer(self, name):
         fields = self.structs[name].fields

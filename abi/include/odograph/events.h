@@ -244,6 +244,44 @@ typedef struct odo_refined {
   int64_t line_time_ns;
 } odo_refined;
 
+/* Landmarks of one frame, since 1.1. A front-end emits them before the odo_vo_motion of the frame, with its time, camera
+ * and scale group. The message is followed by `count` elements, the most certain landmarks, spread over the picture: the
+ * element i begins at the byte offset + i * stride of the message. An element counts only if it lies within the message,
+ * offset + (i + 1) * stride <= struct_size. Readers use `offset` and `stride`, since message and element may each grow;
+ * both are multiples of 8. A copy of the struct alone has none (ODO_POINTS_AT). */
+#define ODO_POINTS_METRIC 1u /* positions are in metres; if not set, in the displacement units of the scale group */
+typedef struct odo_points {
+  odo_header header;    /* t_ns: time of the frame */
+  uint32_t camera;      /* header.source of the frame */
+  uint32_t scale_group; /* as in odo_vo_motion */
+  uint32_t count;       /* elements, at most ODO_MOST_POINTS */
+  uint32_t stride;      /* bytes from one element to the next */
+  uint32_t offset;      /* bytes from the start of the message to the first element */
+  uint32_t total;       /* landmarks that the front-end had, not below `count` */
+} odo_points;
+
+#define ODO_POINT_USED 1u      /* it took part in the motion of this frame */
+#define ODO_POINT_LOST 2u      /* not seen in this frame any more: position and pixel are predicted */
+#define ODO_POINT_UNCERTAIN 4u /* its distance is not known yet: the covariance along the ray is a lower bound */
+/* A landmark, an element of odo_points. */
+typedef struct odo_point {
+  uint64_t id;         /* the same for one landmark as long as it is tracked; never of two within a scale group */
+  float p_c[3];        /* position in the camera */
+  float covariance[6]; /* of p_c: xx, xy, xz, yy, yz, zz */
+  float pixel[2];      /* column and row in the picture, the centre of the first pixel is 0, 0 */
+  uint32_t age;        /* number of frames in which it was seen */
+  uint32_t flags;      /* ODO_POINT_* */
+  uint32_t reserved;   /* 0 */
+} odo_point;
+#define ODO_MOST_POINTS 1000u
+/* Element i of `points`, an odo_points *, or null if the message does not contain it. */
+#define ODO_POINTS_AT(points, i)                                                                                       \
+  ((uint64_t)(i) < (points)->count && (points)->stride >= ODO_POINT_SIZE_MIN &&                                        \
+           (uint64_t)(points)->offset + ((uint64_t)(i) + 1) * (points)->stride <= (points)->header.struct_size         \
+       ? (const odo_point *)(const void *)((const char *)(points) + (points)->offset +                                 \
+                                           (size_t)(i) * (points)->stride)                                             \
+       : (const odo_point *)0)
+
 #define ODO_SEVERITY_DEBUG 0u
 #define ODO_SEVERITY_INFO 1u
 #define ODO_SEVERITY_WARNING 2u

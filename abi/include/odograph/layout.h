@@ -92,6 +92,14 @@ ODO_LAYOUT(odo_refined, sizeof(odo_refined) == 224 && offsetof(odo_refined, head
            offsetof(odo_refined, cy) == 80 && offsetof(odo_refined, distortion) == 88 &&
            offsetof(odo_refined, q_b_c) == 152 && offsetof(odo_refined, p_b_c) == 184 &&
            offsetof(odo_refined, time_offset_ns) == 208 && offsetof(odo_refined, line_time_ns) == 216)
+ODO_LAYOUT(odo_points, sizeof(odo_points) == 56 && offsetof(odo_points, header) == 0 &&
+           offsetof(odo_points, camera) == 32 && offsetof(odo_points, scale_group) == 36 &&
+           offsetof(odo_points, count) == 40 && offsetof(odo_points, stride) == 44 &&
+           offsetof(odo_points, offset) == 48 && offsetof(odo_points, total) == 52)
+ODO_LAYOUT(odo_point, sizeof(odo_point) == 64 && offsetof(odo_point, id) == 0 && offsetof(odo_point, p_c) == 8 &&
+           offsetof(odo_point, covariance) == 20 && offsetof(odo_point, pixel) == 44 &&
+           offsetof(odo_point, age) == 52 && offsetof(odo_point, flags) == 56 &&
+           offsetof(odo_point, reserved) == 60)
 ODO_LAYOUT(odo_report, sizeof(odo_report) == 1200 && offsetof(odo_report, header) == 0 &&
            offsetof(odo_report, count) == 32 && offsetof(odo_report, severity) == 40 &&
            offsetof(odo_report, status) == 44 && offsetof(odo_report, plugin) == 48 &&

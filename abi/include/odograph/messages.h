@@ -34,7 +34,8 @@
   X(ODO_TYPE_CORRECTION, odo_correction, correction, ODO_CORRECTION_SIZE_MIN)              \
   X(ODO_TYPE_REPORT, odo_report, report, ODO_REPORT_SIZE_MIN)                              \
   X(ODO_TYPE_REFINED, odo_refined, refined, ODO_REFINED_SIZE_MIN)                          \
-  X(ODO_TYPE_RELATIVE_POSE, odo_relative_pose, relative_pose, ODO_RELATIVE_POSE_SIZE_MIN)
+  X(ODO_TYPE_RELATIVE_POSE, odo_relative_pose, relative_pose, ODO_RELATIVE_POSE_SIZE_MIN)  \
+  X(ODO_TYPE_POINTS, odo_points, points, ODO_POINTS_SIZE_MIN)
 
 #define ODO_ATTITUDE_SIZE_MIN 160u
 #define ODO_STEP_SIZE_MIN 96u
@@ -78,6 +79,8 @@
 #define ODO_ANCHOR_SIZE_MIN 264u
 #define ODO_TERRAIN_SIZE_MIN 24u
 #define ODO_CONTENT_SERVICE_SIZE_MIN 40u
+#define ODO_POINTS_SIZE_MIN 56u
+#define ODO_POINT_SIZE_MIN 64u
 /* clang-format on */
 
 #endif
