@@ -121,9 +121,10 @@ void Pipeline::handle(AnyMessage& event) {
     case ODO_TYPE_FIX: return on_fix(reinterpret_cast<odo_fix&>(header));
     case ODO_TYPE_POSE:  // a prior for fix plugins; already published
     case ODO_TYPE_CORRECTION: return roster_.forward_event(header);
-    default:  // motion modes, and events for plugins that declare them
+    default:  // motion modes, landmarks, and events for plugins that declare them
       publish_(header);
-      if (used || header.type != ODO_TYPE_MOTION_MODE) roster_.forward_event(header);
+      if (used || (header.type != ODO_TYPE_MOTION_MODE && header.type != ODO_TYPE_POINTS))
+        roster_.forward_event(header);
   }
 }
 

@@ -257,6 +257,27 @@ void check_input_fields(FieldCheck& check, const odo_header& header) {
   }
 }
 
+void check_points(FieldCheck& check, const odo_points& m) {
+  const uint64_t end = uint64_t(m.offset) + uint64_t(m.count) * m.stride;
+  check.require(m.count <= ODO_MOST_POINTS, "count", m.count, "at most 1000")
+      .require(m.total >= m.count, "total", m.total, "at least `count`")
+      .require(m.stride >= ODO_POINT_SIZE_MIN && m.stride % 8 == 0, "stride", m.stride, "a multiple of 8, at least 64")
+      .require(m.offset >= ODO_POINTS_SIZE_MIN && m.offset % 8 == 0, "offset", m.offset, "a multiple of 8, at least 56")
+      .require(end <= m.header.struct_size, "count", m.count, "elements within struct_size");
+  if (!check.fault.empty()) return;
+  const auto finite = [](const float* values, size_t count) {
+    return std::all_of(values, values + count, [](float x) { return std::isfinite(x); });
+  };
+  for (uint32_t i = 0; i < m.count && check.fault.empty(); ++i) {
+    const odo_point& point = *ODO_POINTS_AT(&m, i);
+    const float *variances = point.covariance, least = std::min({variances[0], variances[3], variances[5]});
+    check.require(finite(point.p_c, 3), "p_c of an element", i, "finite numbers")
+        .require(finite(variances, 6) && least >= 0, "covariance of an element", i,
+                 "finite numbers, variances 0 or more")
+        .require(finite(point.pixel, 2), "pixel of an element", i, "finite numbers");
+  }
+}
+
 void check_event_fields(FieldCheck& check, const odo_header& header) {
   switch (header.type) {
     case ODO_TYPE_ATTITUDE: {
@@ -284,6 +305,7 @@ void check_event_fields(FieldCheck& check, const odo_header& header) {
       break;
     }
     case ODO_TYPE_FIX: check_fix(check, as<odo_fix>(header)); break;
+    case ODO_TYPE_POINTS: check_points(check, as<odo_points>(header)); break;
     case ODO_TYPE_RELATIVE_POSE: {
       const auto& m = as<odo_relative_pose>(header);
       check.require(m.header.t_ns > m.t_from_ns, "t_from_ns", static_cast<double>(m.t_from_ns), "before header.t_ns");
