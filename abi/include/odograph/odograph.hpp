@@ -48,12 +48,17 @@ class Event {
  public:
   explicit Event(const odo_header* header) : header_(header) {}
   const odo_header& header() const noexcept { return *header_; }
-  /// Returns a copy of the message if it has that type.
+  /// Returns a copy of the message if it has that type. The elements of an odo_points are not copied: see points().
   template <class Message> std::optional<Message> get() const {
     if (header_->type != type_of<Message>::value) return std::nullopt;
     Message message;
     odo_copy(&message, sizeof message, header_);
     return message;
+  }
+  /// The landmarks of an odo_points, valid as long as the event; null if it has another type.
+  std::optional<Points> points() const {
+    if (header_->type != ODO_TYPE_POINTS || header_->struct_size < ODO_POINTS_SIZE_MIN) return std::nullopt;
+    return Points(*reinterpret_cast<const odo_points*>(header_));
   }
 
  private:

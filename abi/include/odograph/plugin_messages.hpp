@@ -11,6 +11,7 @@
 #include <odograph/messages.h>
 #include <odograph/plugin.h>
 
+#include <cstddef>
 #include <cstring>
 #include <memory>
 #include <stdexcept>
@@ -69,6 +70,69 @@ template <class Message> Message make(int64_t t_ns) {
   return message;
 }
 
+/// The landmarks of an odo_points: `for (const odo_point& point : odo::Points(message))`. Valid as long as the message;
+/// a copy of the struct without the elements behind it has none.
+class Points {
+ public:
+  explicit Points(const odo_points& message) noexcept : message_(&message) {
+    while (size_ < message.count && ODO_POINTS_AT(&message, size_)) ++size_;
+  }
+  uint32_t size() const noexcept { return size_; }
+  /// `i` below size().
+  const odo_point& operator[](uint32_t i) const noexcept { return *ODO_POINTS_AT(message_, i); }
+
+  class Iterator {
+   public:
+    Iterator(const Points& points, uint32_t i) noexcept : points_(&points), i_(i) {}
+    const odo_point& operator*() const noexcept { return (*points_)[i_]; }
+    Iterator& operator++() noexcept { return ++i_, *this; }
+    bool operator!=(const Iterator& other) const noexcept { return i_ != other.i_; }
+
+   private:
+    const Points* points_;
+    uint32_t i_;
+  };
+  Iterator begin() const noexcept { return {*this, 0}; }
+  Iterator end() const noexcept { return {*this, size_}; }
+
+ private:
+  const odo_points* message_;
+  uint32_t size_ = 0;
+};
+
+/// An odo_points with room for ODO_MOST_POINTS elements, for Output::emit(). One allocation, at construction.
+class PointsWriter {
+ public:
+  PointsWriter() : storage_(std::make_unique<Storage>()) {}
+  /// Starts the message of a frame, without elements. `metric`: positions in metres, otherwise in units of the group.
+  void begin(int64_t t_ns, uint32_t camera, uint32_t scale_group, bool metric) noexcept {
+    odo_points& message = storage_->message;
+    message = odo_points{};
+    message.header.type = ODO_TYPE_POINTS;
+    message.header.flags = metric ? ODO_POINTS_METRIC : 0u;
+    message.header.t_ns = t_ns;
+    message.camera = camera, message.scale_group = scale_group;
+    message.stride = sizeof(odo_point), message.offset = offsetof(Storage, points);
+    message.header.struct_size = message.offset;
+  }
+  /// Every landmark counts in `total`; those beyond ODO_MOST_POINTS are not stored: add the most certain first.
+  void add(const odo_point& point) noexcept {
+    odo_points& message = storage_->message;
+    ++message.total;
+    if (message.count == ODO_MOST_POINTS) return;
+    storage_->points[message.count++] = point;
+    message.header.struct_size += message.stride;
+  }
+  const odo_points& message() const noexcept { return storage_->message; }
+
+ private:
+  struct Storage {
+    odo_points message;
+    odo_point points[ODO_MOST_POINTS];
+  };
+  std::unique_ptr<Storage> storage_;
+};
+
 /// Emits events to the sink and reports to the report service. [process]
 class Output {
  public:
@@ -85,11 +149,9 @@ class Output {
   template <class Message> bool emit(Message event) {
     event.header.struct_size = sizeof(Message);
     event.header.type = type_of<Message>::value;
-    const int32_t status = sink_ ? sink_->emit(sink_, &event.header) : ODO_E_STATE;
-    if (status < 0 && status != ODO_E_UNSUPPORTED)
-      throw Error(status, "the host refused an event of type " + std::to_string(event.header.type));
-    return status >= 0;
+    return emitted(event.header);
   }
+  bool emit(const PointsWriter& points) { return emitted(points.message().header); }
   /// Requests a call of woken(), for plugins with another source of data. Returns false if the host does not provide
   /// the service, for example to a plugin that is isolated in a process. [any]
   bool wake() const noexcept {
@@ -120,6 +182,13 @@ class Output {
   uint32_t instance() const noexcept { return instance_; }
 
  private:
+  bool emitted(const odo_header& event) {
+    const int32_t status = sink_ ? sink_->emit(sink_, &event) : ODO_E_STATE;
+    if (status < 0 && status != ODO_E_UNSUPPORTED)
+      throw Error(status, "the host refused an event of type " + std::to_string(event.type));
+    return status >= 0;
+  }
+
   const odo_host* host_ = nullptr;
   uint32_t instance_ = 0;
   const odo_report_service* report_ = nullptr;

@@ -10,7 +10,9 @@
  *         previous result, or of the first frame if there is none. It is emitted in the call with its frame, or in a
  *         later call if the last rows of the frame need later inertial samples. If no motion can be computed, state is
  *         ODO_DEGRADED or ODO_LOST with a reason, and the flags mark the valid fields. scale_group changes whenever the
- *         scale may have changed. Optionally an odo_refined, at most once per second.
+ *         scale may have changed. Optionally an odo_refined, at most once per second; and since 1.1, by a plugin whose
+ *         table declares it, an odo_points immediately before each odo_vo_motion. An older host answers its emission
+ *         with ODO_E_UNSUPPORTED: the plugin goes on without.
  * Intrinsics of a frame (ODO_FRAME_INTRINSICS) replace those of the calibration. A calibration that differs from its
  * predecessor only in focal length and principal point describes the same camera (focus, stabilisation): the track
  * continues. A frame that is not later than its predecessor or has an unsupported format: ODO_E_DISCARD. A camera model

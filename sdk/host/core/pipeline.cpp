@@ -121,10 +121,10 @@ void Pipeline::handle(AnyMessage& event) {
     case ODO_TYPE_FIX: return on_fix(reinterpret_cast<odo_fix&>(header));
     case ODO_TYPE_POSE:  // a prior for fix plugins; already published
     case ODO_TYPE_CORRECTION: return roster_.forward_event(header);
-    default:  // motion modes, landmarks, and events for plugins that declare them
+    case ODO_TYPE_POINTS: return on_points(reinterpret_cast<odo_points&>(header), used);
+    default:  // motion modes, and events for plugins that declare them
       publish_(header);
-      if (used || (header.type != ODO_TYPE_MOTION_MODE && header.type != ODO_TYPE_POINTS))
-        roster_.forward_event(header);
+      if (used || header.type != ODO_TYPE_MOTION_MODE) roster_.forward_event(header);
   }
 }
 
@@ -191,9 +191,20 @@ const odo_scale* Pipeline::scale_for(const odo_vo_motion& motion) {
   return scale_join_.joined();
 }
 
+void Pipeline::on_points(odo_points& points, bool used) {
+  if (used) points.scale_group = group_of(points.header, points.scale_group);
+  publish_(points.header);
+  if (used) roster_.forward_event(points.header);
+}
+
+/// A scale group's number in this pipeline, which has several front-ends and resets.
+uint32_t Pipeline::group_of(const odo_header& event, uint32_t group) {
+  return groups_.number(event.source, roster_.resets(event.source), group);
+}
+
 void Pipeline::on_vo_motion(odo_vo_motion& motion) {
   if (motion.state > ODO_LOST) motion.state = ODO_LOST;  // an unknown state, from a newer ABI (docs/abi.md)
-  motion.scale_group = groups_.number(motion.header.source, roster_.resets(motion.header.source), motion.scale_group);
+  motion.scale_group = group_of(motion.header, motion.scale_group);
   fusion_->prepare(motion);
   publish_(motion.header);
   odo_vo_motion weighted = motion;

@@ -93,6 +93,8 @@ class Pipeline {
   void handle(AnyMessage& event);
   void on_attitude(odo_attitude& attitude, bool used);
   void on_step(const odo_step& step, bool used);
+  void on_points(odo_points& points, bool used);
+  uint32_t group_of(const odo_header& event, uint32_t group);
   void on_vo_motion(odo_vo_motion& motion);
   void on_fix(odo_fix& fix);
   bool is_beyond_frame(const odo_fix& fix);

@@ -115,8 +115,9 @@ bool PluginRoster::is_main_camera(const odo_header& message) {
 }
 
 bool PluginRoster::in_use(const odo_header& event) const {
+  const uint32_t type = event.type == ODO_TYPE_POINTS ? ODO_TYPE_VO_MOTION : event.type;  // with its frame's motion
   for (const auto& plugin : plugins_)
-    if (plugin->alive() && plugin->emits(event.type)) return plugin->number() == event.source;
+    if (plugin->alive() && plugin->emits(type)) return plugin->number() == event.source;
   return false;
 }
 

@@ -80,9 +80,12 @@ constexpr double kNanoseconds = 1e-9;
 
 /// A message of any type by value, from any writer: a newer writer's extra fields are retained, an older writer's
 /// missing fields are zero, and struct_size stays the writer's. There is always room for the host's struct. Messages
-/// larger than the host's own are stored on the heap.
+/// larger than the host's own are stored on the heap, in memory that the next one of the same object uses again.
 class AnyMessage {
  public:
+  /// Objects of one owner that keep this memory from sample to sample: 1 MiB of the largest messages.
+  static constexpr size_t kKeptLarge = (1 << 20) / ODO_LARGEST_MESSAGE;
+
   AnyMessage() { std::memset(inside_, 0, sizeof(odo_header)); }
   explicit AnyMessage(const odo_header& message) : AnyMessage() { assign(message); }
   AnyMessage(const AnyMessage& other) { copy(other); }
@@ -102,6 +105,8 @@ class AnyMessage {
   std::span<const unsigned char> bytes() const { return {data(), header().struct_size}; }
   /// False, and nothing done, if it is smaller than in version 1.0 or larger than any message may be.
   bool assign(const odo_header& message);
+  /// Becomes empty and frees the memory of a large message.
+  void release_memory() { *this = AnyMessage(), outside_.shrink_to_fit(); }
 
  private:
   static constexpr size_t kInside = 640;

@@ -22,7 +22,10 @@ class EventBuffer {
  public:
   static constexpr size_t kCapacity = 256;
   EventBuffer() { events_.reserve(kCapacity); }
-  void clear() { count_ = 0; }
+  void clear() {
+    for (; count_ > AnyMessage::kKeptLarge; --count_) events_[count_ - 1].release_memory();
+    count_ = 0;
+  }
   AnyMessage* next() {
     if (count_ == kCapacity) return nullptr;
     if (count_ == events_.size()) events_.emplace_back();  // memory is touched only when needed
