@@ -171,6 +171,7 @@ typedef struct odo_instance odo_instance; /* opaque, defined by the plugin */
 /* Bits of odo_plugin.flags. A host ignores bits that it does not know. */
 #define ODO_PLUGIN_SEVERAL_CAMERAS 1u /* the front-end receives frames of all cameras, not only of the main one */
 #define ODO_PLUGIN_NATIVE_FRAMES 2u   /* the plugin accepts frames whose pixels are available from loan.native only */
+#define ODO_PLUGIN_INPUTS_WHOLE 4u    /* since 1.1: it reads the types in `inputs` alone, not all of its kind */
 
 typedef struct odo_plugin {
   uint32_t struct_size;   /* in: capacity; out: number of bytes that the plugin filled */

@@ -20,7 +20,8 @@
 //   void reset()                                      default: a new object with the same parameters
 //   std::vector<uint8_t> save() const, void load(const uint8_t*, size_t), const void* extension(std::string_view id)
 //   void woken(odo::Output&)                          called after Output::wake()
-//   static constexpr uint32_t extra_inputs[], extra_outputs[]   message types in addition to those of the kind
+//   static constexpr uint32_t extra_outputs[]                   message types in addition to those of the kind
+//   static constexpr uint32_t extra_inputs[]                    message types that on() does not receive by itself
 //   using VendorMessages = odo::Messages<acme_wifi, ...>        vendor messages that on() receives
 //   static constexpr uint32_t flags                             ODO_PLUGIN_*
 // Define the class in an unnamed namespace, so that no symbol clashes with another plugin's; for plugins linked into a
@@ -56,9 +57,6 @@ struct Description {
   const char* interface_id;
 };
 
-/// List of the vendor messages that on() of a plugin receives.
-template <class... Own> struct Messages {};
-
 namespace detail {
 
 template <class T, class = void> struct has_configured : std::false_type {};
@@ -79,18 +77,6 @@ template <class T>
 struct has_woken<T, std::void_t<decltype(std::declval<T&>().woken(std::declval<Output&>()))>> : std::true_type {};
 template <class T, class = void> struct has_flags : std::false_type {};
 template <class T> struct has_flags<T, std::void_t<decltype(T::flags)>> : std::true_type {};
-template <class T, class M, class = void> struct has_on : std::false_type {};
-template <class T, class M>
-struct has_on<T, M,
-              std::void_t<decltype(std::declval<T&>().on(std::declval<const M&>(), std::declval<Output&>()))>>
-    : std::true_type {};
-
-template <class T, class = void> struct vendor_messages { using type = Messages<>; };
-template <class T> struct vendor_messages<T, std::void_t<typename T::VendorMessages>> {
-  using type = typename T::VendorMessages;
-};
-template <class T, class = void> struct has_extra_inputs : std::false_type {};
-template <class T> struct has_extra_inputs<T, std::void_t<decltype(T::extra_inputs)>> : std::true_type {};
 template <class T, class = void> struct has_extra_outputs : std::false_type {};
 template <class T> struct has_extra_outputs<T, std::void_t<decltype(T::extra_outputs)>> : std::true_type {};
 
@@ -168,6 +154,7 @@ template <class T, class Tag> class Glue {
       std::vector<Parameter<T>> parameters = T::parameters();
       std::vector<std::string> defaults;
       std::vector<odo_parameter> rows;
+      std::vector<uint32_t> inputs = inputs_of<T>(typename vendor_messages<T>::type());
       odo_string interface_id = str(T::description.interface_id);
       odo_plugin plugin;
       Table() {
@@ -191,6 +178,9 @@ template <class T, class Tag> class Glue {
         plugin.parameter_count = static_cast<uint32_t>(rows.size());
         plugin.parameter_stride = sizeof(odo_parameter);
         if constexpr (has_flags<T>::value) plugin.flags = T::flags;
+        plugin.flags |= ODO_PLUGIN_INPUTS_WHOLE;
+        plugin.inputs = inputs.data();
+        plugin.input_count = static_cast<uint32_t>(inputs.size());
         plugin.create = create;
         plugin.configure = configure;
         plugin.activate = activate;
@@ -199,10 +189,6 @@ template <class T, class Tag> class Glue {
         plugin.save = save;
         plugin.load = load;
         plugin.get_interface = get_interface;
-        if constexpr (has_extra_inputs<T>::value) {
-          plugin.inputs = T::extra_inputs;
-          plugin.input_count = static_cast<uint32_t>(std::size(T::extra_inputs));
-        }
         if constexpr (has_extra_outputs<T>::value) {
           plugin.outputs = T::extra_outputs;
           plugin.output_count = static_cast<uint32_t>(std::size(T::extra_outputs));

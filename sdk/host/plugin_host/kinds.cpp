@@ -29,6 +29,7 @@ KindTypes kind_types(const std::string& id) {
 
 KindTypes plugin_types(const std::string& id, const odo_plugin& table) {
   KindTypes types = kind_types(id);
+  if (table.flags & ODO_PLUGIN_INPUTS_WHOLE) types.inputs.clear();
   types.inputs.insert(types.inputs.end(), table.inputs, table.inputs + table.input_count);
   types.outputs.insert(types.outputs.end(), table.outputs, table.outputs + table.output_count);
   types.flags = table.flags;
