@@ -47,6 +47,8 @@ def message(description, name):
         lines += [f"        public static final int TYPE = {number:#x};",
                   f"        public {owner}(long t_ns) {{ super(SIZE); memory.putInt(4, TYPE).putLong(8, t_ns); }}",
                   f"        public {owner}(Event event) {{ super(SIZE); copy(event, TYPE); }}"]
+    elif description.is_element(name):
+        lines += [f"        {owner}(Event event, int at) {{ super(SIZE); copyElement(event, at); }}"]
     else:
         lines += [f"        public {owner}() {{ super(SIZE); }}"]
     for label, kind, at, count in members(description, name):

@@ -39,7 +39,7 @@ def constants(description):
 def javascript(description):
     types = ",\n".join(f"  {name[4:]}: {number:#x}" for name, number in description.messages().items())
     rows = []
-    for name in [*description.messages(), *STRUCTS]:
+    for name in [*description.messages(), *filter(description.is_element, description.structs), *STRUCTS]:
         fields = ",\n".join(f"    {label}: ['{code}', {at}{', ' + str(count) if count > 1 else ''}]"
                             for label, code, at, count in kept(description, name))
         rows.append(f"  {name[4:]}: {{size: {description.structs[name].size}, fields: {{\n{fields},\n  }}}}")
@@ -61,13 +61,15 @@ def typescript(description):
         title = "".join(part.capitalize() for part in name[4:].split("_"))
         body = [f"  type: '{name[4:]}';"] if message else []
         body += [f"  {label}: {kind(code, count, label)};" for label, code, _, count in kept(description, name)]
+        if description.is_element(name[:-1]):
+            body += [f"  {name[4:]}: {title[:-1]}[];"]
         return title, f"export interface {title} {{\n" + "\n".join(body) + "\n}"
 
     made = [interface(name, True) for name in description.messages()]
     events = [title for (title, _), number in zip(made, description.messages().values()) if is_event(number)]
     inputs = [title for title, _ in made if title not in events]
     lines = [f"export const {name}: {value};" for name, value in constants(description).items()]
-    return (HEAD + "\n".join(lines) + "\n\n/** An address: a number in a browser, a bigint in Node. */\nexport type Pointer = number | bigint;\n\n" + "\n\n".join(text for _, text in [*made, interface("odo_statistics", False), interface("odo_anchor_place", False), interface("odo_anchor", False)]) +
+    return (HEAD + "\n".join(lines) + "\n\n/** An address: a number in a browser, a bigint in Node. */\nexport type Pointer = number | bigint;\n\n" + "\n\n".join(text for _, text in [*made, *[interface(name, False) for name in description.structs if description.is_element(name)], interface("odo_statistics", False), interface("odo_anchor_place", False), interface("odo_anchor", False)]) +
             "\n\nexport type Input = " + " | ".join(inputs) + ";\nexport type Event = " + " | ".join(events) +
             ";\nexport type Message = Input | Event;\nexport type MessageName = Message['type'];\n"
             "export const TYPES: Record<MessageName, number>;\n"

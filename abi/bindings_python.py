@@ -32,6 +32,7 @@ MESSAGE_TYPES = """class Message(c.Structure):
     flags: int
     quality: float
     picture: bytes | None
+    points: c.Array[Any]
     def __init__(self, **fields: Any) -> None: ..."""
 MESSAGE = '''
 
@@ -39,6 +40,7 @@ class Message(c.Structure):
     """A message. Header fields are also attributes of it. Fields without an argument are zero; arrays accept sequences of their length."""
     TYPE = 0
     picture = None  # encoded picture of a recorded frame, PNG or JPEG
+    points = ()  # the landmarks of an odo_points, each an odo_point
     HEAD = ("t_ns", "source", "flags", "quality")
 
     def __init__(self, **fields):

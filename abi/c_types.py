@@ -38,8 +38,8 @@ def title(name):
 
 
 def public_structs(description):
-    """Structs with a name in each language: messages, and structs that functions take or return."""
-    return [*description.messages(), *CALLS]
+    """Structs with a name in each language: messages, their elements, and structs that functions take or return."""
+    return [*description.messages(), *filter(description.is_element, description.structs), *CALLS]
 
 
 def is_event(number):

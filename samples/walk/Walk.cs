@@ -17,7 +17,13 @@ navigation: {start: {position: [0 m, 0 m, 0 m], heading: 0 deg}}
 
   static string Digits(params double[] numbers) { return string.Join(" ", Array.ConvertAll(numbers, x => x.ToString("G17", CultureInfo.InvariantCulture))); }
 
-  static void Show(Event message) {
+  static unsafe void Show(Event message) {
+    uint points = 0;
+    while (message.Landmark(points) != null) ++points;
+    if (points > 0) {  // landmarks, the most certain first
+      Point* first = message.Landmark(0);
+      Console.WriteLine("points " + points + " first " + first->id + " " + Digits(first->p_c[2]));
+    }
     Pose pose;
     if (!message.TryGet(out pose)) return;
     Console.WriteLine("pose " + pose.header.t_ns + " " + Digits(pose.p_n.x, pose.p_n.y, pose.p_n.z, pose.q_n.x, pose.q_n.y, pose.q_n.z, pose.q_n.w));
@@ -37,7 +43,7 @@ navigation: {start: {position: [0 m, 0 m, 0 m], heading: 0 deg}}
     using (var pictures = new PicturePool(1 << 20))
     using (var session = new Session(config))
     using (var recording = new Recording(file)) {
-      session.Listen(Show, Abi.ODO_TYPE_POSE);
+      session.Listen(Show, Abi.ODO_TYPE_POSE, Abi.ODO_TYPE_POINTS);
       Event message;
       IntPtr encoded;
       int size;

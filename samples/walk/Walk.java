@@ -16,6 +16,11 @@ public final class Walk {
         "navigation: {start: {position: [0 m, 0 m, 0 m], heading: 0 deg}}", "");
 
     private static void show(Event event) {
+        if (event.type() == Abi.ODO_TYPE_POINTS) { // landmarks, the most certain first
+            Abi.Point first = event.point(0);
+            System.out.println("points " + event.points() + " first " + first.id() + " " + (double) first.p_c(2));
+            return;
+        }
         Abi.Pose pose = new Abi.Pose(event);
         double[] p = pose.p_n(), q = pose.q_n();
         System.out.println("pose " + pose.t_ns() + " " + p[0] + " " + p[1] + " " + p[2] + " " + q[1] + " " + q[2] + " " + q[3] + " " + q[0]);
@@ -32,7 +37,7 @@ public final class Walk {
 
     private static void replay(String config, String file) {
         try (Session session = new Session(config); Recording recording = new Recording(file)) {
-            session.onEvent(Walk::show, Abi.ODO_TYPE_POSE);
+            session.onEvent(Walk::show, Abi.ODO_TYPE_POSE, Abi.ODO_TYPE_POINTS);
             for (Recording.Recorded recorded : recording) {
                 if (recorded.picture != null) {
                     Abi.Frame frame = new Abi.Frame(recorded.message);

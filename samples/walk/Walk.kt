@@ -17,6 +17,10 @@ navigation: {start: {position: [0 m, 0 m, 0 m], heading: 0 deg}}
 """
 
 fun show(event: Event) {
+    if (event.type() == Abi.ODO_TYPE_POINTS) { // landmarks, the most certain first
+        val first = event.point(0)
+        return println("points ${event.points()} first ${first.id()} ${first.p_c(2).toDouble()}")
+    }
     val pose = Abi.Pose(event)
     val (x, y, z) = pose.p_n()
     val (qw, qx, qy, qz) = pose.q_n()
@@ -31,7 +35,7 @@ fun decode(picture: ByteBuffer, frame: Abi.Frame): Int {
 }
 
 fun replay(config: String, file: String) = Session(config).use { session ->
-    session.onEvent(Consumer { show(it) }, Abi.ODO_TYPE_POSE)
+    session.onEvent(Consumer { show(it) }, Abi.ODO_TYPE_POSE, Abi.ODO_TYPE_POINTS)
     Recording(file).use { recording ->
         for (recorded in recording) {
             val encoded = recorded.picture

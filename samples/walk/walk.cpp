@@ -23,6 +23,11 @@ void show(const odo::Event& event) {
   if (const auto pose = event.get<odo_pose>())
     std::printf("pose %lld %.17g %.17g %.17g %.17g %.17g %.17g %.17g\n", static_cast<long long>(pose->header.t_ns),
                 pose->p_n[0], pose->p_n[1], pose->p_n[2], pose->q_n[1], pose->q_n[2], pose->q_n[3], pose->q_n[0]);
+  if (const auto points = event.points(); points && points->size() > 0) {  // landmarks, the most certain first
+    const odo_point& first = (*points)[0];
+    std::printf("points %u first %llu %.9g\n", points->size(), static_cast<unsigned long long>(first.id),
+                static_cast<double>(first.p_c[2]));
+  }
 }
 
 /// Offset of the pixels of a grey picture. PGM needs no library; an app decodes JPEG and PNG with its own library.
@@ -39,7 +44,7 @@ void grey(odo_frame& frame, const uint8_t* pixels) {
 
 void replay(const char* config, const char* file) {
   odo::Session session(odo::Options().file(config));
-  session.on_event(show, {ODO_TYPE_POSE});
+  session.on_event(show, {ODO_TYPE_POSE, ODO_TYPE_POINTS});
   odo::Recording recording(file);
   for (const odo::Recorded& recorded : recording) {
     if (auto frame = recorded.message.get<odo_frame>()) {

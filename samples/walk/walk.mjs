@@ -11,7 +11,13 @@ navigation: {start: {position: [0 m, 0 m, 0 m], heading: 0 deg}}
 `;
 const odograph = load();
 
-function show({t_ns, p_n: [x, y, z], q_n: [qw, qx, qy, qz]}) {
+function show(event) {
+  if (event.type === 'pose') return showPose(event);
+  const {points} = event; // landmarks, the most certain first
+  console.log(`points ${points.length} first ${points[0].id} ${points[0].p_c[2]}`);
+}
+
+function showPose({t_ns, p_n: [x, y, z], q_n: [qw, qx, qy, qz]}) {
   console.log(`pose ${t_ns} ${x} ${y} ${z} ${qx} ${qy} ${qz} ${qw}`);
 }
 
@@ -23,7 +29,7 @@ function decode(picture) {
 }
 
 function replay(config, file) {
-  const session = odograph.createSession({config, events: ['pose'], onEvent: show});
+  const session = odograph.createSession({config, events: ['pose', 'points'], onEvent: show});
   const recording = odograph.openRecording(file);
   for (const message of recording) {
     const {picture, t_ns, source, flags, exposure_ns, line_time_ns, fx, fy, cx, cy} = message;

@@ -8,7 +8,7 @@ import sys
 
 import numpy as np
 import odograph
-from odograph import Imu, Pose, Step
+from odograph import Points, Pose, Step
 
 CONFIG = """\
 odograph: 1
@@ -21,13 +21,17 @@ navigation: {start: {position: [0 m, 0 m, 0 m], heading: 0 deg}}
 
 
 def show(event):
+    if isinstance(event, Points):  # landmarks, the most certain first
+        print("points", len(event.points), "first", event.points[0].id, event.points[0].p_c[2])
+    if not isinstance(event, Pose):
+        return
     x, y, z = event.p_n
     qw, qx, qy, qz = event.q_n
     print("pose", event.t_ns, x, y, z, qx, qy, qz, qw)
 
 
 def replay(config, recording):
-    odograph.run(config, recording, on_event=lambda event: show(event) if isinstance(event, Pose) else None)
+    odograph.run(config, recording, on_event=show)
 
 
 def live():

@@ -18,6 +18,10 @@ fn show(event: Event<'_>) {
     if let Some(Pose { header, p_n: [x, y, z], q_n: [qw, qx, qy, qz], .. }) = event.get() {
         println!("pose {} {x} {y} {z} {qx} {qy} {qz} {qw}", header.t_ns);
     }
+    // Landmarks, the most certain first.
+    if let Some(first) = event.points().next() {
+        println!("points {} first {} {}", event.points().count(), first.id, first.p_c[2] as f64);
+    }
 }
 
 /// Offset of the pixels of a grey picture. PGM needs no library; an app decodes JPEG and PNG with its own library.
@@ -32,7 +36,7 @@ fn decode(picture: &[u8], frame: &mut Frame) -> usize {
 
 fn replay(config: &str, file: &str) -> Result<()> {
     let mut session = Session::new(&Options { config, ..Options::default() })?;
-    session.on_event(&[Pose::TYPE], show)?;
+    session.on_event(&[Pose::TYPE, Points::TYPE], show)?;
     let mut recording = Recording::open(file)?;
     while let Some(recorded) = recording.next() {
         // A rejected sample is no reason to stop.

@@ -102,6 +102,29 @@ TEST_CASE("a message of any size from its type's first version up to the largest
   CHECK_FALSE(AnyMessage().assign(head(bytes_of(ODO_TYPE_VENDOR(3, 3), sizeof(odo_header) - 1))));
 }
 
+TEST_CASE("large events pass through a queue in order with small ones, sample after sample") {
+  EventQueue queue(40);
+  const auto large = bytes_of(ODO_TYPE_VENDOR(3, ODO_VENDOR_EVENT | 3), ODO_LARGEST_MESSAGE);
+  const AnyMessage big(head(large)), small(make_message<odo_state>(ODO_TYPE_STATE, 5).header);
+  for (int sample = 0; sample < 3; ++sample) {
+    queue.begin();
+    const int count = sample == 1 ? 40 : 3;  // more than keep their memory
+    for (int i = 0; i < count; ++i) CHECK(queue.push(i % 2 ? small : big));
+    for (int i = 0; i < count; ++i) {
+      const AnyMessage& expected = i % 2 ? small : big;
+      REQUIRE(queue.front().bytes().size() == expected.bytes().size());
+      CHECK(std::memcmp(queue.front().bytes().data(), expected.bytes().data(), expected.bytes().size()) == 0);
+      queue.pop();
+    }
+    CHECK(queue.empty());
+  }
+  AnyMessage freed(big);
+  freed.release_memory();
+  CHECK(freed.header().type == 0);
+  CHECK(freed.assign(head(large)));
+  CHECK(freed.bytes().size() == ODO_LARGEST_MESSAGE);
+}
+
 TEST_CASE("types have names, unknown ones their number, and an app may push all but events and 0") {
   CHECK(message_name(ODO_TYPE_IMU) == "imu");
   CHECK(message_name(ODO_TYPE_REPORT) == "report");

@@ -3,6 +3,8 @@
 // Validation of messages: every number of every type in turn, at and beside its limits.
 #include <regex>
 
+#include <odograph/plugin_messages.hpp>
+
 #include "sdk/host/messages/messages.hpp"
 #include "sdk/tools/validator/message_fields.hpp"
 #include "tests/support/support.hpp"
@@ -207,6 +209,52 @@ TEST_CASE("the quality and the time of every message are checked, the time up to
       m.header().quality = static_cast<float>(kNan);
       CHECK_FALSE(message_is_good(m.header()));
     }
+}
+
+TEST_CASE("an odo_points is refused unless all its elements are within it and finite, and keeps them in a copy") {
+  odo::PointsWriter writer;
+  const auto made = [&](auto&& change) {
+    writer.begin(1000, 0, 0, true);
+    for (uint64_t id = 1; id <= 3; ++id) {
+      odo_point point{};
+      point.id = id;
+      writer.add(point);
+    }
+    AnyMessage m(writer.message().header);
+    change(reinterpret_cast<odo_points&>(m.header()));
+    return m;
+  };
+  const auto fault = [&](auto&& change) { return message_fault(made(change).header()); };
+  const auto element = [](odo_points& m, uint32_t i) -> odo_point& {
+    return const_cast<odo_point&>(*ODO_POINTS_AT(&m, i));
+  };
+  const AnyMessage m = made([](odo_points&) {});
+  CHECK(message_fault(m.header()) == "");
+  const odo::Points points(as<odo_points>(m.header()));
+  CHECK(points.size() == 3);
+  uint64_t sum = 0;
+  for (const odo_point& point : points) sum += point.id;
+  CHECK(sum == 6);
+  CHECK(odo::Points(copy_as<odo_points>(m.header())).size() == 0);  // the struct alone
+  CHECK(fault([](odo_points& p) { p.total = 5; }) == "");
+  CHECK(fault([](odo_points& p) { p.total = 2; }).starts_with("total = 2"));
+  CHECK(fault([](odo_points& p) { p.count = p.total = 4; }).starts_with("count = 4"));
+  CHECK(fault([](odo_points& p) { p.count = p.total = 1001; }).starts_with("count = 1001"));
+  CHECK(fault([](odo_points& p) { p.count = UINT32_MAX, p.stride = UINT32_MAX - 7; }).starts_with("count"));
+  CHECK(fault([](odo_points& p) { p.stride = 60; }).starts_with("stride = 60"));
+  CHECK(fault([](odo_points& p) { p.stride = 68; }).starts_with("stride = 68"));
+  CHECK(fault([](odo_points& p) { p.offset = 48; }).starts_with("offset = 48"));
+  CHECK(fault([](odo_points& p) { p.offset = 60; }).starts_with("offset = 60"));
+  const auto nan = std::numeric_limits<float>::quiet_NaN();
+  CHECK(fault([&](odo_points& p) { element(p, 2).p_c[1] = nan; }).starts_with("p_c of an element"));
+  CHECK(fault([&](odo_points& p) { element(p, 1).covariance[1] = nan; }).starts_with("covariance of an element"));
+  CHECK(fault([&](odo_points& p) { element(p, 0).covariance[3] = -1; }).starts_with("covariance of an element"));
+  CHECK(fault([&](odo_points& p) { element(p, 0).pixel[1] = nan; }).starts_with("pixel of an element"));
+  writer.begin(1000, 0, 0, true);
+  for (int i = 0; i < 1200; ++i) writer.add(odo_point{});
+  CHECK(writer.message().count == ODO_MOST_POINTS);
+  CHECK(writer.message().total == 1200);
+  CHECK(message_fault(AnyMessage(writer.message().header).header()) == "");
 }
 
 TEST_CASE("integers of calibrations and frames are accepted within their limits only") {

@@ -63,10 +63,15 @@ int check_camera(const std::string& plugins) {
       "vo_frontend: {plugin: test/needy_vo}\ncoupling: {type: localizer}\n";
   odo_session* session = odograph::open_session(odograph::replay_options(yaml, plugins));
   if (!session) return 1;
-  long poses = 0;
+  static long poses, points;
   odo_session_set_callback(
       session, nullptr, ODO_ALL_EVENTS,
-      [](void* user, const odo_header* event) { *static_cast<long*>(user) += event->type == ODO_TYPE_POSE; }, &poses);
+      [](void*, const odo_header* event) {
+        poses += event->type == ODO_TYPE_POSE;
+        const auto* with_points = reinterpret_cast<const odo_points*>(event);
+        points += event->type == ODO_TYPE_POINTS && ODO_POINTS_AT(with_points, 299);
+      },
+      nullptr);
   odo_calibration calibration{};
   calibration.header.struct_size = sizeof calibration;
   calibration.header.type = ODO_TYPE_CALIBRATION;
@@ -98,10 +103,12 @@ int check_camera(const std::string& plugins) {
     return allocations - before;
   };
   const long first = go(0, 1500), poses_before = poses, later = go(1500, 6000);
-  std::printf("camera and inertial estimator: %ld allocations in 15 s of starting, %ld in 45 s after them, %ld poses\n",
-              first, later, poses - poses_before);
+  std::printf(
+      "camera with points and inertial estimator: %ld allocations in 15 s of starting, %ld in 45 s after them, %ld "
+      "poses, %ld times 300 points\n",
+      first, later, poses - poses_before, points);
   odo_session_destroy(session);
-  return later == 0 && poses - poses_before > 400 ? 0 : 1;
+  return later == 0 && poses - poses_before > 400 && points > 500 ? 0 : 1;
 }
 
 }  // namespace

@@ -3,6 +3,8 @@
 // Frames of isolated plugins: location of the pixels, ownership, cost.
 #include <odograph/vo_frontend.h>
 
+#include <odograph/plugin_messages.hpp>
+
 #include "sdk/host/core/frame_store.hpp"
 #include "tests/isolation/isolated_plugin.hpp"
 #include "tests/support/test_plugins.hpp"
@@ -50,7 +52,9 @@ TEST_CASE("isolated plugins see a session's frame without a copy") {
   for (int i = 0; i < 10; ++i) {
     odo_frame frame = grey_frame(pixels, i);
     REQUIRE(store.adopt(reinterpret_cast<odo_borrowed&>(frame)) == ODO_OK);
-    CHECK(isolated.plugin->process(frame.header).size() == (i > 0 ? 1 : 0));
+    const auto events = isolated.plugin->process(frame.header);
+    CHECK(events.size() == (i > 0 ? 2 : 0));  // points and a motion
+    if (i > 0) CHECK(odo::Points(as<odo_points>(events[0].header())).size() == 300);
     CHECK(store.in_use() == 1);
     frame.loan.release(frame.loan.owner);
     CHECK(store.in_use() == 0);
@@ -59,7 +63,7 @@ TEST_CASE("isolated plugins see a session's frame without a copy") {
 
   for (int i = 10; i < 20; ++i) {  // frames of other memory are copied, and each copy is freed
     const odo_frame frame = grey_frame(pixels, i);
-    CHECK(isolated.plugin->process(frame.header).size() == 1);
+    CHECK(isolated.plugin->process(frame.header).size() == 2);
   }
   CHECK(shared.reserved() == 2 * kBytes);
   CHECK(isolated.plugin->faults() == 0);

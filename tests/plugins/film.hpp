@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <limits>
 #include <optional>
 
 #include "plugins/shared/camera/camera_model.hpp"
@@ -23,6 +24,20 @@ class Film {
     const Eigen::AngleAxisd turned(yaw, Eigen::Vector3d::UnitZ());
     const Motion still(1.0, {p}, {Eigen::Quaterniond(turned) * Eigen::Quaterniond(upright)});
     return camera_->develop(view_->render(still, 0.1 * static_cast<double>(index)), index);
+  }
+  /// From p to what a camera ray meets, m; infinite where that is the sky.
+  double distance(const Eigen::Vector3d& p, const Eigen::Vector3d& ray_c) const {
+    const Eigen::Vector3f d = Eigen::Vector3d(ray_c.z(), ray_c.x(), ray_c.y()).normalized().cast<float>();
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    RTCRayHit hit{};
+    hit.ray.org_x = static_cast<float>(p.x()), hit.ray.org_y = static_cast<float>(p.y());
+    hit.ray.org_z = static_cast<float>(p.z());
+    hit.ray.dir_x = d.x(), hit.ray.dir_y = d.y(), hit.ray.dir_z = d.z();
+    hit.ray.tfar = std::numeric_limits<float>::infinity(), hit.ray.mask = UINT32_MAX;
+    hit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+    rtcIntersect1(world_->scenes()[0], &context, &hit);
+    return hit.ray.tfar;
   }
   CameraModel model() const {
     const auto& c = scenario_.camera;

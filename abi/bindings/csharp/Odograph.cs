@@ -52,6 +52,14 @@ namespace Odograph {
     public long T_ns => Header->t_ns;
     public bool IsInput => Type >> 12 != 1;
 
+    /// Landmark i of an odo_points, valid as long as the event; null beyond the last one, and of another type.
+    public Point* Landmark(uint i) {
+      if (Header->type != Abi.ODO_TYPE_POINTS || Header->struct_size < sizeof(Points)) return null;
+      var message = (Points*)Header;
+      ulong begin = message->offset + (ulong)i * message->stride;
+      return i < message->count && message->stride >= sizeof(Point) && begin + message->stride <= Header->struct_size ? (Point*)((byte*)Header + begin) : null;
+    }
+
     bool Copy(void* to, uint type, uint size) {
       if (Header->type != type) return false;
       uint available = Math.Min(size, Header->struct_size);

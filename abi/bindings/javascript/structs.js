@@ -60,7 +60,17 @@ export function structs(pointer) {
   /** A message with its type as a name. */
   function message(view, at) {
     const type = view.getUint32(at + 4, true), name = NAMES[type];
-    return name ? {type: name, ...read(view, at, name)} : {type: String(type), t_ns: view.getBigInt64(at + 8, true)};
+    if (!name) return {type: String(type), t_ns: view.getBigInt64(at + 8, true)};
+    return name === 'points' ? withElements(view, at) : {type: name, ...read(view, at, name)};
+  }
+
+  /** An odo_points with its landmarks, `points`. */
+  function withElements(view, at) {
+    const out = {type: 'points', ...read(view, at, 'points')}, size = view.getUint32(at, true), {offset, stride} = out;
+    out.points = [];
+    for (let begin = offset; out.points.length < out.count && stride >= STRUCTS.point.size && begin + stride <= size; begin += stride)
+      out.points.push(read(view, at + begin, 'point', stride));
+    return out;
   }
 
   /** Writes fields and the header of a struct to zeroed memory. */

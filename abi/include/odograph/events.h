@@ -245,10 +245,10 @@ typedef struct odo_refined {
 } odo_refined;
 
 /* Landmarks of one frame, since 1.1. A front-end emits them before the odo_vo_motion of the frame, with its time, camera
- * and scale group. The message is followed by `count` elements, the most certain landmarks, spread over the picture: the
- * element i begins at the byte offset + i * stride of the message. An element counts only if it lies within the message,
- * offset + (i + 1) * stride <= struct_size. Readers use `offset` and `stride`, since message and element may each grow;
- * both are multiples of 8. A copy of the struct alone has none (ODO_POINTS_AT). */
+ * and scale group. `count` elements follow the message, the most certain landmarks, spread over the picture. Element i
+ * begins at the byte offset + i * stride, both multiples of 8, and counts only if it ends within struct_size. Message and
+ * element may each grow: a field that is newer than 1.1 exists only if it lies before `offset`, or within `stride`
+ * (ODO_HAS cannot tell). A copy of the struct alone has no elements. */
 #define ODO_POINTS_METRIC 1u /* positions are in metres; if not set, in the displacement units of the scale group */
 typedef struct odo_points {
   odo_header header;    /* t_ns: time of the frame */
@@ -274,9 +274,9 @@ typedef struct odo_point {
   uint32_t reserved;   /* 0 */
 } odo_point;
 #define ODO_MOST_POINTS 1000u
-/* Element i of `points`, an odo_points *, or null if the message does not contain it. */
+/* Element i of `points`, an odo_points *, or null if the message does not contain it (64: its size in 1.1). */
 #define ODO_POINTS_AT(points, i)                                                                                       \
-  ((uint64_t)(i) < (points)->count && (points)->stride >= ODO_POINT_SIZE_MIN &&                                        \
+  ((uint64_t)(i) < (points)->count && (points)->stride >= 64u &&                                                       \
            (uint64_t)(points)->offset + ((uint64_t)(i) + 1) * (points)->stride <= (points)->header.struct_size         \
        ? (const odo_point *)(const void *)((const char *)(points) + (points)->offset +                                 \
                                            (size_t)(i) * (points)->stride)                                             \

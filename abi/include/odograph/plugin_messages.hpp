@@ -19,6 +19,7 @@
 #include <string_view>
 #include <type_traits>
 #include <utility>
+#include <vector>
 
 /* Inline namespace of this version, with hidden visibility: plugins built with other versions of these headers share no
  * symbols with it in one process. */
@@ -195,6 +196,43 @@ class Output {
   const odo_sink* sink_ = nullptr;
 };
 
+/// List of the vendor messages that on() of a plugin receives.
+template <class... Own> struct Messages {};
+
+namespace detail {
+
+template <class T, class M, class = void> struct has_on : std::false_type {};
+template <class T, class M>
+struct has_on<T, M,
+              std::void_t<decltype(std::declval<T&>().on(std::declval<const M&>(), std::declval<Output&>()))>>
+    : std::true_type {};
+
+template <class T, class = void> struct vendor_messages { using type = Messages<>; };
+template <class T> struct vendor_messages<T, std::void_t<typename T::VendorMessages>> {
+  using type = typename T::VendorMessages;
+};
+template <class T, class = void> struct has_extra_inputs : std::false_type {};
+template <class T> struct has_extra_inputs<T, std::void_t<decltype(T::extra_inputs)>> : std::true_type {};
+
+/// The types of the messages that on() receives, each once; those in extra_inputs may be vendors'.
+template <class T, class... Own> std::vector<uint32_t> inputs_of(Messages<Own...>) {
+  std::vector<uint32_t> types;
+  const auto add = [&types](uint32_t type) {
+    for (const uint32_t known : types)
+      if (known == type) return;
+    types.push_back(type);
+  };
+#define ODO_DETAIL_INPUT(number, type, name, min_size) \
+  if constexpr (has_on<T, type>::value) add(number);
+  ODO_FOR_EACH_MESSAGE(ODO_DETAIL_INPUT)
+#undef ODO_DETAIL_INPUT
+  (add(type_of<Own>::value), ...);
+  if constexpr (has_extra_inputs<T>::value)
+    for (const uint32_t type : T::extra_inputs) add(type);
+  return types;
+}
+
+}  // namespace detail
 }  // inline namespace
 }  // namespace odo
 

@@ -2,6 +2,7 @@
 #include <optional>
 
 #include "plugins/shared/camera/frame_view.hpp"
+#include "plugins/shared/camera/points_event.hpp"
 #include "plugins/vo/five_point/visual_odometry.hpp"
 
 namespace {
@@ -16,6 +17,7 @@ class FivePoint {
   static constexpr odo::Description description{
       "vo/five_point", "1.0.0", "Basic visual odometry: KLT, five-point start, PnP on triangulated points",
       ODO_INTERFACE_VO_FRONTEND};
+  static constexpr uint32_t extra_outputs[] = {ODO_TYPE_POINTS};
   static std::vector<odo::Parameter<FivePoint>> parameters() {
     return {odo::integer("corners", 50, 5000, &FivePoint::corners, "maximum number of tracked corners"),
             odo::real("inlier_threshold", "px", 0.1, 10, &FivePoint::inlier_threshold,
@@ -39,7 +41,9 @@ class FivePoint {
     const Motion motion = vo_->process(odograph::grey_of(frame, converted_), odograph::mask_of(frame));
     const int64_t from_ns = std::exchange(previous_ns_, frame.header.t_ns);
     if (from_ns == INT64_MIN) return;
-    output.emit(event_of(motion, from_ns, frame));
+    const odo_vo_motion event = event_of(motion, from_ns, frame);
+    points_.emit(event, vo_->corners(), vo_->corner_sigma_rad(), lens, camera_.size(), output);
+    output.emit(event);
   }
 
  private:
@@ -53,6 +57,7 @@ class FivePoint {
   }
 
   std::optional<VisualOdometry> vo_;
+  odograph::PointsEvent points_;
   cv::Mat converted_;
   odograph::CalibratedCamera camera_;
   int64_t previous_ns_ = INT64_MIN;

@@ -73,6 +73,17 @@ Motion VisualOdometry::process(const cv::Mat& grey, const cv::Mat& mask) {
   return motion;
 }
 
+std::vector<TrackedCorner> VisualOdometry::corners() const {
+  std::vector<TrackedCorner> out;
+  for (size_t i = 0; i < normalized_.size(); ++i) {
+    const auto& [id, pixel] = tracker_.tracks()[i];
+    const auto point = points_.find(id);
+    const bool used = point != points_.end() && point->second.triangulated && point->second.misses == 0;
+    out.push_back({id, {normalized_[i].x, normalized_[i].y, 1}, Vector3d::Zero(), {pixel.x, pixel.y}, used});
+  }
+  return out;
+}
+
 /// Makes the latest frame the reference of a new map, with its corners alone.
 void VisualOdometry::begin(bool new_group) {
   if (new_group) ++group_;

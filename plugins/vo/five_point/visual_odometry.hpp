@@ -9,6 +9,7 @@
 #include "plugins/shared/camera/camera_model.hpp"
 #include "plugins/shared/camera/corner_tracker.hpp"
 #include "plugins/shared/camera/picture_content.hpp"
+#include "plugins/shared/camera/point_tracks.hpp"
 #include "plugins/shared/camera/tracking.hpp"
 #include "plugins/shared/camera/two_view.hpp"
 
@@ -51,6 +52,10 @@ class VisualOdometry {
 
   /// Sets the lens of the frames to come (refocused or shifted). The map holds no pixels and stays valid.
   void change_lens(const CameraModel& camera) { camera_ = camera; }
+  /// The corners of the latest frame.
+  std::vector<TrackedCorner> corners() const;
+  /// Their noise: half the largest error of an inlier.
+  double corner_sigma_rad() const { return 0.5 * threshold(); }
   /// Processes the next frame, 8-bit grey. The result of the first frame is undefined.
   Motion process(const cv::Mat& grey, const cv::Mat& mask);
 

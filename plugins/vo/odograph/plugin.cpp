@@ -6,6 +6,7 @@
 #include <variant>
 
 #include "plugins/shared/camera/frame_view.hpp"
+#include "plugins/shared/camera/points_event.hpp"
 #include "plugins/shared/sensor_range.hpp"
 #include "plugins/vo/odograph/inertial/inertial_odometry.hpp"
 #include "plugins/vo/odograph/visual/odometry.hpp"
@@ -28,6 +29,7 @@ class OdographVo {
                                                 "Visual-inertial odometry: metric with an accelerometer, up to scale "
                                                 "without; rolling shutter, online calibration",
                                                 ODO_INTERFACE_VO_FRONTEND};
+  static constexpr uint32_t extra_outputs[] = {ODO_TYPE_POINTS};
   static std::vector<odo::Parameter<OdographVo>> parameters() {
     return {odo::boolean("inertial", &OdographVo::inertial_,
                          "use accelerometer and gyroscope for motions in metres; otherwise the gyroscope alone "
@@ -91,7 +93,11 @@ class OdographVo {
       visual->change_lens(lens);
       const Motion motion = visual->process(view);
       const int64_t from_ns = std::exchange(previous_ns_, frame.header.t_ns);
-      if (from_ns != INT64_MIN) output.emit(event_of(motion, from_ns, frame));
+      if (from_ns != INT64_MIN) {
+        const odo_vo_motion event = event_of(motion, from_ns, frame);
+        points_.emit(event, visual->corners(), visual->corner_sigma_rad(), lens, camera_.size(), output);
+        output.emit(event);
+      }
     }
   }
 
@@ -142,6 +148,7 @@ class OdographVo {
     if (!motion) return;
     auto event = event_of(motion->motion, motion->from_ns, head_);
     if (motion->metric) put_inertial(*motion, event);
+    points_.emit(event, motion->corners, motion->corner_sigma_rad, inertial->lens(), camera_.size(), output);
     output.emit(event);
     if (motion->metric) emit_refined(*inertial, motion->t_ns, output);
   }
@@ -196,6 +203,7 @@ class OdographVo {
   std::variant<std::monostate, Odometry, InertialOdometry> odometry_;
   Eigen::Quaterniond q_b_c_ = Eigen::Quaterniond::Identity();
   cv::Mat converted_;
+  odograph::PointsEvent points_;
   odo_frame head_{};  // of the pending frame; its pixels are not kept
   int64_t previous_ns_ = INT64_MIN, frame_ns_ = INT64_MIN, refined_ns_ = INT64_MIN / 2;
 };

@@ -111,15 +111,15 @@ class RemoteServices : public HostServices {
 /// Answers the plugin like the host's own sink and passes everything on; the host checks it again.
 struct RemoteSink : odo_sink {
   TypeSet outputs;
+  AnyMessage copy;  // a large one uses its memory again
   size_t taken = 0;
   bool overflow_reported = false;
 
   static int32_t take(const odo_sink* sink, const odo_header* event) {
     auto& self = *const_cast<RemoteSink*>(static_cast<const RemoteSink*>(sink));
     if (!event) return answer.event(nullptr, 0), ODO_E_ARGUMENT;
-    AnyMessage copy;
     EventFault fault;
-    int32_t status = validate_event(*event, self.outputs, copy, fault);
+    int32_t status = validate_event(*event, self.outputs, self.copy, fault);
     if (status == ODO_OK && self.taken >= EventBuffer::kCapacity) status = ODO_E_EXHAUSTED;
     if (status == ODO_E_UNSUPPORTED || (status == ODO_E_EXHAUSTED && self.overflow_reported)) return status;
     self.overflow_reported = self.overflow_reported || status == ODO_E_EXHAUSTED;

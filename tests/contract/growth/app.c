@@ -23,7 +23,7 @@ enum { kIsNew = 0 };
 static struct {
   double grown[MAX_ROWS];
   struct answer answer;
-  int reports, held, broken;
+  int reports, elements, held, broken;
 } seen;
 
 static void expect(double found, double expected, const char* what) {
@@ -42,6 +42,7 @@ static void ODO_CALL on_event(void* user, const odo_header* event) {
     odo_copy(&seen.answer, sizeof seen.answer, event);
   else if (row < MAX_ROWS)
     seen.grown[row] = grown_of(event);
+  if (event->type == ODO_TYPE_POINTS) seen.elements += has_elements((const odo_points*)(const void*)event);
   if (event->type == ODO_TYPE_REPORT)
     seen.reports += strcmp(((const odo_report*)(const void*)event)->key, "every") == 0;
 }
@@ -215,6 +216,7 @@ static int run(char** argv) {
   expect(seen.answer.services, strstr(argv[4], "isolation: process") ? 15 : 31, "services");
   expect(seen.answer.large_size, sizeof(struct large), "size of a vendor's message");
   expect(seen.reports, 1, "reports");
+  expect(seen.elements, 1, "an odo_points with its elements");
   check_outputs(session, host_is_new);
   if (!loaded) save_state(session, argv[6]);
   session_destroy(session);

@@ -5,6 +5,7 @@
 #ifndef ODOGRAPH_TESTS_GROWTH_EVERY_H
 #define ODOGRAPH_TESTS_GROWTH_EVERY_H
 
+#include <stddef.h>
 #include <string.h>
 
 #include <odograph/messages.h>
@@ -30,11 +31,17 @@ struct large {
   double values[300];
 };
 
+struct landmarks {
+  odo_points message;
+  odo_point elements[2];
+};
+
 union message {
   odo_header header;
 #define ROW(number, type, name, min_size) type name;
   ODO_FOR_EACH_MESSAGE(ROW)
 #undef ROW
+  struct landmarks landmarks;
 };
 
 static uint32_t row_of(uint32_t number) {
@@ -50,6 +57,8 @@ static uint32_t row_of(uint32_t number) {
 /* Fields of a message from a later version: -1 if absent, 0 if unknown to this version. */
 static double grown_of(const odo_header* message) {
 #ifdef ODO_TEST_GROWN
+  const odo_points* points = (const odo_points*)(const void*)message;
+  if (message->type == ODO_TYPE_POINTS && points->offset < sizeof *points) return -1; /* elements lie there */
   switch (message->type) {
 #define ROW(number, type, name, min_size) \
   case number:                            \
@@ -65,8 +74,14 @@ static double grown_of(const odo_header* message) {
 
 static void unit(double* q) { q[0] = 1; }
 
-/* A message whose fields a host accepts. */
-static void fill(union message* m, uint32_t number, int64_t t_ns) {
+static void fill_points(struct landmarks* m) {
+  m->message.count = m->message.total = 2, m->message.stride = sizeof(odo_point);
+  m->message.offset = (uint32_t)offsetof(struct landmarks, elements);
+  m->message.header.struct_size = sizeof *m;
+  for (int i = 0; i < 2; ++i) m->elements[i].id = (uint64_t)(7 + i);
+}
+
+static void begin(union message* m, uint32_t number, int64_t t_ns) {
   memset(m, 0, sizeof *m);
   switch (number) {
 #ifdef ODO_TEST_GROWN
@@ -85,6 +100,11 @@ static void fill(union message* m, uint32_t number, int64_t t_ns) {
     default: break;
   }
   m->header.type = number, m->header.t_ns = t_ns;
+}
+
+/* A message whose fields a host accepts. */
+static void fill(union message* m, uint32_t number, int64_t t_ns) {
+  begin(m, number, t_ns);
   switch (number) {
     case ODO_TYPE_IMU: m->header.flags = ODO_IMU_GYRO | ODO_IMU_ACCEL, m->imu.accel_b[2] = 9.81; break;
     case ODO_TYPE_MAGNETOMETER: m->magnetometer.field_b[0] = 2e-5; break;
@@ -110,8 +130,8 @@ static void fill(union message* m, uint32_t number, int64_t t_ns) {
       break;
     case ODO_TYPE_MOTION_MODE: m->motion_mode.mode = ODO_MODE_STATIC; break;
     case ODO_TYPE_VO_MOTION:
-      m->vo_motion.t_from_ns = t_ns - 100000000, m->vo_motion.state = ODO_LOST;
-      m->vo_motion.reason = ODO_REASON_TOO_DARK;
+      m->vo_motion.t_from_ns = t_ns - 100000000;
+      m->vo_motion.state = ODO_LOST, m->vo_motion.reason = ODO_REASON_TOO_DARK;
       break;
     case ODO_TYPE_SCALE: m->scale.valid_to_ns = t_ns, m->scale.scale = 1, m->scale.sigma = 0.1; break;
     case ODO_TYPE_REFINED:
@@ -123,8 +143,15 @@ static void fill(union message* m, uint32_t number, int64_t t_ns) {
       m->relative_pose.covariance[0] = m->relative_pose.covariance[7] = m->relative_pose.covariance[14] = 1;
       m->relative_pose.covariance[21] = m->relative_pose.covariance[28] = m->relative_pose.covariance[35] = 1;
       break;
+    case ODO_TYPE_POINTS: fill_points(&m->landmarks); break;
     default: break;
   }
+}
+
+/* Whether the elements of an odo_points from fill() arrive, by this version's stride or another's. */
+static int has_elements(const odo_points* points) {
+  const odo_point *first = ODO_POINTS_AT(points, 0), *second = ODO_POINTS_AT(points, 1);
+  return first && second && first->id == 7 && second->id == 8 && !ODO_POINTS_AT(points, 2);
 }
 
 #endif

@@ -74,5 +74,15 @@ def copied(pointer: Any) -> Any:
     message = abi.MESSAGES.get(header.type, abi.odo_header)()
     size = min(header.struct_size, c.sizeof(message))
     c.memmove(c.byref(message), pointer, size)
+    if header.type == abi.ODO_TYPE_POINTS:
+        object.__setattr__(message, "points", elements(message, c.string_at(pointer, header.struct_size)))
     c.cast(c.byref(message), c.POINTER(c.c_uint32))[0] = size
     return message
+
+
+def elements(message: Any, data: bytes) -> Any:
+    """The landmarks of an odo_points, of which `data` are all bytes."""
+    size, stride = c.sizeof(abi.odo_point), message.stride
+    count = min(message.count, max(0, len(data) - message.offset) // stride) if stride >= size else 0
+    ends = range(message.offset, message.offset + count * stride, max(stride, 1))
+    return (abi.odo_point * count).from_buffer_copy(b"".join(data[at:at + size] for at in ends))

@@ -69,7 +69,18 @@ impl<'a> Event<'a> {
     pub fn is_input(&self) -> bool {
         self.0.kind >> 12 != 1
     }
-    /// Returns a copy of the message if it has that type. Fields that the message lacks are zero.
+    /// The landmarks of an Points; none of another type.
+    pub fn points(&self) -> impl Iterator<Item = Point> + 'a {
+        let message: Points = self.get().unwrap_or_default();
+        let (base, end) = (self.0 as *const odo_header as *const u8, self.0.struct_size as u64);
+        let (offset, stride) = (message.offset as u64, message.stride as u64);
+        let count = if stride < size_of::<Point>() as u64 { 0 } else { message.count as u64 };
+        (0..count)
+            .map(move |i| offset + i * stride)
+            .take_while(move |at| at + stride <= end)
+            .map(move |at| unsafe { std::ptr::read_unaligned(base.add(at as usize) as *const Point) })
+    }
+    /// Returns a copy of the message if it has that type. Fields that the message lacks are zero. Landmarks are not copied: see points().
     pub fn get<M: Message>(&self) -> Option<M> {
         if self.0.kind != M::TYPE {
             return None;

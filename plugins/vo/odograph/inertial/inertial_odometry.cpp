@@ -88,12 +88,14 @@ InertialOdometry::Outcome InertialOdometry::advance(Initialising& phase, const P
     if (has_accelerometer(frame.t_ns))
       if (auto started = try_start(phase, frame.t_ns)) {
         ++group_;
-        const InertialMotion motion = make_motion(*started, frame.t_ns, started->filter.state().nav, true);
+        InertialMotion motion = make_motion(*started, frame.t_ns, started->filter.state().nav, true);
+        add_corners(frame.corners, started->filter, motion);
         return {motion, std::move(*started)};
       }
   }
   InertialMotion visual;
   visual.motion = frame.visual;
+  visual.corners = phase.visual->corners(), visual.corner_sigma_rad = phase.visual->corner_sigma_rad();
   return {visual, std::nullopt};
 }
 
@@ -108,6 +110,7 @@ InertialOdometry::Outcome InertialOdometry::advance(Filtering& phase, const Pend
   phase.accepted = static_cast<unsigned>(seen.accepted);
   const bool wrong = has_diverged(phase, seen, frame.t_ns);
   InertialMotion out = make_motion(phase, frame.t_ns, filter.state().nav, true);
+  add_corners(frame.corners, filter, out);
   if (!wrong && filter.velocity_sigma() <= p_.lost_sigma_mps) return {out, std::nullopt};
   ++group_;
   out.metric = false;
@@ -277,6 +280,24 @@ InertialMotion InertialOdometry::make_motion(Filtering& phase, int64_t t_ns, con
   for (auto clone = state.clones.rbegin(); clone != state.clones.rend() && phase.reported.size() < 2; ++clone)
     phase.reported.push_back({clone->id, pose_of(*clone).inverse() * T_w_c});
   return out;
+}
+
+/// The corners of the newest clone's frame. The camera moves while the rows are read: a ray begins where it was at its
+/// row.
+void InertialOdometry::add_corners(const FrameCorners& seen, const Filter& filter, InertialMotion& motion) const {
+  const Clone& clone = filter.newest();
+  const Camera& camera = filter.state().camera;
+  const Vector3d velocity_c = clone.q_w_c.conjugate() * clone.v_w;
+  std::vector<uint64_t> missed;
+  for (const Landmark& landmark : filter.state().landmarks)
+    if (landmark.misses > 0) missed.push_back(landmark.track);
+  for (const Corner& corner : seen.corners) {
+    const double late_s = (corner.row - camera.middle_row) * camera.line_time_s;
+    motion.corners.push_back({corner.track, ray_of(clone, camera, corner.pixel, corner.row), late_s * velocity_c,
+                              vio::change_lens(corner.pixel, camera_.lens, frame_lens_),
+                              std::find(missed.begin(), missed.end(), corner.track) == missed.end()});
+  }
+  motion.corner_sigma_rad = filter.gate_sigma() / clone.focal_px;
 }
 
 /// Covariance of the motion from the previous frame: from the two clones or, if one is missing, from velocity and gyro

@@ -22,6 +22,8 @@ struct InertialMotion {
   double scale_sigma = 0;  ///< relative
   Eigen::Vector3d velocity_c = Eigen::Vector3d::Zero(), gravity_c = Eigen::Vector3d::Zero();
   Eigen::Vector3d gyro_bias_b = Eigen::Vector3d::Zero(), accel_bias_b = Eigen::Vector3d::Zero();
+  std::vector<TrackedCorner> corners;  ///< empty if the frame was not estimated
+  double corner_sigma_rad = 0;
 };
 
 /// "Empirical": chosen on the simulated walks of `odograph bench walk700`, phone scenarios and euroc_mh05 during
@@ -157,6 +159,7 @@ class InertialOdometry {
   Initialising initial_phase() const;
   bool has_diverged(Filtering& phase, const FrameReport& seen, int64_t t_ns) const;
   InertialMotion make_motion(Filtering& phase, int64_t t_ns, const Navigation& nav, bool with_clone) const;
+  void add_corners(const FrameCorners& seen, const Filter& filter, InertialMotion& motion) const;
   Eigen::Matrix<double, 6, 6> motion_covariance(const Filter& filter, int64_t t_ns, bool with_clone) const;
   Eigen::Isometry3d previous_pose(const Filtering& phase) const;
   Eigen::Quaterniond rotation_between(int64_t from_ns, int64_t to_ns) const;

@@ -42,6 +42,17 @@ Motion Odometry::process(const Frame& frame) {
   return outcome.motion;
 }
 
+std::vector<TrackedCorner> Odometry::corners() const {
+  std::vector<TrackedCorner> out;
+  for (const SeenCorner& corner : seen_.corners) {
+    const auto landmark = window_.landmarks().find(corner.track);
+    const bool used =
+        landmark != window_.landmarks().end() && landmark->second.triangulated && landmark->second.misses == 0;
+    out.push_back({corner.track, corner.at.homogeneous(), Vector3d::Zero(), corner.pixel, used});
+  }
+  return out;
+}
+
 /// The first frame becomes the reference of the first map.
 Odometry::Outcome Odometry::advance(AwaitingFrame, const Frame& frame, const Prediction& predicted) {
   follow(frame, track_.T_w_c, predicted.q_c0_c1);
@@ -186,7 +197,7 @@ SeenCorners Odometry::undistort(const Frame& frame) const {
       const Vector3d x = exp_rotation((*rate - bias_c_) * late_s) * Vector3d(at.x(), at.y(), 1);
       at = x.head<2>() / x.z();
     }
-    seen.corners.push_back({tracker_.tracks()[i].id, at});
+    seen.corners.push_back({tracker_.tracks()[i].id, at, Vector2d(pixels[i].x, pixels[i].y)});
   }
   return seen;
 }

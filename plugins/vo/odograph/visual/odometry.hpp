@@ -6,6 +6,7 @@
 
 #include "plugins/shared/camera/camera_model.hpp"
 #include "plugins/shared/camera/corner_tracker.hpp"
+#include "plugins/shared/camera/point_tracks.hpp"
 #include "plugins/shared/camera/tracking.hpp"
 #include "plugins/vo/odograph/visual/gyroscope.hpp"
 #include "plugins/vo/odograph/visual/parameters.hpp"
@@ -52,6 +53,11 @@ class Odometry {
 
   /// Sets the lens of the frames to come (refocused or shifted). The map holds no pixels and stays valid.
   void change_lens(const CameraModel& camera) { camera_ = camera; }
+
+  /// The corners of the latest frame.
+  std::vector<TrackedCorner> corners() const;
+  /// Their noise.
+  double corner_sigma_rad() const { return sigma(); }
 
   /// Gyro bias estimated by the window, rad/s.
   const Eigen::Vector3d& gyro_bias_c() const { return bias_c_; }

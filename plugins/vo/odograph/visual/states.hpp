@@ -21,6 +21,7 @@ struct SeenCorner {
   uint64_t track;
   Eigen::Vector2d
       at;  ///< normalized, rolling-shutter compensated: as at the time of the middle row under pure rotation
+  Eigen::Vector2d pixel = Eigen::Vector2d::Zero();
 };
 
 /// The corners of a frame.

@@ -18,5 +18,18 @@ public final class Event {
     public int type() { return head.getInt(4); }
     public long t_ns() { return head.getLong(8); }
     public boolean isInput() { return type() >>> 12 != 1; }
+    /** Number of landmarks of an odo_points; 0 of another type. */
+    public int points() {
+        if (type() != Abi.ODO_TYPE_POINTS) return 0;
+        Abi.Points message = new Abi.Points(this);
+        long behind = (long) head.getInt(0) - message.offset();
+        return message.stride() < Abi.Point.SIZE || behind < 0 ? 0 : (int) Math.min(message.count(), behind / message.stride());
+    }
+    /** Copies a landmark of an odo_points; `i` below points(). */
+    public Abi.Point point(int i) {
+        if (i < 0 || i >= points()) throw new IndexOutOfBoundsException("landmark " + i + " of " + points());
+        Abi.Points message = new Abi.Points(this);
+        return new Abi.Point(this, message.offset() + i * message.stride());
+    }
     ByteBuffer memory() { return Native.view(address, head.getInt(0)); }
 }

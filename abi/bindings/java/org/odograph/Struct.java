@@ -24,6 +24,14 @@ public abstract class Struct {
         memory.put(from).putInt(0, from.limit());
     }
 
+    /** Copies an element at that byte of a message. */
+    void copyElement(Event event, int at) {
+        ByteBuffer from = event.memory();
+        from.limit(at + memory.capacity()).position(at);
+        memory.clear();
+        memory.put(from);
+    }
+
     /** Whether the struct has at least that many bytes. */
     public final int size() { return memory.getInt(0); }
 

@@ -39,7 +39,16 @@ public struct Event {
     public let header: UnsafePointer<odo_header>
     public var isInput: Bool { header.pointee.type >> 12 != 1 }
 
-    /// Returns a copy of the message if it has that type.
+    /// The landmarks of an odo_points; none of another type.
+    public func points() -> [odo_point] {
+        guard let message = get(odo_points.self), message.stride >= UInt32(MemoryLayout<odo_point>.size) else { return [] }
+        let base = UnsafeRawPointer(header), end = Int(header.pointee.struct_size)
+        return (0..<Int(message.count)).map { Int(message.offset) + $0 * Int(message.stride) }
+            .prefix { $0 + Int(message.stride) <= end }
+            .map { base.loadUnaligned(fromByteOffset: $0, as: odo_point.self) }
+    }
+
+    /// Returns a copy of the message if it has that type. Landmarks are not copied: see points().
     public func get<M: Message>(_: M.Type) -> M? {
         guard header.pointee.type == M.type else { return nil }
         var message = M()
