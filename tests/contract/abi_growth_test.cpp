@@ -115,14 +115,17 @@ TEST_CASE("a late scale is published as not accepted and reported, unlike one fo
   auto scale = make_message<odo_scale>(ODO_TYPE_SCALE, 100);
   scale.valid_to_ns = 100, scale.scale = 2, scale.sigma = 0.1;
   ScaleJoin join(1);
-  CHECK(join.note(0, scale));  // no motion yet: may apply
-  join.begin(motion);
-  CHECK(join.answer(0, scale));
-  CHECK_FALSE(join.note(0, scale));
+  CHECK(join.note(0, scale) == ScaleUse::used);  // no motion yet: may apply
+  join.begin(motion, false);
+  CHECK(join.answer(0, scale) == ScaleUse::used);
+  CHECK(join.note(0, scale) == ScaleUse::late);
   scale.valid_to_ns = 101;
-  CHECK(join.note(0, scale));
+  CHECK(join.note(0, scale) == ScaleUse::used);
+  join.begin(motion, true);
+  CHECK(join.answer(0, scale) == ScaleUse::pointless);
+  CHECK(join.joined() == nullptr);
   scale.scale_group = 1;
-  CHECK_FALSE(join.note(0, scale));
+  CHECK(join.note(0, scale) == ScaleUse::late);
 
   const TestPlugins plugins{"late_scale"};
   RunningApp app(kWalk + "vo_frontend:\n  plugin: vo/five_point\nscale_source:\n  plugin: test/late_scale\n",

@@ -33,7 +33,7 @@ for plugin in "$old"/plugins/*.so; do
   holds "plugin ${plugin##*/}" "$build/bin/odograph" plugin check "$plugin"
 done
 for config in "$old"/configs/*.yaml; do
-  holds "config ${config##*/}" "$build/bin/odograph" config check "$config"
+  holds "config ${config##*/}" "$build/bin/odograph" config check --no-load "$config"
 done
 loads() { cp "$old/every.state" "$work/state" && "$old/growth/growth_app_old" "$1" replay "$old/every.odo" "$(cat "$old/every.yaml")" "$old/every" "$work/state" old old old; }
 holds "a recording and a saved state" loads "$library"

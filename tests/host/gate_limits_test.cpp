@@ -127,32 +127,33 @@ TEST_CASE("a scale applies to motions that end after its start and up to its end
        {std::pair<int64_t, bool>{49, false}, {50, false}, {51, true}, {100, true}, {101, false}})
     for (const uint32_t group : {7u, 8u}) {
       ScaleJoin join(1), asked(1);
-      CHECK(join.note(0, scale_of(7, 50, 100)));  // before the first motion it may still apply
-      join.begin(motion(t_ns, group));
+      CHECK(join.note(0, scale_of(7, 50, 100)) == ScaleUse::used);  // before the first motion it may still apply
+      join.begin(motion(t_ns, group), false);
       CHECK((join.joined() != nullptr) == (holds && group == 7));
       CHECK(join.motion_ns() == t_ns);
       CHECK(join.group() == group);
-      asked.begin(motion(t_ns, group));
-      CHECK(asked.answer(0, scale_of(7, 50, 100)) == (group == 7 && (holds || t_ns < 100)));
+      asked.begin(motion(t_ns, group), false);
+      CHECK((asked.answer(0, scale_of(7, 50, 100)) == ScaleUse::used) == (group == 7 && (holds || t_ns < 100)));
       CHECK((asked.joined() != nullptr) == (holds && group == 7));
-      CHECK(asked.note(0, scale_of(7, 50, 100)) == (group == 7 && t_ns < 100));  // for motions to come
+      CHECK((asked.note(0, scale_of(7, 50, 100)) == ScaleUse::used) ==
+            (group == 7 && t_ns < 100));  // for motions to come
     }
 }
 
 TEST_CASE("scales and sigmas of zero are ignored, and the joined scale follows from valid ones") {
   for (const auto& [value, sigma] : {std::pair{0.0, 0.1}, {2.0, 0.0}, {2.0, -0.1}}) {
     ScaleJoin join(2);
-    join.begin(motion(60, 7));
+    join.begin(motion(60, 7), false);
     join.answer(0, scale_of(7, 50, 100, 3, 0.3)), join.answer(1, scale_of(7, 50, 100, value, sigma));
     REQUIRE(join.joined());
     CHECK(join.joined()->scale == 3);
     CHECK(join.joined()->sigma == 0.3);
   }
   ScaleJoin join(1);  // a source with several scales for one motion: the newest is used
-  join.begin(motion(60, 7));
+  join.begin(motion(60, 7), false);
   join.answer(0, scale_of(7, 50, 100, 3)), join.answer(0, scale_of(7, 50, 100, 4));
   CHECK(join.joined()->scale == 4);
-  join.begin(motion(61, 7));
+  join.begin(motion(61, 7), false);
   CHECK(join.joined()->scale == 4);
 }
 

@@ -125,8 +125,9 @@ CouplingConfig coupling_of(const Value& coupling) {
 
 /// One plugin of the config; its fallback has default parameters.
 PluginChoice choose(const Value& value, const Spec& spec, const Value& v, PluginRegistry& registry,
-                    const PluginPolicy& policy) {
+                    const PluginPolicy& policy, const std::string& file) {
   PluginChoice choice;
+  choice.place = at(file, value.mark, "");
   choice.manifest = **registry.find(value["plugin"].text, spec.interface_id, policy.folders, policy.allow);
   choice.interface_id = spec.interface_id;
   for (const Spec& parameter : choice.manifest.parameters)
@@ -137,6 +138,7 @@ PluginChoice choose(const Value& value, const Spec& spec, const Value& v, Plugin
   auto fallback = std::make_shared<PluginChoice>();
   fallback->manifest = **registry.find(value["fallback"].text, spec.interface_id, policy.folders, policy.allow);
   fallback->interface_id = spec.interface_id;
+  fallback->place = at(file, value["fallback"].mark, "");
   for (const Spec& parameter : fallback->manifest.parameters)
     fallback->parameters.emplace_back(parameter, default_value(parameter));
   share_walker(*fallback, v["walker"]);
@@ -170,7 +172,7 @@ std::optional<Failure> choose_plugins(const Value& v, PluginRegistry& registry, 
                  : spec.name == "scale_source"   ? config.scale_sources
                                                  : config.fixers;
     for (const Value& item : value.items) {
-      kind.push_back(choose(item, spec, v, registry, policy));
+      kind.push_back(choose(item, spec, v, registry, policy, config.name));
       if (const auto wrong = check_isolation(kind.back(), item.mark, config.name)) return wrong;
     }
   }

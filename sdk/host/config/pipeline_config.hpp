@@ -29,6 +29,7 @@ struct Isolation {
 struct PluginChoice {
   Manifest manifest;
   std::string interface_id;
+  std::string place;                               // of its entry: "file:line:column: "; empty if it is from no file
   std::vector<std::pair<Spec, Value>> parameters;  // the plugin's whole table, with defaults filled in
   Isolation isolation;
   std::shared_ptr<const PluginChoice> fallback;  // replaces the plugin if it is given up; may be null

@@ -24,6 +24,7 @@ void Pipeline::process(const odo_header& message) {
   if (watch_.on_message(message)) on_pause();
   checks_.on_sample(message);
   if (is_description(message)) roster_.store_description(message);
+  sources_.came(message);
   switch (message.type) {
     case ODO_TYPE_IMU: joiner_.push(as<odo_imu>(message), [this](const odo_imu& whole) { on_imu(whole); }); break;
     case ODO_TYPE_FRAME:
@@ -48,6 +49,7 @@ void Pipeline::process(const odo_header& message) {
     default: dispatch(message);  // magnetometer, GNSS, waypoints, and types that only a plugin knows
   }
   handle_events();
+  sources_.judge(false);
   publisher_.check_input();
   if (!std::exchange(broken_, false)) return;
   host_.report(0, ODO_SEVERITY_ERROR, "broken_pose",
@@ -110,6 +112,7 @@ void Pipeline::handle_events() {
 
 void Pipeline::handle(AnyMessage& event) {
   odo_header& header = event.header();
+  sources_.came(header);
   const bool used = roster_.in_use(header);
   switch (header.type) {
     case ODO_TYPE_ATTITUDE: return on_attitude(reinterpret_cast<odo_attitude&>(header), used);
@@ -154,17 +157,20 @@ void Pipeline::on_step(const odo_step& step, bool used) {
 
 /// A scale published outside of a motion callback.
 void Pipeline::on_scale(odo_scale& scale) {
-  bool accepted = fusion_->on_scale(scale, outputs_).accepted;
+  ScaleUse use = fusion_->on_scale(scale, outputs_).accepted ? ScaleUse::used : ScaleUse::late;
   const PluginRoster::Plugins& sources = roster_.scale_sources();
-  for (size_t i = 0; i < sources.size(); ++i)
-    if (sources[i]->number() == scale.header.source) accepted |= scale_join_.note(i, scale);
-  publish_scale(scale, accepted);
+  for (size_t i = 0; i < sources.size(); ++i) {
+    if (sources[i]->number() != scale.header.source) continue;
+    const ScaleUse noted = scale_join_.note(i, scale);
+    if (use != ScaleUse::used) use = noted;
+  }
+  publish_scale(scale, use);
 }
 
-void Pipeline::publish_scale(odo_scale& scale, bool accepted) {
-  if (accepted)
-    scale.header.flags |= ODO_FLAG_ACCEPTED;
-  else
+void Pipeline::publish_scale(odo_scale& scale, ScaleUse use) {
+  if (use == ScaleUse::used) scale.header.flags |= ODO_FLAG_ACCEPTED;
+  if (use == ScaleUse::pointless) sources_.on_pointless_scale(scale.header.source);
+  if (use == ScaleUse::late)
     host_.report(scale.header.source, ODO_SEVERITY_WARNING, "late_scale",
                  "a scale has no effect: it is valid until valid_to_ns = " + std::to_string(scale.valid_to_ns) +
                      " in scale_group " + std::to_string(scale.scale_group) + "; the newest motion ended at " +
@@ -175,7 +181,7 @@ void Pipeline::publish_scale(odo_scale& scale, bool accepted) {
 /// The scale valid for a motion, from the sources' answers to it or their earlier statements; null if there is none.
 /// The answers are processed immediately because the motion needs them.
 const odo_scale* Pipeline::scale_for(const odo_vo_motion& motion) {
-  scale_join_.begin(motion);
+  scale_join_.begin(motion, fusion_->is_in_metres(motion));
   const PluginRoster::Plugins& sources = roster_.scale_sources();
   for (size_t i = 0; i < sources.size(); ++i) {
     for (AnyMessage& event : sources[i]->process(motion.header)) {
@@ -183,6 +189,7 @@ const odo_scale* Pipeline::scale_for(const odo_vo_motion& motion) {
         enqueue(event);
         continue;
       }
+      sources_.came(event.header());
       auto& scale = reinterpret_cast<odo_scale&>(event.header());
       publish_scale(scale, scale_join_.answer(i, scale));
     }
@@ -305,6 +312,7 @@ Pipeline::Pipeline(const PipelineConfig& config, const Surroundings& surrounding
       events_(kParameters.events_per_sample),
       watch_(config.ordering.max_gap_s),
       publish_(std::move(publish)),
+      sources_(roster_, surroundings.host),
       scale_join_(config.scale_sources.size()),
       north_(config.declination_rad, config.start.heading_given),
       publisher_({roster_, watch_, checks_, north_, poses_, anchors_, surroundings.world_mutex}, publish_,

@@ -19,6 +19,7 @@
 #include "sdk/host/core/scale_group_numbers.hpp"
 #include "sdk/host/core/scale_join.hpp"
 #include "sdk/host/core/sensor_watch.hpp"
+#include "sdk/host/core/source_watch.hpp"
 #include "sdk/host/fusion/paper_fusion.hpp"
 #include "sdk/host/messages/imu_joiner.hpp"
 
@@ -64,6 +65,8 @@ class Pipeline {
   void process(const odo_header& message);
   /// Calls the plugins that requested it (odo.wake/1), as process() does before each message.
   void wake();
+  /// No more input comes: names the plugins that had no effect.
+  void end() { sources_.judge(true); }
   /// Restarts after the sensor clock was set back. Geodetic origin, counters and calibrations are retained.
   void reset();
 
@@ -100,7 +103,7 @@ class Pipeline {
   bool is_beyond_frame(const odo_fix& fix);
   void publish();
   void on_scale(odo_scale& scale);
-  void publish_scale(odo_scale& scale, bool accepted);
+  void publish_scale(odo_scale& scale, ScaleUse use);
   const odo_scale* scale_for(const odo_vo_motion& motion);
 
   PluginRoster roster_;
@@ -123,6 +126,7 @@ class Pipeline {
   Publish publish_;
   Counters counters_;
   ScaleGroupNumbers groups_;
+  SourceWatch sources_;
   ScaleJoin scale_join_;
   NorthReference north_;
   PosePublisher publisher_;

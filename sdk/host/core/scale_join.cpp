@@ -10,32 +10,36 @@ bool ScaleJoin::holds(const odo_scale& scale) const {
   return scale.scale_group == group_ && scale.valid_from_ns < t_ns_ && t_ns_ <= scale.valid_to_ns;
 }
 
-bool ScaleJoin::note(size_t source, const odo_scale& scale) {
+ScaleUse ScaleJoin::note(size_t source, const odo_scale& scale) {
   newest_[source] = scale;
-  return t_ns_ == INT64_MIN || (scale.scale_group == group_ && scale.valid_to_ns > t_ns_);
+  if (t_ns_ != INT64_MIN && (scale.scale_group != group_ || scale.valid_to_ns <= t_ns_)) return ScaleUse::late;
+  return metric_ ? ScaleUse::pointless : ScaleUse::used;
 }
 
-void ScaleJoin::begin(const odo_vo_motion& motion) {
+void ScaleJoin::begin(const odo_vo_motion& motion, bool metric) {
   t_ns_ = motion.header.t_ns;
+  metric_ = metric;
   group_ = motion.scale_group;
   found_.assign(newest_.size(), std::nullopt);
   for (size_t i = 0; i < newest_.size(); ++i)
     if (newest_[i] && holds(*newest_[i])) found_[i] = newest_[i];
 }
 
-bool ScaleJoin::answer(size_t source, const odo_scale& scale) {
-  const bool later = note(source, scale);
+ScaleUse ScaleJoin::answer(size_t source, const odo_scale& scale) {
+  const ScaleUse later = note(source, scale);
   if (!holds(scale)) return later;
   found_[source] = scale;
-  return true;
+  return metric_ ? ScaleUse::pointless : ScaleUse::used;
 }
 
 void ScaleJoin::reset() {
   newest_.assign(newest_.size(), std::nullopt);
   t_ns_ = INT64_MIN;
+  metric_ = false;
 }
 
 const odo_scale* ScaleJoin::joined() {
+  if (metric_) return nullptr;
   const odo_scale* first = nullptr;
   double weights = 0, weighted_logs = 0;
   int joined = 0;

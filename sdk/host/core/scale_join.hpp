@@ -10,6 +10,10 @@
 
 namespace odograph {
 
+/// What becomes of a scale: it may count for a motion; it applies to past motions alone; or the motions of its group
+/// are in metres.
+enum class ScaleUse { used, late, pointless };
+
 /// Combines the statements of one or several scale sources about a motion. A single statement is used unchanged; for
 /// several about the same motion, the logarithms are averaged with inverse-variance weights (maximum-likelihood
 /// estimate for independent log-normal scales). Not thread-safe.
@@ -17,14 +21,13 @@ class ScaleJoin {
  public:
   explicit ScaleJoin(size_t sources) : newest_(sources) {}
 
-  /// Notes a statement made outside of a motion. Returns whether it may be valid for motions to come.
-  bool note(size_t source, const odo_scale& scale);
-  /// Starts a motion; earlier statements valid for it count.
-  void begin(const odo_vo_motion& motion);
-  /// Notes a source's answer to the motion, which replaces its earlier statement. Returns whether it is valid for the
-  /// motion or may be for later ones.
-  bool answer(size_t source, const odo_scale& scale);
-  /// The scale for the motion, or null if there is none. Valid until the next motion.
+  /// Notes a statement made outside of a motion.
+  ScaleUse note(size_t source, const odo_scale& scale);
+  /// Starts a motion that is in metres or not; earlier statements valid for it count.
+  void begin(const odo_vo_motion& motion, bool metric);
+  /// Notes a source's answer to the motion, which replaces its earlier statement.
+  ScaleUse answer(size_t source, const odo_scale& scale);
+  /// The scale for the motion, or null if there is none or it needs none. Valid until the next motion.
   const odo_scale* joined();
   void reset();
 
@@ -38,6 +41,7 @@ class ScaleJoin {
   std::vector<std::optional<odo_scale>> newest_, found_;
   int64_t t_ns_ = INT64_MIN;  ///< of the newest motion
   uint32_t group_ = 0;
+  bool metric_ = false;
   odo_scale joined_{};
 };
 

@@ -55,6 +55,7 @@ class Fusion : public KeptPoses {
 
   /// Writes the orientation at the earlier frame into a motion (ODO_FLAG_NAVIGATION), for scale sources.
   void prepare(odo_vo_motion& motion) const;
+  bool is_in_metres(const odo_vo_motion& motion) const { return odometry_->is_in_metres(motion); }
   /// The pose at t, or the newest. At most 0.5 s beyond the newest pose, flagged as extrapolated. ODO_NOT_READY before
   /// the first pose, ODO_E_NOT_FOUND outside the stored track.
   int32_t at(Instant t, Estimate& out) const;

@@ -210,12 +210,16 @@ void Odometry::select(Motion& motion) const {
   if (motion.rotates && !rotates_with_gyroscope(motion.m)) motion.rotates = motion.translates = false;
 }
 
+bool Odometry::is_in_metres(const odo_vo_motion& m) const {
+  const bool same_group = group_.any && m.scale_group == group_.id;
+  return (m.header.flags & ODO_VO_METRIC) != 0 && !(same_group && scale_check_.rejected());
+}
+
 Odometry::Motion Odometry::begin_motion(const odo_vo_motion& m) {
   const int64_t t_ns = m.header.t_ns;
-  const bool states_metres = (m.header.flags & ODO_VO_METRIC) != 0;
   if (group_.any && m.scale_group != group_.id) scale_check_.restart();
-  scale_check_.add_motion(seconds(t_ns - m.t_from_ns), m.state == ODO_TRACKING, states_metres);
-  const bool metric = states_metres && !scale_check_.rejected();
+  scale_check_.add_motion(seconds(t_ns - m.t_from_ns), m.state == ODO_TRACKING, (m.header.flags & ODO_VO_METRIC) != 0);
+  const bool metric = is_in_metres(m);
   if (!group_.any || m.scale_group != group_.id || metric != group_.metric) {
     group_.begin(m, metric);
     begin_scale();

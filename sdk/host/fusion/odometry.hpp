@@ -91,6 +91,8 @@ class Odometry {
   /// Time at which it last moved the track.
   Instant moved() const { return moved_; }
   const ScaleGroup& group() const { return group_; }
+  /// Whether the motion's displacement is in metres that have not proved wrong: it needs no scale.
+  bool is_in_metres(const odo_vo_motion& m) const;
   bool scale_rejected() const { return scale_check_.rejected(); }
   bool is_metric_scale_known() const;  ///< metric scale is known well enough that steps do not update it
   bool has_priority() const;

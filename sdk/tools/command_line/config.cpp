@@ -9,6 +9,7 @@
 #include "sdk/host/plugin_host/sealed_copy.hpp"
 #include "sdk/tools/command_line/commands.hpp"
 #include "sdk/tools/evaluation/faults.hpp"
+#include "sdk/tools/replay/replayed.hpp"
 #include "sdk/tools/simulation/scenario.hpp"
 
 namespace odograph {
@@ -34,9 +35,15 @@ Result<bool> check_libraries(const PipelineConfig& config) {
   return true;
 }
 
-int check(const std::string& file, const std::string& plugins) {
+struct CheckArguments {
+  std::vector<std::string> files;
+  std::string plugins, assets;
+  bool no_load = false;
+};
+
+int check(const std::string& file, const CheckArguments& a) {
   std::vector<std::filesystem::path> directories;
-  if (!plugins.empty()) directories.emplace_back(plugins);
+  if (!a.plugins.empty()) directories.emplace_back(a.plugins);
   const auto config = read_pipeline_config_file(file, directories);
   if (!config) {
     print_failure(config.failure());
@@ -44,6 +51,12 @@ int check(const std::string& file, const std::string& plugins) {
   }
   if (const auto same = check_libraries(*config); !same)
     return print_failure({ODO_E_CONFIG, file + ": " + same.failure().text});
+  if (!a.no_load) {
+    RunOptions options;
+    options.config = file, options.plugin_path = a.plugins, options.asset_path = a.assets;
+    if (const auto session = replay_session(options); !session)
+      return print_failure({ODO_E_CONFIG, session.failure().text});
+  }
   std::printf("%s: good\n", file.c_str());
   return kDone;
 }
@@ -79,13 +92,16 @@ int schema(const std::string& which) {
 void add_config(CLI::App& app, int& status) {
   auto* command = app.add_subcommand("config", "Check a pipeline config, explain its keys, print its schema");
   command->require_subcommand(1);
-  auto files = std::make_shared<std::vector<std::string>>();
-  auto plugins = std::make_shared<std::string>();
-  auto* check_command = command->add_subcommand("check", "Find every mistake in configs; runs no plugin");
-  check_command->add_option("files", *files, "pipeline configs (YAML)")->required();
-  check_command->add_option("--plugins", *plugins, "folder to look for plugins in first");
+  auto a = std::make_shared<CheckArguments>();
+  auto* check_command = command->add_subcommand(
+      "check", "Find every mistake in configs; creates and configures the plugins as a session does, without samples");
+  check_command->add_option("files", a->files, "pipeline configs (YAML)")->required();
+  check_command->add_option("--plugins", a->plugins, "folder to look for plugins in first");
+  check_command->add_option("--assets", a->assets,
+                            "folder of files named by the configs, such as a city model, if they are not beside them");
+  check_command->add_flag("--no-load", a->no_load, "load no plugin: the text, the manifests and the libraries' hashes");
   check_command->callback([=, &status] {
-    for (const std::string& file : *files) status = std::max(status, check(file, *plugins));
+    for (const std::string& file : a->files) status = std::max(status, check(file, *a));
   });
   command->add_subcommand("keys", "List all keys of a pipeline config")->callback([&status] {
     list(pipeline_spec().children, "");

@@ -126,6 +126,9 @@ int run(RunArguments& a) {
     if (!report) return print_failure(report.failure());
   }
   for (const auto& report : result->reports) std::fprintf(stderr, "%s\n", printable(report).c_str());
+  for (const auto& [key, notice] : result->notices)
+    if (const size_t at = key.find(" unused_"); at != std::string::npos)
+      std::fprintf(stderr, "%s: %s\n", printable(key.substr(0, at)).c_str(), printable(notice.text).c_str());
   if (!result->state_failure.empty()) std::fprintf(stderr, "%s\n", printable(result->state_failure).c_str());
   print(a, *recording, *result);
   if (const uint64_t faults = result->statistics.plugin_faults; faults > 0)

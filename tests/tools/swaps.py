@@ -1,0 +1,97 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""swaps.py ODOGRAPH PROJECT FOLDER: every plugin of each kind, put into a config by its one line, over two recordings.
+
+Each combination must act, or be refused or explained by the plugin's name. It acts if the track differs from the same run
+without that line; it is explained if a sentence of the run names the plugin. What neither acts nor speaks is an error, and
+so is a run whose track is off by more than half of its length and that says nothing."""
+import json
+import pathlib
+import subprocess
+import sys
+
+odograph, project, work = sys.argv[1], pathlib.Path(sys.argv[2]), pathlib.Path(sys.argv[3])
+KINDS = ["attitude", "step_estimator", "vo_frontend", "scale_source", "absolute_fixers"]
+INTERFACES = {"attitude": "attitude", "step_estimator": "step", "vo_frontend": "vo", "scale_source": "scale", "absolute_fixers": "fix"}
+
+
+def run(*command):
+    return subprocess.run([odograph, *map(str, command)], capture_output=True, text=True, check=False)
+
+
+def plugins():
+    """The shipped plugins, by the kind's key."""
+    listed = [line.split()[0] for line in run("plugins").stdout.splitlines() if "/" in line.split(" ")[0]]
+    return {key: sorted(p for p in listed if p.startswith(group + "/")) for key, group in INTERFACES.items()}
+
+
+def config(chosen, extra):
+    lines = ["odograph: 1", "walker: {height: 1.70 m}", "coupling: {type: paper" + extra + "}"]
+    for kind in KINDS:
+        if kind not in chosen:
+            continue
+        item = f"plugin: {chosen[kind]}"
+        lines.append(f"{kind}:\n  - {item}" if kind == "absolute_fixers" else f"{kind}:\n  {item}")
+    return "\n".join(lines) + "\n"
+
+
+def played(name, recording, text):
+    """Status, everything said, and the track of a run."""
+    folder = work / name
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / "pipeline.yaml").write_text(text, encoding="utf-8")
+    done = run("run", "-c", folder / "pipeline.yaml", "-i", recording, "-o", folder, "--assets", work)
+    summary = folder / "summary.json"
+    said = done.stdout + done.stderr
+    if done.returncode in (0, 1) and summary.exists():
+        notices = json.loads(summary.read_text(encoding="utf-8"))["notices"]
+        said += "".join(f"\n{key} {notice['text']}" for key, notice in notices.items())
+    track = folder / "trajectory.tum"
+    return done.returncode, said, track.read_text(encoding="utf-8") if done.returncode in (0, 1) and track.exists() else ""
+
+
+def judge(plugin, result, without):
+    status, said, track = result
+    if status not in (0, 1):
+        return ("refused", "") if plugin in said else ("silent", f"status {status}, without the plugin's name: {said[-300:]}")
+    if plugin in said.replace("pipeline.yaml", ""):
+        return "explained", ""
+    if track != without[2]:
+        return "acts", ""
+    return "silent", f"the track is that without it, status {status}"
+
+
+def main():
+    made = plugins()
+    if min(len(each) for each in made.values()) < 2:
+        sys.exit(f"too few plugins: {made}")
+    walk, drive = work / "walk.odo", work / "drive.odo"
+    scenarios = project / "samples/scenarios"
+    for command in (["sim", scenarios / "street_short.yaml", "--first", "14", "-o", walk],
+                    ["sim", scenarios / "drive_short.yaml", "--first", "14", "-o", drive, "--city", work / "city.json"]):
+        if run(*command).returncode:
+            sys.exit(f"{command}: {run(*command).stderr}")
+    bases = {"walk": (walk, {"attitude": "attitude/vqf", "step_estimator": "step/renaudin2012", "vo_frontend": "vo/five_point",
+                             "scale_source": "scale/step_length", "absolute_fixers": "fix/gnss"}, ""),
+             "drive": (drive, {"attitude": "attitude/vqf", "vo_frontend": "vo/gakne2018", "scale_source": "scale/slant_distance",
+                               "absolute_fixers": "fix/gnss"}, ", fastest: 15 m/s, orientation: gyroscope")}
+    counts, silent = {}, []
+    for base, (recording, chosen, extra) in bases.items():
+        for kind in KINDS:
+            rest = {key: value for key, value in chosen.items() if key != kind}
+            companions = {"attitude": ["step_estimator"], "vo_frontend": ["scale_source"]}.get(kind, [])
+            bare = {key: value for key, value in rest.items() if key not in companions}
+            without = played(f"{base}/{kind}/none", recording, config(bare, extra))
+            for plugin in made[kind]:
+                result = played(f"{base}/{kind}/{plugin.replace('/', '_')}", recording, config({**rest, kind: plugin}, extra))
+                verdict, why = judge(plugin, result, without)
+                counts[verdict] = counts.get(verdict, 0) + 1
+                print(f"{base:6} {kind:16} {plugin:24} {verdict}", flush=True)
+                if verdict == "silent":
+                    silent.append(f"{base} {kind} {plugin}: {why}")
+    print(f"{sum(counts.values())} combinations: " + ", ".join(f"{number} {verdict}" for verdict, number in sorted(counts.items())))
+    if silent:
+        sys.exit("silent:\n" + "\n".join(silent))
+
+
+main()
