@@ -2,15 +2,15 @@
 # SPDX-License-Identifier: Apache-2.0
 """swaps.py ODOGRAPH PROJECT FOLDER: every plugin of each kind, put into a config by its one line, over two recordings.
 
-Each combination must act, or be refused or explained by the plugin's name. It acts if the track differs from the same run
-without that line; it is explained if a sentence of the run names the plugin. What neither acts nor speaks is an error, and
-so is a run whose track is off by more than half of its length and that says nothing."""
+Each combination is right, or refused or explained by name: the track differs from the same run without that line and is
+near the truth, or a sentence of the run names the plugin. What is neither fails."""
 import json
 import pathlib
 import subprocess
 import sys
 
 odograph, project, work = sys.argv[1], pathlib.Path(sys.argv[2]), pathlib.Path(sys.argv[3])
+WRONG = 0.3  # of the path: twice what a basic odometry with steps is off in so short a walk
 KINDS = ["attitude", "step_estimator", "vo_frontend", "scale_source", "absolute_fixers"]
 INTERFACES = {"attitude": "attitude", "step_estimator": "step", "vo_frontend": "vo", "scale_source": "scale", "absolute_fixers": "fix"}
 
@@ -36,7 +36,7 @@ def config(chosen, extra):
 
 
 def played(name, recording, text):
-    """Status, everything said, and the track of a run."""
+    """Status, everything said, the track's error as a part of its length, and the track of a run."""
     folder = work / name
     folder.mkdir(parents=True, exist_ok=True)
     (folder / "pipeline.yaml").write_text(text, encoding="utf-8")
@@ -47,18 +47,25 @@ def played(name, recording, text):
         notices = json.loads(summary.read_text(encoding="utf-8"))["notices"]
         said += "".join(f"\n{key} {notice['text']}" for key, notice in notices.items())
     track = folder / "trajectory.tum"
-    return done.returncode, said, track.read_text(encoding="utf-8") if done.returncode in (0, 1) and track.exists() else ""
+    evaluated = run("eval", "--ref", recording, "--est", track, "--align", "yaw", "--json")
+    off = float("inf")
+    if evaluated.returncode == 0:
+        found = json.loads(evaluated.stdout)
+        off = found["ape_m"]["rmse"] / found["path_m"]
+    return done.returncode, said, off, track.read_text(encoding="utf-8") if done.returncode in (0, 1) and track.exists() else ""
 
 
 def judge(plugin, result, without):
-    status, said, track = result
+    status, said, off, track = result
     if status not in (0, 1):
         return ("refused", "") if plugin in said else ("silent", f"status {status}, without the plugin's name: {said[-300:]}")
-    if plugin in said.replace("pipeline.yaml", ""):
+    if plugin in said:
         return "explained", ""
-    if track != without[2]:
-        return "acts", ""
-    return "silent", f"the track is that without it, status {status}"
+    if track == without[3]:
+        return "silent", f"the track is that without it, status {status}"
+    if off < WRONG:
+        return "right", f"{100 * off:.1f} % of the path"
+    return ("explained", "it came to nothing") if "came to nothing" in said else ("silent", f"off by {100 * off:.0f} % of the path")
 
 
 def main():
@@ -86,7 +93,7 @@ def main():
                 result = played(f"{base}/{kind}/{plugin.replace('/', '_')}", recording, config({**rest, kind: plugin}, extra))
                 verdict, why = judge(plugin, result, without)
                 counts[verdict] = counts.get(verdict, 0) + 1
-                print(f"{base:6} {kind:16} {plugin:24} {verdict}", flush=True)
+                print(f"{base:6} {kind:16} {plugin:24} {verdict} {why}", flush=True)
                 if verdict == "silent":
                     silent.append(f"{base} {kind} {plugin}: {why}")
     print(f"{sum(counts.values())} combinations: " + ", ".join(f"{number} {verdict}" for verdict, number in sorted(counts.items())))

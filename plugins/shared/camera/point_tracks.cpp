@@ -51,8 +51,8 @@ void PointTracks::add(Track& track, const Ray& ray) const {
   if (rays.size() > 1) {
     const Ray& before = rays[rays.size() - 2];
     const double distance = track.located ? (track.X_w - ray.origin_w).norm() : 0;
-    const bool near = track.located ? (ray.origin_w - before.origin_w).norm() < p_.min_turn_rad * distance
-                                    : before.direction_w.cross(ray.direction_w).norm() < p_.min_turn_rad;
+    const bool near = track.located ? (ray.origin_w - before.origin_w).norm() < p_.min_angle_rad * distance
+                                    : before.direction_w.cross(ray.direction_w).norm() < p_.min_angle_rad;
     if (near) rays.pop_back();
   }
   if (rays.size() == p_.rays) rays.erase(rays.begin() + 1);

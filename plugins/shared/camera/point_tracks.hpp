@@ -35,7 +35,7 @@ class PointTracks {
  public:
   struct Parameters {
     size_t rays = 12;                ///< kept of each track, the first and the newest; as the window of vo/odograph
-    double min_turn_rad = 0.002;     ///< between two rays of a track: a nearer one replaces the newest; 1.4 px of 700
+    double min_angle_rad = 0.002;    ///< between two rays of a track: a nearer one replaces the newest; 1.4 px of 700
     double min_parallax_rad = 0.01;  ///< largest angle between two rays, below which there is no point; as vo/odograph
     double uncertain =
         0.25;             ///< relative sigma of the distance above which it is not known: a twofold range at 2.7 sigma

@@ -51,12 +51,17 @@ std::string SourceWatch::without_input(const PluginInstance& plugin) const {
 }
 
 void SourceWatch::judge(bool ends) {
-  if (judged_ || !first_ns_) return;
+  if (!first_ns_ || (judged_ && !ends)) return;
   if (!ends && seconds(saturating_difference(now_ns_, *first_ns_)) < p_.judged_s) return;
   judged_ = true;
   for (const auto& plugin : roster_.plugins()) {
     if (gave_.contains(plugin->number()) || !plugin->alive()) continue;
-    if (const std::string missing = without_input(*plugin); !missing.empty())
+    const std::string missing = without_input(*plugin);
+    if (missing.empty() && !ends) continue;  // it may need more
+    if (!named_.insert(plugin->number()).second) continue;
+    if (missing.empty())
+      report(*plugin, "it has given nothing, although its inputs came");
+    else
       report(*plugin, "it has given nothing, and " + missing + " did not come; add this input, or remove the plugin");
   }
 }
