@@ -69,6 +69,30 @@ TEST_CASE("each displacement is scaled separately, horizontally, in NED") {
   CHECK(coupling.distance_m() == doctest::Approx(std::hypot(1.0, 0.2)));
 }
 
+TEST_CASE("the vertical displacement is that of the terrain, whatever the odometry's own is") {
+  // Antigny et al. 2019, section 3.3: the odometry's vertical displacement d_VO has the scale d_DTM / d_VO, so that the
+  // scaled one is d_VO * d_DTM / d_VO = d_DTM. The track gets that from fix/terrain, once a frame with the sigmas of
+  // antigny2019.yaml. 1 m of slope 0.05 a frame: after 40 frames 2 m up.
+  PaperTrack coupling({.fix_gate_sigma = 100}, {}, {true, true});
+  coupling.on_first_frame(0);
+  constexpr double kHeld_m = 1.53, kSigma_m = 0.01005, kSlope = 0.05;
+  const auto ground_fix = [&](int64_t t_ns, double north_m) {
+    return fix_at(t_ns, {0, 0, -kHeld_m - kSlope * north_m}, kSigma_m, ODO_FIX_DOWN | ODO_FIX_COVARIANCE);
+  };
+  REQUIRE(coupling.on_fix(ground_fix(0, 0)).accepted);
+  const double start_m = coupling.take_correction()->p_n[2];
+  const odo_scale s = scale(2.0);
+  for (int k = 0; k < 40; ++k) {
+    const int64_t from = k * kSecond, to = from + kSecond;
+    const odo_pose pose = coupling.on_vo_motion(motion_between(from, to, {0, 0.3, 0.5}), &s);  // 0.3 downwards
+    REQUIRE(coupling.on_fix(ground_fix(to, pose.p_n[0])).accepted);
+  }
+  odo_pose end{};
+  REQUIRE(coupling.pose_at(40 * kSecond, end) == ODO_OK);
+  CHECK(end.p_n[0] == doctest::Approx(40));
+  CHECK(std::abs(end.p_n[2] - start_m + 2.0) < 0.02);
+}
+
 TEST_CASE("rotations are composed from frame to frame") {
   PaperTrack coupling({}, {}, {true, false});
   coupling.on_first_frame(0);

@@ -212,6 +212,21 @@ TEST_CASE("the walker's height reaches the plugins unless they have their own") 
   CHECK(height("  parameters:\n    walker_height: 1.6\n") == doctest::Approx(1.6));
 }
 
+TEST_CASE("fix/terrain's height is the walker's unless given, and no other plugin's height is") {
+  const auto height = [](const std::string& id, const std::string& parameters) {
+    const auto config =
+        required(read_pipeline_config("odograph: 1\nwalker: {height: 1.9 m}\nabsolute_fixers:\n  - plugin: " + id +
+                                          "\n    parameters: {" + parameters + "}\n",
+                                      "f.yaml", {plugin_folder()}));
+    for (const auto& [spec, value] : config->fixers.front().parameters)
+      if (spec.name == "height") return value;
+    return Value();
+  };
+  CHECK(height("fix/terrain", "model: hill.obj").real == doctest::Approx(1.9));
+  CHECK(height("fix/terrain", "model: hill.obj, height: 1.5 m").real == doctest::Approx(1.5));
+  CHECK(height("fix/gnss", "sigma: 5 m").real == 0);  // whether its heights are used
+}
+
 TEST_CASE("a fallback plugin gets the walker's height as well") {
   const auto config = required(read_pipeline_config(
       "odograph: 1\nwalker:\n  height: 182 cm\nattitude:\n  plugin: attitude/vqf\nstep_estimator:\n"

@@ -10,7 +10,7 @@ ROOT, WRITE = sys.argv[1], "--write" in sys.argv[2:]
 PAGE = os.path.join(ROOT, "samples/configs/README.md")
 BEGIN, END = "<!-- config_table.py: begin -->\n", "<!-- config_table.py: end -->\n"
 KINDS = ("attitude", "step", "vo", "scale", "fix")
-SENSORS = {"fix/gnss": "GNSS", "fix/barometer": "barometer", "fix/skyline": "city model", "fix/known_object": "objects' file", "fix/waypoint": "waypoints",
+SENSORS = {"fix/gnss": "GNSS", "fix/barometer": "barometer", "fix/skyline": "city model", "fix/known_object": "objects' file", "fix/waypoint": "waypoints", "fix/terrain": "terrain model",
            "attitude/magyq": "magnetometer"}
 
 

@@ -199,6 +199,23 @@ TEST_CASE("a model's own coordinates have its origin, its north and its zero hei
   CHECK(down == doctest::Approx(12 - 13));
 }
 
+TEST_CASE("eq. (4): a phone is at 0.9 of the walker's height above the ground, for walkers of 1.50 and 1.90 m") {
+  // Ground 2 m above n's origin: down = -(2 + 0.9 * 1.50) = -3.35 m and -(2 + 0.9 * 1.90) = -3.71 m.
+  const TemporaryFolder folder;
+  write(folder / "flat.obj", "v -50 -50 2\nv 50 -50 2\nv 50 50 2\nv -50 50 2\nf 1 2 3 4\n");
+  Scenario s;
+  s.route = {{0, 0, 2}, {10, 0, 2}};
+  const Recording recording = recorded_sensors(s, 2);
+  for (const auto& [height, down_m] : {std::pair{"1.50", -3.35}, {"1.90", -3.71}}) {
+    write(folder / "p.yaml", std::string("odograph: 1\nwalker: {height: ") + height +
+                                 " m}\nattitude: {plugin: attitude/vqf}\nstep_estimator: {plugin: step/renaudin2012}\n"
+                                 "absolute_fixers:\n  - plugin: fix/terrain\n    parameters: {model: flat.obj}\n");
+    const RunResult result = run_of(recording, folder / "p.yaml");
+    REQUIRE(result.fixes.size() >= 5);
+    for (const RunResult::Fix& fix : result.fixes) CHECK(fix.fix.p_n[2] == doctest::Approx(down_m).epsilon(1e-9));
+  }
+}
+
 TEST_CASE("heights on slopes, a kerb and stairs are within 0.3 m of the truth, with terrain and horizontal fixes") {
   // n's origin is the model's. Without `origin` it would be the first fix, and the model would have that error.
   const TemporaryFolder folder;

@@ -215,6 +215,51 @@ TEST_CASE(
   }
 }
 
+TEST_CASE("a restart forgets the pictures before the last one and goes on without a gap, in a new scale group") {
+  Film film(480, 360, 375, 5);
+  antigny2019::Odometry vo({.ratio = 0.8}, film.model(), {480, 360});
+  vo.restart();  // before the first picture
+  antigny2019::Motion motion;
+  for (int i = 0; i < 5; ++i) motion = vo.process(film.frame({0.4 * i, 0, -1.5}, static_cast<size_t>(i)), {});
+  REQUIRE(motion.translation_valid);
+  CHECK(motion.scale_group == 0);
+  CHECK(motion.T_c0_c1.translation().norm() != doctest::Approx(1.0).epsilon(1e-9));
+  vo.restart();
+  motion = vo.process(film.frame({2.0, 0, -1.5}, 5), {});
+  REQUIRE(motion.translation_valid);
+  CHECK(motion.scale_group == 1);
+  CHECK(motion.T_c0_c1.translation().norm() == doctest::Approx(1.0).epsilon(1e-9));  // the first two define the unit
+  CHECK(motion.T_c0_c1.translation().normalized().z() > 0.9);
+  motion = vo.process(film.frame({2.4, 0, -1.5}, 6), {});
+  CHECK(motion.scale_group == 1);
+  // At rest the last picture has not become t-1; the restart is from it all the same.
+  for (int i = 7; i < 10; ++i) motion = vo.process(film.frame({2.4, 0, -1.5}, static_cast<size_t>(i)), {});
+  vo.restart();
+  motion = vo.process(film.frame({2.8, 0, -1.5}, 10), {});
+  CHECK(motion.scale_group == 2);
+  CHECK(motion.translation_valid);
+}
+
+TEST_CASE("a rate below the camera's passes over frames, and motions join") {
+  const TemporaryFolder folder;
+  Scenario s;
+  s.route = {{0, 0, 0}, {3, 0, 0}};
+  s.walker.stand_s = 1;
+  s.camera.width = 160, s.camera.height = 120, s.camera.focal_px = 125, s.camera.rate_hz = 30;
+  const Recording recording = recorded(s, 1, folder / "w.odo");
+  for (const double rate_hz : {0.0, 10.0}) {
+    CAPTURE(rate_hz);
+    std::ofstream(folder / "p.yaml") << "odograph: 1\nvo_frontend:\n  plugin: vo/antigny2019\n  parameters: {rate: "
+                                     << rate_hz << " Hz}\n";
+    const auto motions = run_of(recording, folder / "p.yaml").motions;
+    REQUIRE(motions.size() > 20);
+    const double all_s = 1e-9 * static_cast<double>(motions.back().header.t_ns - motions.front().t_from_ns) /
+                         static_cast<double>(motions.size());
+    CHECK(all_s == doctest::Approx(rate_hz > 0 ? 0.1 : 1.0 / 30).epsilon(0.05));
+    for (size_t k = 1; k < motions.size(); ++k) CHECK(motions[k].t_from_ns == motions[k - 1].header.t_ns);
+  }
+}
+
 TEST_CASE("the error of the real clips after Sim(3) stays below the plain baseline of 4.3 % and 4.1 % of the path" *
           doctest::test_suite("vo_data")) {
   for (const auto& clip : {std::pair("kitti_clip_b", 2.0), std::pair("tsukuba_90", 1.0)}) {

@@ -18,7 +18,7 @@ expect 0 "walk700" "$odograph" bench --help
 expect 0 "attitude/vqf" "$odograph" plugins
 expect 0 "tau_acc" "$odograph" plugins attitude/vqf
 expect 2 "did you mean 'attitude/vqf'" "$odograph" plugins attitude/vfq
-expect 0 "good" "$odograph" config check "$configs/antigny2019.yaml"
+expect 0 "good" "$odograph" config check "$configs/antigny2019_paper.yaml"
 printf '{"type":"CityJSON","version":"2.0","vertices":[],"CityObjects":{}}' >town.json
 expect 0 "nothing that could be seen" "$odograph" city check town.json
 expect 3 "a device" "$odograph" city check /dev/zero
@@ -32,7 +32,7 @@ printf 'odograph_scenario: 1\nwalker:\n  sped: 3\n' >bad_scenario.yaml
 expect 2 "bad_scenario.yaml:3:3: walker: unknown key 'sped'" "$odograph" sim bad_scenario.yaml -o x.odo
 tiny=$source/tests/data/tiny_walk.yaml
 expect 0 "tiny.odo" "$odograph" sim "$tiny" -o tiny.odo --seed 3
-expect 0 "written to" "$odograph" run -c "$configs/antigny2019.yaml" -i tiny.odo -o o --report
+expect 0 "written to" "$odograph" run -c "$configs/monocular_inertia.yaml" -i tiny.odo -o o --report
 expect 2 "bad.yaml:2:1" "$odograph" run -c bad.yaml -i tiny.odo -o o
 expect 0 "holds what the summary says" python3 "$source/tests/tools/page_figures.py" o/report.html o/summary.json
 expect 0 "error rms" "$odograph" compare "$configs/phone_walk_odograph.yaml" "$configs/phone_walk.yaml" -i tiny.odo -o page.html
@@ -110,7 +110,7 @@ for kind in gpx kml geojson; do expect 0 "poses" "$odograph" convert mapped "map
 expect 0 "one foot's contact" "$odograph" steps tiny.odo
 expect 0 "messages" "$odograph" convert tiny.odo copy.odo
 [ "$(wc -c <copy.odo)" -le "$(wc -c <tiny.odo)" ] || { echo "FAILED: convert packs pictures anew"; failed=1; }
-expect 0 "written to" "$odograph" run -c "$configs/antigny2019.yaml" -i copy.odo -o o3
+expect 0 "written to" "$odograph" run -c "$configs/monocular_inertia.yaml" -i copy.odo -o o3
 expect 0 "true size" "$odograph" calibrate --print board.svg
 expect 0 "</svg>" cat board.svg
 expect 2 "expected COLUMNSxROWS" "$odograph" calibrate tiny.odo --squares many
@@ -155,7 +155,7 @@ expect 3 "disk full" sh -c 'trap "" XFSZ; ulimit -f 1; "$@"' - "$odograph" run -
 cmp -s o/summary.json before.json || { echo "FAILED: a full disk took the results that were there"; failed=1; }
 ls ./*.part o/*.part 2>/dev/null && { echo "FAILED: something unfinished was left"; failed=1; }
 # In a folder with older results, those that this run does not write are removed.
-expect 0 "written to" "$odograph" run -c "$configs/antigny2019.yaml" -i tiny.odo -o o6 --report
+expect 0 "written to" "$odograph" run -c "$configs/monocular_inertia.yaml" -i tiny.odo -o o6 --report
 expect 0 "written to" "$odograph" run -c "$configs/phone_walk.yaml" -i tiny.odo -o o6
 ls o6/vo.csv o6/report.html 2>/dev/null && { echo "FAILED: results of an older run were left"; failed=1; }
 # EuRoC: items without a place in it are reported, a folder is not overwritten, a damaged picture costs only its frame.
@@ -179,9 +179,9 @@ faults:
   - {fault: delay, sensor: camera, from: 3 s, for: 1 s, by: 2 s}
   - {fault: black, sensor: camera, from: 5 s, for: 500 ms}
 YAML
-expect 0 "written to" "$odograph" run -c "$configs/antigny2019.yaml" -i tiny.odo -o o10 --faults faults.yaml
+expect 0 "written to" "$odograph" run -c "$configs/monocular_inertia.yaml" -i tiny.odo -o o10 --faults faults.yaml
 grep -q '"wild": 0' o10/summary.json && { echo "FAILED: --faults spoiled nothing"; failed=1; }
-expect 0 "written to" "$odograph" run -c "$configs/antigny2019.yaml" -i tiny.odo -o o11 --faults faults.yaml
+expect 0 "written to" "$odograph" run -c "$configs/monocular_inertia.yaml" -i tiny.odo -o o11 --faults faults.yaml
 cmp -s o10/trajectory.tum o11/trajectory.tum || { echo "FAILED: the same faults gave another track"; failed=1; }
 printf 'odograph_faults: 1\nfaults: [{fault: melt, sensor: imu}]\n' >melt.yaml
 expect 2 "melt.yaml:2:18: faults[0].fault: 'melt'" "$odograph" run -c "$configs/phone_walk.yaml" -i tiny.odo -o o12 --faults melt.yaml
@@ -202,7 +202,7 @@ expect 0 "one foot's contact" "$odograph" steps tiny.odo -c "$configs/phone_walk
 expect 0 '"distance_m"' "$odograph" steps tiny.odo -c "$configs/phone_walk_odograph.yaml" --json
 python3 -m json.tool out >/dev/null || { echo "FAILED: steps --json is not one JSON object"; failed=1; }
 expect 0 "track length" "$odograph" bench tracks tiny.odo
-expect 0 "Poses predicted 30 ms ahead" "$odograph" bench stream tiny.odo -c "$configs/antigny2019.yaml" --settle 1
+expect 0 "Poses predicted 30 ms ahead" "$odograph" bench stream tiny.odo -c "$configs/monocular_inertia.yaml" --settle 1
 expect 0 "Shape and cost" "$odograph" bench vo tiny.odo -c "$configs/monocular_odograph.yaml" --sensors --cut 1 --dark 2:1
 expect 0 '"wrongly_certain_percent"' "$odograph" bench vo tiny.odo -c "$configs/monocular_odograph.yaml" --json
 python3 -m json.tool out >/dev/null || { echo "FAILED: bench vo --json is not one JSON value"; failed=1; }

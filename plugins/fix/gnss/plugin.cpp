@@ -25,7 +25,7 @@ class Gnss {
  public:
   double sigma = 10.0, sigma_factor = 1.5, min_sigma = 2.0, correlation = 20.0, bias_time = 60.0;
   int64_t min_satellites = 0;
-  bool height = false, heading = true;
+  bool height = false, heading = true, start_only = false;
   double hold_sigma = 0.05, velocity_sigma = 0.5;
 
   static constexpr odo::Description description{"fix/gnss", "1.2.0", "Position and heading fixes from a GNSS receiver",
@@ -46,7 +46,9 @@ class Gnss {
         odo::real("hold_sigma", "rad", 0, 3.2, &Gnss::hold_sigma,
                   "standard deviation of the phone's direction against the walk's"),
         odo::real("velocity_sigma", "m/s", 0.01, 100, &Gnss::velocity_sigma,
-                  "standard deviation of a satellite velocity between buildings")};
+                  "standard deviation of a satellite velocity between buildings"),
+        odo::boolean("start_only", &Gnss::start_only,
+                     "the first position starts the track, all others are ignored (Antigny et al. 2019, section 5.2)")};
   }
 
   void configured() { reset(); }
@@ -54,7 +56,7 @@ class Gnss {
     CorrelatedError::Parameters p;
     p.correlation_s = correlation, p.bias_s = bias_time;
     error_.emplace(p);
-    has_origin_ = false;
+    has_origin_ = started_ = false;
     PathHeading::Parameters h;
     h.correlation_s = std::max(0.5, correlation);
     path_.emplace(h);
@@ -111,6 +113,7 @@ class Gnss {
                           ((sample.header.flags & ODO_GNSS_HEIGHT) == 0 || std::abs(sample.height_m) < kFarthest_m);
     if (!on_earth) throw odo::Error(ODO_E_DISCARD, "latitude_rad, longitude_rad or height_m is out of range");
     if (sample.satellites > 0 && sample.satellites < min_satellites) return;
+    if (start_only && std::exchange(started_, true)) return;
     auto fix = odo::make<odo_fix>(sample.header.t_ns);
     fix.header.flags = ODO_FIX_GEODETIC | ODO_FIX_NORTH | ODO_FIX_EAST | ODO_FIX_COVARIANCE | ODO_FIX_INTEGRITY;
     if (sample.header.flags & ODO_GNSS_LEVER) {
@@ -201,7 +204,7 @@ class Gnss {
   std::optional<PathHeading> path_;
   std::optional<odo_attitude> attitude_;
   Gyro gyro_;
-  bool has_origin_ = false;
+  bool has_origin_ = false, started_ = false;
   double latitude_rad_ = 0, longitude_rad_ = 0, north_per_rad_ = 1, east_per_rad_ = 1;
 };
 

@@ -17,7 +17,6 @@ struct Displacement {
 /// D_step of Antigny et al. 2019, eq. (6): the metric displacement between two images, interpolated linearly in time
 /// from step lengths. During step k+1 the speed is that of step k, step_k / dt_step_k; over an interval that touches
 /// several steps the parts add up. Does not allocate.
-/// touches several steps is the sum of its parts. No allocation.
 class StepInterpolation {
  public:
   /// Without another step the walker is assumed to stand `hold` step durations after the end of a step.

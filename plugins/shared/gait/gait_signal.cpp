@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "sdk/math/time.hpp"
 
@@ -27,18 +28,19 @@ void GaitSignal::update(int64_t t_ns, const Eigen::Vector3d& gyro, const Eigen::
   smooth_[0] += k * (norm - smooth_[0]);
   smooth_[1] += k * (smooth_[0] - smooth_[1]);
   mean_ += gain(std::min(p_.mean_tau_s, std::max(0.05, time_s_))) * (norm - mean_);
-  const double s = gain(p_.spread_tau_s);
-  const double deviation = norm - mean_;
-  variance_ += s * (deviation * deviation - variance_);
-  gyro_norm_ += s * (gyro.norm() - gyro_norm_);
+  const double e = gain(p_.energy_tau_s), deviation = norm - mean_;
+  accel_energy_ += e * (deviation * deviation - accel_energy_);
+  gyro_energy_ += e * (gyro.squaredNorm() - gyro_energy_);
+  swing_energy_ += gain(p_.swing_tau_s) * (gyro.squaredNorm() - swing_energy_);
+  const double before =
+      std::exchange(gyro_smooth_, gyro_smooth_ + gain(p_.smooth_tau_s) * (gyro.norm() - gyro_smooth_));
+  gyro_peaked_ = gyro_peaked_ || (gyro_rises_ && gyro_smooth_ < before && before * before > swing_energy_);
+  gyro_rises_ = gyro_smooth_ > before;
 }
 
-double GaitSignal::accel_spread() const { return std::sqrt(variance_); }
-
-Carrying GaitSignal::carrying() const {
-  if (time_s_ < 0.3) return Carrying::unknown;
-  if (accel_spread() < p_.still_accel_mps2) return Carrying::still;
-  return gyro_norm_ > p_.swing_gyro_radps ? Carrying::swinging : Carrying::texting;
+bool GaitSignal::moves() const {
+  const bool rocks = gyro_energy_ > p_.still_gyro_radps * p_.still_gyro_radps || swing_energy_ == 0.0;
+  return rocks && accel_energy_ > p_.still_accel_mps2 * p_.still_accel_mps2;
 }
 
 }  // namespace odograph::gait

@@ -33,6 +33,8 @@ class StepDetector {
 
   /// Adds the next value of the signal; returns a step when one is confirmed. `active` is false while standing.
   std::optional<DetectedStep> update(int64_t t_ns, double value, bool active);
+  /// Time from a step to the detection of the next one, at most.
+  int64_t longest_ns() const { return static_cast<int64_t>((p_.max_interval_s + p_.confirm_s) * 1e9); }
 
  private:
   std::optional<DetectedStep> confirm();

@@ -175,17 +175,26 @@ Motion Odometry::process(const cv::Mat& grey, const cv::Mat& mask) {
       T_a_b_ = T_b_c;
       scale_ = std::max(1e-6, T_a_b_.translation().norm());
       T_b_before_.setIdentity();
+      last_.reset();
     } else {
       T_b_before_ = T_b_c;
+      last_ = std::move(now);
     }
-  } else {  // no common points: restart
-    ++group_;
-    a_.reset(), b_ = std::move(now), ab_.clear();
-    T_b_before_.setIdentity();
-    scale_ = 1.0;
+  } else {  // no common points
+    last_ = std::move(now);
+    restart();
   }
   motion.scale_group = group_;
   return motion;
+}
+
+void Odometry::restart() {
+  if (!b_) return;
+  if (last_) b_ = std::move(last_);
+  last_.reset(), a_.reset(), ab_.clear();
+  T_b_before_.setIdentity();
+  scale_ = 1.0;
+  ++group_;
 }
 
 }  // namespace odograph::antigny2019

@@ -48,6 +48,8 @@ class Odometry {
   /// Sets the lens of the frames to come (refocused or shifted). Stored pixels are those of an ideal camera.
   void change_lens(const CameraModel& camera) { camera_ = camera; }
   Motion process(const cv::Mat& grey, const cv::Mat& mask);
+  /// Starts again from the last picture: those before it are forgotten, and the next motion has a new scale group.
+  void restart();
 
  private:
   struct Picture {
@@ -71,7 +73,7 @@ class Odometry {
   cv::Size size_;
   double f_;
   std::unique_ptr<FeatureFinder> finder_;
-  std::optional<Picture> a_, b_;         // t-2 and t-1
+  std::optional<Picture> a_, b_, last_;  // t-2, t-1, and the last one where it has not become t-1
   std::vector<std::pair<int, int>> ab_;  // inliers of both
   Eigen::Isometry3d T_a_b_ = Eigen::Isometry3d::Identity();
   Eigen::Isometry3d T_b_before_ = Eigen::Isometry3d::Identity();  // pose of the previous picture in b

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <optional>
 
 #include "plugins/shared/camera/frame_view.hpp"
@@ -13,12 +14,13 @@ class Antigny2019 {
  public:
   std::string features = "surf";
   int64_t max_features = 1500;
-  double ratio = 0.6, inlier_threshold = 1.5;
+  double ratio = 0.6, inlier_threshold = 1.5, rate = 0;
 
   static constexpr odo::Description description{
       "vo/antigny2019", "1.0.0",
       "Visual odometry without a map: SURF, SSD, MSAC, triangulation, PnP (Antigny et al. 2019)",
       ODO_INTERFACE_VO_FRONTEND};
+  static constexpr uint32_t extra_inputs[] = {ODO_TYPE_FIX};
   static std::vector<odo::Parameter<Antigny2019>> parameters() {
     return {odo::choice("features", "surf|sift|orb|akaze", &Antigny2019::features,
                         "detector and descriptor; the paper uses SURF"),
@@ -27,7 +29,9 @@ class Antigny2019 {
             odo::real("ratio", "", 0.1, 1, &Antigny2019::ratio,
                       "largest ratio of a match's squared difference to that of the second best"),
             odo::real("inlier_threshold", "px", 0.1, 10, &Antigny2019::inlier_threshold,
-                      "largest distance of an inlier to the epipolar line; twice that for PnP")};
+                      "largest distance of an inlier to the epipolar line; twice that for PnP"),
+            odo::real("rate", "Hz", 0, 1000, &Antigny2019::rate,
+                      "pictures used a second, those between are passed over; 0: all; the paper uses 10 of 60")};
   }
 
   void on(const odo_calibration& c, odo::Output&) {
@@ -38,10 +42,17 @@ class Antigny2019 {
     previous_ns_ = INT64_MIN;
   }
 
+  /// A known object gives the whole pose: the odometry starts again from there (section 3.5).
+  void on(const odo_fix& fix, odo::Output&) {
+    constexpr uint32_t pose = ODO_FIX_NORTH | ODO_FIX_EAST | ODO_FIX_DOWN | ODO_FIX_ORIENTATION;
+    if (vo_ && (fix.header.flags & pose) == pose) vo_->restart();
+  }
+
   void on(const odo_frame& frame, odo::Output& output) {
     const odograph::CameraModel lens = camera_.lens_of(frame);
     if (frame.header.t_ns <= previous_ns_)
       throw odo::Error(ODO_E_DISCARD, "t_ns is not after that of the frame before");
+    if (!is_due(frame.header.t_ns)) return;
     vo_->change_lens(lens);
     const cv::Mat grey = odograph::grey_of(frame, converted_);
     const Motion motion = vo_->process(grey, odograph::mask_of(frame));
@@ -65,10 +76,21 @@ class Antigny2019 {
   }
 
  private:
+  /// Whether a picture belongs to the next period; early ones do by a quarter of a period, so that the mean rate holds
+  /// whatever the jitter of their times.
+  bool is_due(int64_t t_ns) {
+    if (rate <= 0) return true;
+    const auto period_ns = static_cast<int64_t>(1e9 / rate);
+    if (previous_ns_ == INT64_MIN) due_ns_ = t_ns;
+    if (t_ns < due_ns_ - period_ns / 4) return false;
+    due_ns_ = std::max(due_ns_, t_ns - period_ns) + period_ns;
+    return true;
+  }
+
   std::optional<Odometry> vo_;
   cv::Mat converted_;
   odograph::CalibratedCamera camera_;
-  int64_t previous_ns_ = INT64_MIN;
+  int64_t previous_ns_ = INT64_MIN, due_ns_ = INT64_MIN;
 };
 
 }  // namespace

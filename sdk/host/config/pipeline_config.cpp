@@ -42,11 +42,15 @@ std::string raw_text(const YamlNode& root, const char* key) {
   return node ? node->text : "";
 }
 
-/// A parameter named walker_height defaults to the walker's height.
+/// A parameter named walker_height defaults to the walker's height. So does `height` of fix/terrain, which has another
+/// name since 1.0; a vendor's `height` may be any height.
 void share_walker(PluginChoice& choice, const Value& walker) {
-  for (auto& [spec, value] : choice.parameters)
-    if (spec.name == "walker_height" && spec.type == SpecType::real && !value.given && walker["height"].given)
-      value.real = walker["height"].real;
+  if (!walker["height"].given) return;
+  for (auto& [spec, value] : choice.parameters) {
+    const bool of_walker =
+        spec.name == "walker_height" || (spec.name == "height" && choice.manifest.id == "fix/terrain");
+    if (of_walker && spec.type == SpecType::real && !value.given) value.real = walker["height"].real;
+  }
 }
 
 Isolation isolation_of(const Value& plugin, const Value& plugins, const std::filesystem::path& program) {

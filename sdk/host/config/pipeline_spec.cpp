@@ -129,7 +129,8 @@ const Spec& pipeline_spec() {
             map("walker", "the person who carries the device",
                 {
                     real("height", "m", 0.5, 2.5, "1.70",
-                         "body height; a plugin's parameter 'walker_height' takes it unless given"),
+                         "body height; a plugin's parameter 'walker_height' and fix/terrain's 'height' take it unless "
+                         "given"),
                 }),
             navigation_section(),
             Spec{.name = "camera",

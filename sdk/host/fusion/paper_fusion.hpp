@@ -8,7 +8,7 @@
 namespace odograph {
 
 /// Motions by the papers' rules: each frame's displacement is multiplied by that frame's scale (Antigny et al. 2019,
-/// eq. (5) to (8)), and the front-end's rotation is used as it is.
+/// eq. (5) to (7)), and the front-end's rotation is used as it is.
 class PaperOdometry : public Odometry {
  public:
   using Odometry::apply;

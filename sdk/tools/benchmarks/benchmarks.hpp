@@ -19,6 +19,7 @@ Benchmarks papers_benchmarks();
 Benchmarks steps_benchmarks();
 Benchmarks tracks_benchmarks();
 Benchmarks vo_benchmarks();
+std::shared_ptr<Benchmark> walk700_benchmark();
 Benchmarks windows_benchmarks();
 
 }  // namespace odograph

@@ -67,7 +67,8 @@ void add_sim(CLI::App& app, int& status) {
                       "CityJSON file to write, with the surveyed buildings and known objects of the generated town");
   auto* objects = command->add_option(
       "--objects", a->objects,
-      "folder to write, with the surveyed objects along the route (objects.yaml and pictures) for fix/known_object");
+      "folder to write, with the surveyed objects along the route (objects.yaml and pictures) for fix/known_object and "
+      "the ground (ground.obj) for fix/terrain");
   command
       ->add_option("--walk", a->walk,
                    "real walk (Indoor Location Competition trace) to retrace: its own sensor samples, pictures "

@@ -127,6 +127,32 @@ WalkedPlace place_walked_to(const Recording& recording, double walked_m) {
   return best;
 }
 
+std::vector<int64_t> object_fixes(const std::vector<odo_fix>& fixes) {
+  constexpr uint32_t pose = ODO_FIX_NORTH | ODO_FIX_EAST | ODO_FIX_ORIENTATION;
+  std::vector<int64_t> times;
+  for (const odo_fix& fix : fixes)
+    if ((fix.header.flags & pose) == pose) times.push_back(fix.header.t_ns);
+  std::sort(times.begin(), times.end());
+  return times;
+}
+
+WalkedPlace before_objects(WalkedPlace place, const std::vector<int64_t>& object_fixes_ns) {
+  constexpr int64_t kNear_ns = 20'000'000'000, kBefore_ns = 150'000'000;  // more than a frame of 10 Hz
+  const int64_t at_ns = place.t_ns;
+  for (auto t = object_fixes_ns.rbegin(); t != object_fixes_ns.rend(); ++t)
+    if (*t <= at_ns && at_ns - *t < kNear_ns) place.t_ns = *t - kBefore_ns;
+  return place;
+}
+
+StampedPoses joined(const StampedPoses& first, const StampedPoses& second, int64_t from_ns) {
+  StampedPoses track;
+  for (const StampedPose& pose : first)
+    if (pose.t_ns < from_ns) track.push_back(pose);
+  for (const StampedPose& pose : second)
+    if (pose.t_ns >= from_ns) track.push_back(pose);
+  return track;
+}
+
 PlaceErrors place_errors(const StampedPoses& truth, const StampedPoses& track, const std::vector<WalkedPlace>& places) {
   PlaceErrors e{statistics_of(horizontal_errors(truth, track)).mean, {}, {}};
   for (const WalkedPlace& place : places) {

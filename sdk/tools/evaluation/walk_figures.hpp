@@ -40,6 +40,14 @@ struct WalkedPlace {
 };
 WalkedPlace place_walked_to(const Recording& recording, double walked_m);
 
+/// Times of the fixes of position and orientation, as known objects give them, in order.
+std::vector<int64_t> object_fixes(const std::vector<odo_fix>& fixes);
+/// The place just before the known object near it was used: Antigny et al. 2019, Table 5, has the errors "before a
+/// known object-based reinitialization". The place itself without one in the 20 s before it.
+WalkedPlace before_objects(WalkedPlace place, const std::vector<int64_t>& object_fixes_ns);
+/// The first track until a time, then the second.
+StampedPoses joined(const StampedPoses& first, const StampedPoses& second, int64_t from_ns);
+
 /// Horizontal errors of a track: the mean over the truth, and at each place, also relative to the distance walked.
 struct PlaceErrors {
   double mean_m = 0;

@@ -49,7 +49,8 @@ Result<fs::path> cached_recording(const fs::path& file, uint64_t seed, const fs:
   const fs::path kept = keep / (file.stem().string() + mark);
   const fs::path assets = assets_of(kept);
   fs::create_directories(assets, error);
-  if (!scenario->objects.empty() && !fs::exists(assets / "objects.yaml", error))
+  if (!scenario->objects.empty() &&
+      !(fs::exists(assets / "objects.yaml", error) && fs::exists(assets / "ground.obj", error)))
     if (const auto written = write_known_objects(*scenario, seed, assets); !written) return written.failure();
   if (fs::exists(kept, error)) return kept;
   const fs::path part = kept.string() + ".part";  // an interrupted run leaves no partial recording under the final name

@@ -31,8 +31,8 @@ struct SimulationOptions {
 /// Latitude and longitude (rad) and ellipsoidal height (m) of the origin of simulated walks and drives.
 inline constexpr std::array<double, 3> kSimulatedOrigin = {0.8238, -0.0271, 20.0};
 
-/// Writes the surveyed objects of the scenario for fix/known_object: `objects.yaml` (corners as latitude, longitude,
-/// ellipsoidal height) and the posters' pictures beside it.
+/// Writes the survey of the scenario: for fix/known_object `objects.yaml` (corners as latitude, longitude, ellipsoidal
+/// height) and the posters' pictures beside it; for fix/terrain `ground.obj`, n's origin at its zero.
 Result<bool> write_known_objects(const Scenario& scenario, uint64_t seed, const std::filesystem::path& folder);
 
 /// Generates an Odograph recording of the scenario: IMU, magnetometer, GNSS, barometer, surveyed marks, camera frames,

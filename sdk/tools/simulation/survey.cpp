@@ -2,6 +2,9 @@
 //
 // Survey of a scenario's objects.
 #include <fstream>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include <opencv2/imgcodecs.hpp>
 
@@ -15,6 +18,25 @@ namespace odograph {
 namespace {
 
 constexpr double kSurvey_m = 0.01;  // stated standard deviation of each corner; the corners are exact
+
+/// The ground as a mesh with x east, y north, z up from n's origin, as fix/terrain reads it: each leg of the route
+/// reaches 200 m aside and, at its ends' heights, 100 m beyond.
+std::string ground_of(const std::vector<Eigen::Vector3d>& route) {
+  constexpr double kAside_m = 200, kBeyond_m = 100;
+  std::string obj = "# the ground of a simulated route\n";
+  size_t vertices = 0;
+  for (size_t i = 0; i + 1 < route.size(); ++i) {
+    const Eigen::Vector3d &from = route[i], &to = route[i + 1];
+    const Eigen::Vector2d along = (to - from).head<2>().normalized(), right(-along.y(), along.x());
+    const Eigen::Vector3d beyond(kBeyond_m * along.x(), kBeyond_m * along.y(), 0);
+    for (const Eigen::Vector3d& p : {Eigen::Vector3d(from - beyond), from, to, Eigen::Vector3d(to + beyond)})
+      for (const double side : {-kAside_m, kAside_m})
+        obj += text("v %.3f %.3f %.3f\n", p.y() + side * right.y(), p.x() + side * right.x(), p.z());
+    for (size_t k = vertices + 1; k < vertices + 7; k += 2) obj += text("f %zu %zu %zu %zu\n", k, k + 1, k + 3, k + 2);
+    vertices += 8;
+  }
+  return obj;
+}
 
 }  // namespace
 
@@ -50,10 +72,11 @@ Result<bool> write_known_objects(const Scenario& scenario, uint64_t seed, const 
       yaml += text("      - [%.10f, %.10f, %.4f]\n", at[0] / kRad_per_deg, at[1] / kRad_per_deg, at[2]);
     }
   }
-  const std::filesystem::path file = folder / "objects.yaml";
-  std::ofstream out(file);
-  out << yaml;
-  if (!out.flush()) return Failure{ODO_E_IO, file.string() + ": cannot be written"};
+  for (const auto& [name, content] : {std::pair{"objects.yaml", yaml}, {"ground.obj", ground_of(scenario.route)}}) {
+    std::ofstream out(folder / name);
+    out << content;
+    if (!out.flush()) return Failure{ODO_E_IO, (folder / name).string() + ": cannot be written"};
+  }
   return true;
 }
 
