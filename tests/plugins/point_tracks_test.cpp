@@ -6,6 +6,7 @@
 #include <random>
 
 #include "plugins/shared/median.hpp"
+#include "plugins/vo/antigny2019/odometry.hpp"
 #include "plugins/vo/five_point/visual_odometry.hpp"
 #include "plugins/vo/odograph/visual/odometry.hpp"
 #include "tests/plugins/film.hpp"
@@ -134,8 +135,7 @@ namespace {
 /// Walks north along a street; the share of the points whose distance is within three sigma (and 3 % of it, for the
 /// motions' own errors) of the scene's, and the median relative error.
 template <class Step>
-void check_distances(Step&& step) {
-  Film film(320, 240, 250, 3);
+void check_distances(Film& film, double largest_median, Step&& step) {
   const CameraModel lens = film.model();
   PointTracks tracks;
   double walked_m = 0, moved = 0;
@@ -165,7 +165,7 @@ void check_distances(Step&& step) {
   }
   REQUIRE(errors.size() > 30);
   CAPTURE(median(errors));
-  CHECK(median(errors) < 0.05);
+  CHECK(median(errors) < largest_median);
   CHECK(static_cast<double>(within) > 0.85 * static_cast<double>(errors.size()));
 }
 
@@ -180,17 +180,27 @@ struct Stepped {
 }  // namespace
 
 TEST_CASE("the front-ends' points lie where the scene is, in the unit of their motions") {
-  const CameraModel lens = Film(320, 240, 250, 3).model();
+  Film film(320, 240, 250, 3);
+  const CameraModel lens = film.model();
   SUBCASE("vo/odograph up to scale") {
     vo::Odometry odometry({}, lens);
-    check_distances([&](const cv::Mat& picture, size_t i) {
+    check_distances(film, 0.05, [&](const cv::Mat& picture, size_t i) {
       const auto m = odometry.process({picture, {}, static_cast<int64_t>(i) * 100'000'000, 0});
       return Stepped{m.q_c0_c1, m.p_c0_c1, m.translation_valid, odometry.corners(), odometry.corner_sigma_rad()};
     });
   }
+  SUBCASE("vo/antigny2019") {
+    Film fine(640, 480, 500, 3);  // SURF needs a larger picture, and without a map the scale drifts
+    antigny2019::Odometry odometry({}, fine.model(), {640, 480});
+    check_distances(fine, 0.1, [&](const cv::Mat& picture, size_t) {
+      const auto m = odometry.process(picture, {});
+      return Stepped{Eigen::Quaterniond(m.T_c0_c1.linear()), m.T_c0_c1.translation(), m.translation_valid,
+                     odometry.corners(), odometry.corner_sigma_rad()};
+    });
+  }
   SUBCASE("vo/five_point") {
     five_point::VisualOdometry odometry({}, lens);
-    check_distances([&](const cv::Mat& picture, size_t) {
+    check_distances(film, 0.05, [&](const cv::Mat& picture, size_t) {
       const auto m = odometry.process(picture, {});
       return Stepped{m.q_c0_c1, m.p_c0_c1, m.translation_valid, odometry.corners(), odometry.corner_sigma_rad()};
     });

@@ -61,7 +61,10 @@ Odometry::Picture Odometry::look(const cv::Mat& grey, const cv::Mat& mask) {
   Picture picture;
   picture.features = sparse(finder_->find(grey, mask), size_, p_.cell_px, p_.in_a_cell);
   camera_.undistort(picture.features.pixels, picture.ideal);
-  for (auto& p : picture.ideal) p *= f_;
+  for (auto& p : picture.ideal) {
+    p *= f_;
+    picture.tracks.push_back(next_track_++);
+  }
   return picture;
 }
 
@@ -139,6 +142,18 @@ bool Odometry::estimate_pose(const Picture& now, const std::vector<std::pair<int
   return true;
 }
 
+/// The tracks of t-1 continue in the inliers of this picture.
+void Odometry::follow(const std::vector<std::pair<int, int>>& inliers, Picture& now) {
+  std::vector<char> used(now.tracks.size(), 0);
+  for (const auto& [j, k] : inliers)
+    now.tracks[static_cast<size_t>(k)] = b_->tracks[static_cast<size_t>(j)], used[static_cast<size_t>(k)] = 1;
+  corners_.clear();
+  for (size_t i = 0; i < now.tracks.size(); ++i) {
+    const cv::Point2f& pixel = now.features.pixels[i];
+    corners_.push_back({now.tracks[i], ray(now.ideal[i], f_), Vector3d::Zero(), {pixel.x, pixel.y}, used[i] != 0});
+  }
+}
+
 Motion Odometry::process(const cv::Mat& grey, const cv::Mat& mask) {
   Motion motion;
   Picture now = look(grey, mask);
@@ -149,6 +164,7 @@ Motion Odometry::process(const cv::Mat& grey, const cv::Mat& mask) {
   const auto pairs = match(b_->features, now.features, p_.ratio);
   motion.matches = static_cast<unsigned>(pairs.size());
   const auto pair = epipolar(*b_, now, pairs);
+  follow(pair ? pair->inliers : std::vector<std::pair<int, int>>{}, now);
   Isometry3d T_b_c = T_b_before_;
   bool located = false;
   if (pair) {

@@ -8,6 +8,7 @@
 #include <Eigen/Geometry>
 
 #include "plugins/shared/camera/camera_model.hpp"
+#include "plugins/shared/camera/point_tracks.hpp"
 #include "plugins/vo/antigny2019/features.hpp"
 
 namespace odograph::antigny2019 {
@@ -48,6 +49,10 @@ class Odometry {
   /// Sets the lens of the frames to come (refocused or shifted). Stored pixels are those of an ideal camera.
   void change_lens(const CameraModel& camera) { camera_ = camera; }
   Motion process(const cv::Mat& grey, const cv::Mat& mask);
+  /// The features of the latest picture; those that agree with t-1 keep the track's number.
+  const std::vector<TrackedCorner>& corners() const { return corners_; }
+  /// Their noise: half the largest error of an inlier.
+  double corner_sigma_rad() const { return 0.5 * p_.inlier_px / f_; }
   /// Starts again from the last picture: those before it are forgotten, and the next motion has a new scale group.
   void restart();
 
@@ -55,6 +60,7 @@ class Odometry {
   struct Picture {
     Features features;
     std::vector<cv::Point2d> ideal;  // pixels of an ideal camera with the focal length f_
+    std::vector<uint64_t> tracks;    // numbers, one for each feature
   };
   struct EpipolarPair {
     Eigen::Isometry3d T_0_1;  // pose of the second camera in the first, unit distance
@@ -62,6 +68,7 @@ class Odometry {
     double parallax_px;  // median, rotation compensated
   };
 
+  void follow(const std::vector<std::pair<int, int>>& inliers, Picture& now);
   Picture look(const cv::Mat& grey, const cv::Mat& mask);
   std::optional<EpipolarPair> epipolar(const Picture& a, const Picture& b,
                                        const std::vector<std::pair<int, int>>& pairs) const;
@@ -79,6 +86,8 @@ class Odometry {
   Eigen::Isometry3d T_b_before_ = Eigen::Isometry3d::Identity();  // pose of the previous picture in b
   double scale_ = 1.0;
   unsigned group_ = 0;
+  uint64_t next_track_ = 0;
+  std::vector<TrackedCorner> corners_;
 };
 
 }  // namespace odograph::antigny2019

@@ -3,6 +3,7 @@
 #include <optional>
 
 #include "plugins/shared/camera/frame_view.hpp"
+#include "plugins/shared/camera/points_event.hpp"
 #include "plugins/vo/antigny2019/odometry.hpp"
 
 namespace {
@@ -20,7 +21,7 @@ class Antigny2019 {
       "vo/antigny2019", "1.0.0",
       "Visual odometry without a map: SURF, SSD, MSAC, triangulation, PnP (Antigny et al. 2019)",
       ODO_INTERFACE_VO_FRONTEND};
-  static constexpr uint32_t extra_inputs[] = {ODO_TYPE_FIX};
+  static constexpr uint32_t extra_outputs[] = {ODO_TYPE_POINTS};
   static std::vector<odo::Parameter<Antigny2019>> parameters() {
     return {odo::choice("features", "surf|sift|orb|akaze", &Antigny2019::features,
                         "detector and descriptor; the paper uses SURF"),
@@ -72,6 +73,7 @@ class Antigny2019 {
     else
       odograph::put_state(odograph::Tracking::degraded, odograph::FailureReason::no_parallax, event);
     event.scale_group = motion.scale_group;
+    points_.emit(event, vo_->corners(), vo_->corner_sigma_rad(), lens, camera_.size(), output);
     output.emit(event);
   }
 
@@ -88,6 +90,7 @@ class Antigny2019 {
   }
 
   std::optional<Odometry> vo_;
+  odograph::PointsEvent points_;
   cv::Mat converted_;
   odograph::CalibratedCamera camera_;
   int64_t previous_ns_ = INT64_MIN, due_ns_ = INT64_MIN;
