@@ -128,7 +128,7 @@ TEST_CASE("shocks without rotation are no steps, unless there is no gyroscope") 
   CHECK(of_type<odo_step>(plugin(accelerometer_alone), ODO_TYPE_STEP).size() >= 20);
 }
 
-TEST_CASE("GNSS for the start alone gives one fix, and one more after a reset") {
+TEST_CASE("GNSS for the start alone gives one fix, after the first pose, and one more after a reset") {
   std::vector<AnyMessage> samples;
   for (int k = 0; k < 10; ++k) {
     auto gnss = make_message<odo_gnss>(ODO_TYPE_GNSS, k * kSecond);
@@ -136,13 +136,14 @@ TEST_CASE("GNSS for the start alone gives one fix, and one more after a reset") 
     gnss.latitude_rad = 0.8238 + 1e-7 * k, gnss.longitude_rad = -0.0271;
     gnss.covariance_n[0] = gnss.covariance_n[4] = gnss.covariance_n[8] = 9;
     samples.emplace_back(gnss.header);
+    if (k == 2) samples.emplace_back(make_message<odo_pose>(ODO_TYPE_POSE, k * kSecond).header);
   }
   PluginRun plugin("fix_gnss", {{"start_only", "true"}, {"heading", "false"}});
   for (int run = 0; run < 2; ++run) {
     const auto fixes = of_type<odo_fix>(plugin(samples), ODO_TYPE_FIX);
     REQUIRE(fixes.size() == 1);
-    CHECK(fixes[0].header.t_ns == 0);
-    CHECK(fixes[0].latitude_rad == doctest::Approx(0.8238).epsilon(1e-12));
+    CHECK(fixes[0].header.t_ns == 3 * kSecond);  // before the first pose there is no track to start
+    CHECK(fixes[0].latitude_rad == doctest::Approx(0.8238003).epsilon(1e-12));
     plugin.reset();
   }
   PluginRun all("fix_gnss", {{"heading", "false"}});

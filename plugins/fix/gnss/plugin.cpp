@@ -47,8 +47,10 @@ class Gnss {
                   "standard deviation of the phone's direction against the walk's"),
         odo::real("velocity_sigma", "m/s", 0.01, 100, &Gnss::velocity_sigma,
                   "standard deviation of a satellite velocity between buildings"),
-        odo::boolean("start_only", &Gnss::start_only,
-                     "the first position starts the track, all others are ignored (Antigny et al. 2019, section 5.2)")};
+        odo::boolean(
+            "start_only", &Gnss::start_only,
+            "the first position after the first pose starts the track, all others are ignored (Antigny et al. 2019, "
+            "section 5.2)")};
   }
 
   void configured() { reset(); }
@@ -56,7 +58,7 @@ class Gnss {
     CorrelatedError::Parameters p;
     p.correlation_s = correlation, p.bias_s = bias_time;
     error_.emplace(p);
-    has_origin_ = started_ = false;
+    has_origin_ = started_ = posed_ = false;
     PathHeading::Parameters h;
     h.correlation_s = std::max(0.5, correlation);
     path_.emplace(h);
@@ -65,6 +67,7 @@ class Gnss {
   }
 
   void on(const odo_pose& pose, odo::Output&) {
+    posed_ = true;
     constexpr uint32_t needed = ODO_POSE_POSITION | ODO_POSE_METRIC;
     if ((pose.header.flags & needed) != needed || (pose.header.flags & ODO_POSE_EXTRAPOLATED)) return;
     if (!(std::hypot(pose.p_n[0], pose.p_n[1]) < kFarthest_m))
@@ -113,7 +116,7 @@ class Gnss {
                           ((sample.header.flags & ODO_GNSS_HEIGHT) == 0 || std::abs(sample.height_m) < kFarthest_m);
     if (!on_earth) throw odo::Error(ODO_E_DISCARD, "latitude_rad, longitude_rad or height_m is out of range");
     if (sample.satellites > 0 && sample.satellites < min_satellites) return;
-    if (start_only && std::exchange(started_, true)) return;
+    if (start_only && (!posed_ || std::exchange(started_, true))) return;  // earlier fixes move no track
     auto fix = odo::make<odo_fix>(sample.header.t_ns);
     fix.header.flags = ODO_FIX_GEODETIC | ODO_FIX_NORTH | ODO_FIX_EAST | ODO_FIX_COVARIANCE | ODO_FIX_INTEGRITY;
     if (sample.header.flags & ODO_GNSS_LEVER) {
@@ -204,7 +207,7 @@ class Gnss {
   std::optional<PathHeading> path_;
   std::optional<odo_attitude> attitude_;
   Gyro gyro_;
-  bool has_origin_ = false, started_ = false;
+  bool has_origin_ = false, started_ = false, posed_ = false;
   double latitude_rad_ = 0, longitude_rad_ = 0, north_per_rad_ = 1, east_per_rad_ = 1;
 };
 
