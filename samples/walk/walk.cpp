@@ -25,7 +25,7 @@ void show(const odo::Event& event) {
                 pose->p_n[0], pose->p_n[1], pose->p_n[2], pose->q_n[1], pose->q_n[2], pose->q_n[3], pose->q_n[0]);
   if (const auto points = event.points(); points && points->size() > 0) {  // landmarks, the most certain first
     const odo_point& first = (*points)[0];
-    std::printf("points %u first %llu %.9g\n", points->size(), static_cast<unsigned long long>(first.id),
+    std::printf("points %u first %llu %.17g\n", points->size(), static_cast<unsigned long long>(first.id),
                 static_cast<double>(first.p_c[2]));
   }
 }

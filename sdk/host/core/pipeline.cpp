@@ -49,7 +49,7 @@ void Pipeline::process(const odo_header& message) {
     default: dispatch(message);  // magnetometer, GNSS, waypoints, and types that only a plugin knows
   }
   handle_events();
-  sources_.judge(false);
+  sources_.judge();
   publisher_.check_input();
   if (!std::exchange(broken_, false)) return;
   host_.report(0, ODO_SEVERITY_ERROR, "broken_pose",

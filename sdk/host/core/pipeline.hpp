@@ -65,8 +65,6 @@ class Pipeline {
   void process(const odo_header& message);
   /// Calls the plugins that requested it (odo.wake/1), as process() does before each message.
   void wake();
-  /// No more input comes: names the plugins that had no effect.
-  void end() { sources_.judge(true); }
   /// Restarts after the sensor clock was set back. Geodetic origin, counters and calibrations are retained.
   void reset();
 

@@ -205,10 +205,6 @@ int32_t Session::flush() {
   const Ownership ownership(*this, lock);
   process_waiting(lock, intake_.latest_waiting_ns());
   lock.unlock();
-  pipeline_->end();
-  lock.lock();
-  process_waiting(lock, INT64_MIN);  // what it has reported
-  lock.unlock();
   intake_.end();  // a live session may go on after a flush
   return ODO_OK;
 }

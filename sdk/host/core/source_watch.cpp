@@ -50,18 +50,12 @@ std::string SourceWatch::without_input(const PluginInstance& plugin) const {
   return missing;
 }
 
-void SourceWatch::judge(bool ends) {
-  if (!first_ns_ || (judged_ && !ends)) return;
-  if (!ends && seconds(saturating_difference(now_ns_, *first_ns_)) < p_.judged_s) return;
+void SourceWatch::judge() {
+  if (judged_ || !first_ns_ || seconds(saturating_difference(now_ns_, *first_ns_)) < p_.judged_s) return;
   judged_ = true;
   for (const auto& plugin : roster_.plugins()) {
     if (gave_.contains(plugin->number()) || !plugin->alive()) continue;
-    const std::string missing = without_input(*plugin);
-    if (missing.empty() && !ends) continue;  // it may need more
-    if (!named_.insert(plugin->number()).second) continue;
-    if (missing.empty())
-      report(*plugin, "it has given nothing, although its inputs came");
-    else
+    if (const std::string missing = without_input(*plugin); !missing.empty())  // otherwise it may need more
       report(*plugin, "it has given nothing, and " + missing + " did not come; add this input, or remove the plugin");
   }
 }

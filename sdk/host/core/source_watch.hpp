@@ -25,8 +25,8 @@ class SourceWatch {
   void came(const odo_header& message);
   /// A scale of this source met a motion that is in metres already.
   void on_pointless_scale(uint32_t source);
-  /// Names the plugins that have given nothing: those without input when enough has come, all when no more comes.
-  void judge(bool ends);
+  /// Names the plugins that have given nothing and whose input does not come, once enough has come.
+  void judge();
 
  private:
   std::string without_input(const PluginInstance& plugin) const;
@@ -36,7 +36,7 @@ class SourceWatch {
   const PluginRoster& roster_;
   HostServices& host_;
   TypeSet came_;
-  std::set<uint32_t> gave_, pointless_, named_;  // numbers of plugins
+  std::set<uint32_t> gave_, pointless_;  // numbers of plugins
   std::optional<int64_t> first_ns_;
   int64_t now_ns_ = 0;
   bool judged_ = false;

@@ -38,7 +38,7 @@ bool has(const std::vector<PluginChoice>& plugins, const char* id) {
 }
 
 /// A picture of gnuplot: its data blocks, then its commands.
-struct Figure {
+struct Plotted {
   std::string data, plots;
   void add(const std::string& name, const std::string& style, const Json& points) {
     const std::string block = text("$d%zu", count_++);
@@ -208,7 +208,7 @@ struct Walk700 : Benchmark {
   }
 
   std::string figures(const Rows& rows) const {
-    Figure modes, lengths, errors, distribution;
+    Plotted modes, lengths, errors, distribution;
     for (const auto& [walker, of_walker] : groups_of(rows, "walker"))
       for (const std::string& config : options.configs) {
         const Rows own = rows_with(of_walker, "config", config);

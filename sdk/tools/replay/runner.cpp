@@ -5,6 +5,7 @@
 #include <chrono>
 #include <filesystem>
 #include <fstream>
+#include <set>
 #include <sstream>
 
 #include "sdk/host/base/output_file.hpp"
@@ -230,6 +231,20 @@ std::vector<RunResult::Plugin> plugins_of(const PipelineConfig& config) {
   return plugins;
 }
 
+/// Notes the plugins that gave nothing in the whole run, as the host notes those whose input does not come.
+void name_unused(RunResult& result) {
+  std::set<uint32_t> gave;
+  const auto add = [&](const odo_header& header) { gave.insert(header.source); };
+  for (const odo_step& step : result.steps) add(step.header);
+  for (const odo_motion_mode& mode : result.modes) add(mode.header);
+  for (const odo_vo_motion& motion : result.motions) add(motion.header);
+  for (const odo_scale& scale : result.scales) add(scale.header);
+  for (const RunResult::Fix& fix : result.fixes) add(fix.fix.header);
+  for (const RunResult::Plugin& plugin : result.plugins)
+    if (plugin.kind != "attitude" && !gave.contains(plugin.number))
+      result.notices.try_emplace(plugin.id + " unused_source", RunResult::Notice{1, "no effect: it has given nothing"});
+}
+
 }  // namespace
 
 Result<RunResult> replay(const Recording& recording, const RunOptions& options) {
@@ -279,6 +294,7 @@ Result<RunResult> replay(const Recording& recording, const RunOptions& options) 
 
   result.corrected = collector.corrected();
   align_tracks(config->replay, recording, result);
+  name_unused(result);
   result.nothing = why_nothing(recording, *config, result);
   if (!result.nothing.empty()) result.reports.push_back("the run came to nothing: " + result.nothing);
   return result;
