@@ -222,21 +222,20 @@ TEST_CASE("a restart forgets the pictures before the last one and goes on withou
   antigny2019::Motion motion;
   for (int i = 0; i < 5; ++i) motion = vo.process(film.frame({0.4 * i, 0, -1.5}, static_cast<size_t>(i)), {});
   REQUIRE(motion.translation_valid);
-  CHECK(motion.scale_group == 0);
-  CHECK(motion.T_c0_c1.translation().norm() != doctest::Approx(1.0).epsilon(1e-9));
+  uint32_t group = motion.scale_group;
+  CHECK(std::abs(motion.T_c0_c1.translation().norm() - 1) > 1e-9);
   vo.restart();
   motion = vo.process(film.frame({2.0, 0, -1.5}, 5), {});
   REQUIRE(motion.translation_valid);
-  CHECK(motion.scale_group == 1);
+  CHECK(motion.scale_group == group + 1);
   CHECK(motion.T_c0_c1.translation().norm() == doctest::Approx(1.0).epsilon(1e-9));  // the first two define the unit
   CHECK(motion.T_c0_c1.translation().normalized().z() > 0.9);
-  motion = vo.process(film.frame({2.4, 0, -1.5}, 6), {});
-  CHECK(motion.scale_group == 1);
   // At rest the last picture has not become t-1; the restart is from it all the same.
-  for (int i = 7; i < 10; ++i) motion = vo.process(film.frame({2.4, 0, -1.5}, static_cast<size_t>(i)), {});
+  for (int i = 6; i < 9; ++i) motion = vo.process(film.frame({2.0, 0, -1.5}, static_cast<size_t>(i)), {});
+  group = motion.scale_group;
   vo.restart();
-  motion = vo.process(film.frame({2.8, 0, -1.5}, 10), {});
-  CHECK(motion.scale_group == 2);
+  motion = vo.process(film.frame({2.4, 0, -1.5}, 9), {});
+  CHECK(motion.scale_group == group + 1);
   CHECK(motion.translation_valid);
 }
 
