@@ -57,12 +57,13 @@ TEST_CASE("eq. (1): the step length follows height and frequency") {
   PluginRun own("step_renaudin2012", {{"walker_height", "1.8"}, {"a", "0.1"}, {"b", "0.2"}, {"c", "0.05"}});
   const auto steps = of_type<odo_step>(own(rocking(12, 2)), ODO_TYPE_STEP);
   REQUIRE(steps.size() >= 20);
-  CHECK(steps.back().frequency_hz == doctest::Approx(2).epsilon(0.01));
-  CHECK(steps.back().length_m == doctest::Approx(0.77).epsilon(0.005));
+  CHECK(steps.back().frequency_hz == doctest::Approx(2).epsilon(0.02));
+  CHECK(steps.back().length_m == doctest::Approx(1.8 * (0.1 * steps.back().frequency_hz + 0.2) + 0.05).epsilon(1e-9));
+  CHECK(steps.back().length_m == doctest::Approx(0.77).epsilon(0.01));
   // The defaults with h = 1.70 m: 1.70 (0.1297 * 2 + 0.1388) + 0.0508 = 1.70 * 0.3982 + 0.0508 = 0.72774 m.
   PluginRun universal("step_renaudin2012");
   CHECK(of_type<odo_step>(universal(rocking(12, 2)), ODO_TYPE_STEP).back().length_m ==
-        doctest::Approx(0.72774).epsilon(0.005));
+        doctest::Approx(0.72774).epsilon(0.01));
 }
 
 TEST_CASE("eq. (5) to (7): a frame's scale is the share of the step before it over the horizontal displacement") {
@@ -92,7 +93,7 @@ TEST_CASE("the fixed step has one speed by body height while the person walks, a
   CHECK(scales[1].displacement_m == 0);
 }
 
-TEST_CASE("static is reported when the next step is overdue, at most 1.2 s after the end of the last one") {
+TEST_CASE("static is reported when the next step is overdue, half a second after the end of the last one") {
   Scenario s;
   s.route = {{0, 0, 0}, {40, 0, 0}};
   s.events = {{10, "stand", 6}, {20, "stand", 6}, {30, "stand", 6}};
@@ -113,8 +114,8 @@ TEST_CASE("static is reported when the next step is overdue, at most 1.2 s after
   REQUIRE(after_s.size() >= 9);
   MESSAGE("static after the last step's end: median " << percentile(after_s, 0.5) << " s, worst "
                                                       << percentile(after_s, 1));
-  CHECK(percentile(after_s, 0.5) < 0.9);
-  CHECK(percentile(after_s, 1) < 1.2);
+  CHECK(percentile(after_s, 0.5) < 0.6);
+  CHECK(percentile(after_s, 1) < 1);
 }
 
 TEST_CASE("shocks without rotation are no steps, unless there is no gyroscope") {

@@ -206,13 +206,14 @@ TEST_CASE("eq. (4): a phone is at 0.9 of the walker's height above the ground, f
   Scenario s;
   s.route = {{0, 0, 2}, {10, 0, 2}};
   const Recording recording = recorded_sensors(s, 2);
-  for (const auto& [height, down_m] : {std::pair{"1.50", -3.35}, {"1.90", -3.71}}) {
-    write(folder / "p.yaml", std::string("odograph: 1\nwalker: {height: ") + height +
+  for (const auto& walker : {std::pair{"1.50", -3.35}, {"1.90", -3.71}}) {
+    write(folder / "p.yaml", std::string("odograph: 1\nwalker: {height: ") + walker.first +
                                  " m}\nattitude: {plugin: attitude/vqf}\nstep_estimator: {plugin: step/renaudin2012}\n"
                                  "absolute_fixers:\n  - plugin: fix/terrain\n    parameters: {model: flat.obj}\n");
     const RunResult result = run_of(recording, folder / "p.yaml");
     REQUIRE(result.fixes.size() >= 5);
-    for (const RunResult::Fix& fix : result.fixes) CHECK(fix.fix.p_n[2] == doctest::Approx(down_m).epsilon(1e-9));
+    for (const RunResult::Fix& fix : result.fixes)
+      CHECK(fix.fix.p_n[2] == doctest::Approx(walker.second).epsilon(1e-9));
   }
 }
 

@@ -19,7 +19,7 @@ class GaitSignal {
   struct Parameters {
     double smooth_tau_s = 0.09;  ///< mean delay of the smoothing
     double mean_tau_s = 1.2;     ///< of the subtracted mean
-    /// Of the energies: a third of a step, so that they fade within half a second of the last one.
+    /// Of the energies: a fifth of a step, so that they fade within half a second of the last one.
     double energy_tau_s = 0.1;
     double still_accel_mps2 = 0.45;  ///< root of the accelerometer's energy below which nobody walks
     double still_gyro_radps = 0.06;  ///< and of the gyroscope's: a hand that is carried by steps rocks

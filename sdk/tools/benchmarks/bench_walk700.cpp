@@ -116,8 +116,10 @@ struct Walk700 : Benchmark {
     row["object_fixes"] = objects.size();
     std::vector<double> lengths;
     for (const odo_step& step : result.steps) lengths.push_back(step.length_m);
-    const Statistics of_lengths = statistics_of(lengths);
-    row["step_median_m"] = of_lengths.median, row["step_deviation_m"] = of_lengths.std;
+    if (!lengths.empty()) {
+      const Statistics of_lengths = statistics_of(lengths);
+      row["step_median_m"] = of_lengths.median, row["step_deviation_m"] = of_lengths.std;
+    }
     add_samples(truth, track, result, row);
     return row;
   }
@@ -214,10 +216,10 @@ struct Walk700 : Benchmark {
         const Rows own = rows_with(of_walker, "config", config);
         if (own.empty()) continue;
         const Json& row = own.front();
-        const std::string name = walker.get<std::string>(), both = name + ", " + stem_of(config);
+        const std::string who = walker.get<std::string>(), both = who + ", " + stem_of(config);
         if (config == options.configs.front()) {
-          modes.add(name, "steps", row["_modes"]);
-          lengths.add(name, "points", row["_lengths"]);
+          modes.add(who, "steps", row["_modes"]);
+          lengths.add(who, "points", row["_lengths"]);
         }
         errors.add(both, "lines", row["_errors"]);
         std::vector<double> sorted;
