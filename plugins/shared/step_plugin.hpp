@@ -8,6 +8,7 @@
 #include <odograph/plugin.hpp>
 
 #include "plugins/shared/gait/gait.hpp"
+#include "plugins/shared/sensor_range.hpp"
 #include "sdk/math/rotation.hpp"
 
 namespace odograph {
@@ -37,7 +38,10 @@ class StepPlugin {
   void on(const odo_attitude& attitude, odo::Output&) { gait_->set_attitude(odograph::raw_quaternion(attitude.q_n_b)); }
 
   void on(const odo_imu& imu, odo::Output& output) {
-    const auto step = gait_->update(imu.header.t_ns, Eigen::Vector3d(imu.gyro_b), Eigen::Vector3d(imu.accel_b));
+    const Eigen::Vector3d gyro_b(imu.gyro_b), accel_b(imu.accel_b);
+    if (!(gyro_b.norm() <= SensorRange::rate_radps && accel_b.norm() <= SensorRange::force_mps2))
+      throw odo::Error(ODO_E_DISCARD, "gyro_b or accel_b exceeds the range of any phone's sensor");
+    const auto step = gait_->update(imu.header.t_ns, gyro_b, accel_b);
     const uint32_t mode = mode_of(gait_->carrying());
     if (mode != mode_) {
       auto event = odo::make<odo_motion_mode>(imu.header.t_ns);
