@@ -3,9 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <random>
+#include <utility>
 
 #include <Eigen/Dense>
+
+#include "sdk/math/rotation.hpp"
 
 namespace odograph::gakne2018 {
 namespace {
@@ -72,6 +76,20 @@ Rigid2d rigid_motion(const std::vector<Vector2d>& p, const std::vector<Vector2d>
   return motion;
 }
 
+Eigen::Quaterniond levelled(const Vector3d& up_c) {
+  const Eigen::Quaterniond upright(0, 1, 0, 0);  // x of the picture remains x
+  return (shortest_rotation(upright * up_c, -Vector3d::UnitZ()) * upright).normalized();
+}
+
+Height height_of(const Vector2d& flow, const Vector2d& T, double flow_sigma, double height_sigma) {
+  const double information = T.squaredNorm() / (flow_sigma * flow_sigma);
+  const double prior = 1 / (height_sigma * height_sigma);
+  const double inverse = (prior + T.dot(flow) / (flow_sigma * flow_sigma)) / (prior + information);
+  const double sigma = 1 / std::sqrt(prior + information);
+  const double bounded = std::max(inverse, sigma);  // a point that moves against the fit is far, not below
+  return {1 / bounded, sigma / bounded};
+}
+
 SkyOdometry::SkyOdometry(const Parameters& parameters, const CameraModel& camera)
     : p_(parameters), camera_(camera), orb_(cv::ORB::create(parameters.features)), matcher_(cv::NORM_HAMMING, true) {}
 
@@ -90,6 +108,9 @@ Motion SkyOdometry::process(const cv::Mat& grey, const cv::Mat& mask, const Eige
   }
 
   Motion motion;
+  points_.clear();
+  now.tracks.assign(now.keypoints.size(), {});
+  std::vector<Pair> pairs;
   std::vector<Vector2d> p, q;
   if (!before_.descriptors.empty() && !now.descriptors.empty()) {
     std::vector<cv::DMatch> matches;
@@ -98,7 +119,8 @@ Motion SkyOdometry::process(const cv::Mat& grey, const cv::Mat& mask, const Eige
       const Vector2d& a = before_.on_plane[static_cast<size_t>(match.queryIdx)];
       const Vector2d& b = now.on_plane[static_cast<size_t>(match.trainIdx)];
       if (a.x() < kFar && b.x() < kFar && match.distance < p_.max_distance && (a - b).norm() < p_.near)
-        p.push_back(a), q.push_back(b);
+        p.push_back(a), q.push_back(b),
+            pairs.push_back({static_cast<size_t>(match.queryIdx), static_cast<size_t>(match.trainIdx)});
     }
   }
   motion.matches = static_cast<unsigned>(p.size());
@@ -128,10 +150,36 @@ Motion SkyOdometry::process(const cv::Mat& grey, const cv::Mat& mask, const Eige
       motion.position_sigma = std::sqrt(square / motion.inliers) / std::sqrt(static_cast<double>(motion.inliers));
       motion.rotation_sigma_rad = 2 * motion.position_sigma;
       motion.valid = true;
+      for (size_t i = 0; i < pairs.size(); ++i) {
+        const Picture::Track& track = before_.tracks[pairs[i].before];
+        if (inlier[i] > 0) now.tracks[pairs[i].now] = {track.id, track.age + 1};
+      }
+      locate(pairs, inlier, rigid, now);
     }
   }
+  for (Picture::Track& track : now.tracks)
+    if (track.age == 0) track = {next_id_++, 1};
   before_ = std::move(now);
   return motion;
+}
+
+void SkyOdometry::locate(const std::vector<Pair>& pairs, const std::vector<double>& inlier, const Rigid2d& rigid,
+                         const Picture& now) {
+  for (size_t i = 0; i < pairs.size(); ++i) {
+    if (inlier[i] == 0) continue;
+    const Vector2d &p = before_.on_plane[pairs[i].before], &q = now.on_plane[pairs[i].now];
+    const double slant = 1 + q.squaredNorm();  // of the plane against the picture's ray: errors on it grow
+    const Height height =
+        height_of(q - rigid.R * p, rigid.T, std::numbers::sqrt2 * p_.match_sigma * slant, p_.height_sigma);
+    points_.push_back({.id = now.tracks[pairs[i].now].id,
+                       .age = now.tracks[pairs[i].now].age,
+                       .pixel = now.keypoints[pairs[i].now].pt,
+                       .p_c = now.q_l_c.conjugate() * (height.value * Vector3d(q.x(), q.y(), -1)),
+                       .relative_sigma = height.relative_sigma,
+                       .ray_sigma_rad = p_.match_sigma});
+  }
+  std::sort(points_.begin(), points_.end(),
+            [](const SkyPoint& a, const SkyPoint& b) { return a.relative_sigma < b.relative_sigma; });
 }
 
 }  // namespace odograph::gakne2018
