@@ -1,4 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include <odograph/plugin.hpp>
+
 #include "plugins/scale/slant_distance/slant_scale.hpp"
 #include "plugins/scale/step_fit/step_fit.hpp"
 #include "plugins/scale/step_length/step_scale.hpp"
@@ -267,8 +273,8 @@ TEST_CASE("a new group has the previous speed for one second of motions, and fix
 
 namespace {
 
-/// A drive behind scale/slant_distance: frames of a metre in units of `u` metres, a camera that looks up and moves along
-/// its x, landmarks on a wall 12 m ahead near a roof 16 m above, and fixes with the slant distance to that roof.
+/// A drive behind scale/slant_distance: frames of a metre in units of `u` metres, a camera that looks up and moves
+/// along its x, landmarks on a wall 12 m ahead near a roof 16 m above, and fixes with the slant distance to that roof.
 struct SlantDrive {
   double u;
   std::vector<AnyMessage> messages;
@@ -287,8 +293,8 @@ struct SlantDrive {
       }
       messages.emplace_back(points.message().header);
     }
-    auto motion = motion_between(t_ns, t_ns + kFrame, {1 / u, 0, 0},
-                                 ODO_VO_ROTATION | ODO_VO_TRANSLATION | ODO_FLAG_NAVIGATION);
+    auto motion =
+        motion_between(t_ns, t_ns + kFrame, {1 / u, 0, 0}, ODO_VO_ROTATION | ODO_VO_TRANSLATION | ODO_FLAG_NAVIGATION);
     put_quaternion(Eigen::Quaterniond(0, 1, 0, 0), motion.q_n_c0);
     messages.emplace_back(motion.header);
     t_ns += kFrame, p_n.x() += 1;

@@ -101,8 +101,8 @@ double literal_scale_after(int metres, double u, const Eigen::Vector3d& start_n,
 }  // namespace
 
 TEST_CASE("eq. (5) taken literally decreases with the distance driven and is not a scale") {
-  // u = 0.5 m, d_slant = 40 m. P_VO is that of the frame before: after n metres at 2 (n - 1) units from the start, n - 2
-  // from P_3DBM: 40 / 8, 40 / 38, 40 / 158.
+  // u = 0.5 m, d_slant = 40 m. P_VO is that of the frame before: after n metres at 2 (n - 1) units from the start, n -
+  // 2 from P_3DBM: 40 / 8, 40 / 38, 40 / 158.
   CHECK(literal_scale_after(10, 0.5, {0, 0, 0}) == doctest::Approx(5.0));
   CHECK(literal_scale_after(40, 0.5, {0, 0, 0}) == doctest::Approx(40.0 / 38));
   CHECK(literal_scale_after(160, 0.5, {0, 0, 0}) == doctest::Approx(40.0 / 158));
@@ -167,7 +167,8 @@ TEST_CASE("eq. (4) over the odometry's distance to the same roof is the scale, f
   }
 }
 
-TEST_CASE("landmarks elsewhere, uncertain ones, other times and other groups give no scale, outliers hardly change it") {
+TEST_CASE(
+    "landmarks elsewhere, uncertain ones, other times and other groups give no scale, outliers hardly change it") {
   const auto scale_of = [](const std::vector<slant_scale::LandmarkPoint>& points, int64_t fix_ns, uint32_t group) {
     slant_scale::RoofPoints scale(15, 0);
     scale.add_points(kFrame_ns, 3, points);
@@ -205,13 +206,12 @@ TEST_CASE("eq. (1): the rigid motion of weighted points is found") {
 }
 
 TEST_CASE("eq. (1): the weighted least squares by hand") {
-  // p = (0, 0), (2, 0), (0, 2) with the weights 1, 1, 2; q = R p + T with R by 90 degrees, (x, y) -> (-y, x), and T = (1,
-  // 3), but the first is off by (4, 0): q = (5, 3), (1, 5), (-1, 3).
-  // Weighted means: p0 = (0.5, 1), q0 = (1, 3.5). S = sum w (p - p0)(q - q0)^T:
+  // p = (0, 0), (2, 0), (0, 2) with the weights 1, 1, 2; q = R p + T with R by 90 degrees, (x, y) -> (-y, x), and T =
+  // (1, 3), but the first is off by (4, 0): q = (5, 3), (1, 5), (-1, 3). Weighted means: p0 = (0.5, 1), q0 = (1, 3.5).
+  // S = sum w (p - p0)(q - q0)^T:
   //   (-0.5, -1)(4, -0.5)^T + (1.5, -1)(0, 1.5)^T + 2 (-0.5, 1)(-2, -0.5)^T = [0 3; -8 -2].
   // Angle of R: atan2(S_xy - S_yx, S_xx + S_yy) = atan2(11, -2) = 100.305 deg. T = q0 - R p0.
-  const auto motion =
-      gakne2018::rigid_motion({{0, 0}, {2, 0}, {0, 2}}, {{5, 3}, {1, 5}, {-1, 3}}, {1, 1, 2});
+  const auto motion = gakne2018::rigid_motion({{0, 0}, {2, 0}, {0, 2}}, {{5, 3}, {1, 5}, {-1, 3}}, {1, 1, 2});
   const double c = -2 / std::sqrt(125.0), sine = 11 / std::sqrt(125.0);
   CHECK(motion.R(0, 0) == doctest::Approx(c));
   CHECK(motion.R(1, 0) == doctest::Approx(sine));

@@ -150,8 +150,8 @@ TEST_CASE("a place is found by the correlation of binary images, eq. (3), and it
   MatcherParameters parameters;
   parameters.correlation = true;
   Matcher matcher{City(a_street()), parameters};
-  const auto match = required(matcher.match(seen_from(city, place, kUp),
-                                            {place + Vector3d(-2.4, 1.9, 0), kUp, 2.0, 2 * kDegree, 0.5 * kDegree, 40}));
+  const auto match = required(matcher.match(
+      seen_from(city, place, kUp), {place + Vector3d(-2.4, 1.9, 0), kUp, 2.0, 2 * kDegree, 0.5 * kDegree, 40}));
   CHECK((match->p_n - place).head<2>().norm() < 0.5);
   CHECK(match->q_n_c.angularDistance(kUp) < 0.5 * kDegree);
   Horizon seen, there;

@@ -29,8 +29,7 @@ void BinarySky::add(double azimuth_rad, double elevation_rad, bool open, bool be
   const double turns = azimuth_rad / (2 * std::numbers::pi);
   const auto column = static_cast<size_t>((turns - std::floor(turns)) * kColumns) % kColumns;
   sky_[column] = rows_above(elevation_rad);
-  for (size_t w = 0; w < kWords; ++w)
-    seen_[column][w] = (open ? 0 : ~sky_[column][w]) | (below ? 0 : sky_[column][w]);
+  for (size_t w = 0; w < kWords; ++w) seen_[column][w] = (open ? 0 : ~sky_[column][w]) | (below ? 0 : sky_[column][w]);
 }
 
 size_t BinarySky::pixels_seen() const {

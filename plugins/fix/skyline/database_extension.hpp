@@ -128,7 +128,8 @@ class DatabaseExtension {
       return ODO_OK;
     });
   }
-  static int32_t ODO_CALL correlate(void*, const float* seen_rad, const float* place_rad, double* correlation) noexcept {
+  static int32_t ODO_CALL correlate(void*, const float* seen_rad, const float* place_rad,
+                                    double* correlation) noexcept {
     std::array<float, BinarySky::kColumns> seen, place;
     std::copy_n(seen_rad, seen.size(), seen.begin()), std::copy_n(place_rad, place.size(), place.begin());
     *correlation = cross_correlation(BinarySky(seen), BinarySky(place));

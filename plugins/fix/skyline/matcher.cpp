@@ -38,8 +38,8 @@ double Matcher::correlation_loss(const Guess& guess) const {
   double loss = 0;
   for (const auto& seen : seen_.seen()) {
     const BinarySky image = seen.skyline.image(guess);
-    const auto rows = static_cast<double>(image.pixels_seen()) /
-                      static_cast<double>(std::max<size_t>(1, image.columns_seen()));
+    const auto rows =
+        static_cast<double>(image.pixels_seen()) / static_cast<double>(std::max<size_t>(1, image.columns_seen()));
     const double differ = 0.5 * (1 - cross_correlation(image, BinarySky(seen.horizon.elevation)));
     loss += differ * rows * BinarySky::kRow_rad;
   }

@@ -71,9 +71,10 @@ class Skyline : public FixerConfig {
         odo::boolean<P>("photographs", &P::photographs,
                         "each frame is a separate photograph, searched around the pose at its time within its "
                         "covariance; pitch and roll are estimated"),
-        odo::choice<P>("match", "robust|correlation", &P::match,
-                       "comparison of picture and model: a bounded loss of each direction, or the correlation of binary "
-                       "images, which is the paper's")};
+        odo::choice<P>(
+            "match", "robust|correlation", &P::match,
+            "comparison of picture and model: a bounded loss of each direction, or the correlation of binary "
+            "images, which is the paper's")};
   }
 
   void configured(odo::Output& host) {

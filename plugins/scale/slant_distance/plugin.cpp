@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
 #include <map>
 #include <optional>
 #include <string>
@@ -29,16 +31,16 @@ class SlantDistance {
                                                 ODO_INTERFACE_SCALE_SOURCE};
   static constexpr uint32_t extra_inputs[] = {ODO_TYPE_POSE, ODO_TYPE_POINTS, ODO_TYPE_CALIBRATION};
   static std::vector<odo::Parameter<SlantDistance>> parameters() {
-    return {odo::choice("formula", "baseline|gakne2018|points", &SlantDistance::formula,
-                        "the line through fixes; eq. (5) literally, which is not a scale; the slant distance over the "
-                        "front-end's distance to the same roof"),
-            odo::real("window", "s", 1, 3600, &SlantDistance::window, "time span of the fixes used"),
-            odo::real("min_displacement", "m", 0.1, 1000, &SlantDistance::min_displacement,
-                      "extent of the fixes from which on the line replaces a first scale"),
-            odo::real("scale_drift", "", 0, 1, &SlantDistance::scale_drift,
-                      "relative change of the odometry's scale within a window"),
-            odo::real("initial_scale", "m", 0, 1000, &SlantDistance::initial_scale,
-                      "scale until fixes give one; 0: none")};
+    return {
+        odo::choice("formula", "baseline|gakne2018|points", &SlantDistance::formula,
+                    "the line through fixes; eq. (5) literally, which is not a scale; the slant distance over the "
+                    "front-end's distance to the same roof"),
+        odo::real("window", "s", 1, 3600, &SlantDistance::window, "time span of the fixes used"),
+        odo::real("min_displacement", "m", 0.1, 1000, &SlantDistance::min_displacement,
+                  "extent of the fixes from which on the line replaces a first scale"),
+        odo::real("scale_drift", "", 0, 1, &SlantDistance::scale_drift,
+                  "relative change of the odometry's scale within a window"),
+        odo::real("initial_scale", "m", 0, 1000, &SlantDistance::initial_scale, "scale until fixes give one; 0: none")};
   }
   void configured() {
     baseline_ = SlantScale(window, min_displacement, scale_drift);
@@ -142,7 +144,7 @@ class SlantDistance {
   static constexpr double kMaxDisplacement = 1e9;
   static constexpr double kLiteralSigma = 0.5, kInitialSigma = 0.5;  // relative; the paper gives none
   static constexpr double kUnknownSigma = 1;                         // of Algorithm 1's s = 1
-  static constexpr double kStartSigma_m = 1;      // a start in a config is a place on a map
+  static constexpr double kStartSigma_m = 1;                         // a start in a config is a place on a map
   static constexpr double kMaxStartSigma_m = 10;  // beyond it, a start says nothing about the first displacements
   LiteralScale literal_;
   SlantScale baseline_{window, min_displacement, scale_drift};

@@ -27,15 +27,15 @@ class RoofPoints {
  public:
   /// Empirical, not tuned.
   struct Parameters {
-    double near_rad = 0.07;          ///< max angle between landmark and roof point: four degrees
-    double steepest_rad = 1.48;      ///< max elevation: the wall's horizontal distance is undefined at the zenith
-    double max_relative_sigma = 1;   ///< of a landmark's distance
-    size_t min_points = 3;           ///< of a fix
-    double model = 0.08;             ///< relative: depth of balconies, cornices and setbacks
-    double slant_sigma_m = 1;        ///< of a fix that does not state it
-    double history_s = 4;            ///< fixes of a picture come that much later
-    double nearest_s = 0.1;          ///< max time between a fix and the landmarks
-    double huber = 1.5;              ///< standard deviations beyond which the loss is linear
+    double near_rad = 0.07;         ///< max angle between landmark and roof point: four degrees
+    double steepest_rad = 1.48;     ///< max elevation: the wall's horizontal distance is undefined at the zenith
+    double max_relative_sigma = 1;  ///< of a landmark's distance
+    size_t min_points = 3;          ///< of a fix
+    double model = 0.08;            ///< relative: depth of balconies, cornices and setbacks
+    double slant_sigma_m = 1;       ///< of a fix that does not state it
+    double history_s = 4;           ///< fixes of a picture come that much later
+    double nearest_s = 0.1;         ///< max time between a fix and the landmarks
+    double huber = 1.5;             ///< standard deviations beyond which the loss is linear
   };
 
   /// `scale_drift`: relative change of the odometry's scale within a window.
@@ -46,8 +46,8 @@ class RoofPoints {
   /// The camera's orientation at the end of a motion.
   void add_orientation(int64_t t_ns, const Eigen::Quaterniond& q_n_c, uint32_t group);
   struct RoofPoint {
-    Eigen::Vector3d from_camera_n;  ///< from P to X, m
-    double slant_sigma_m;           ///< of its length; 0: not stated
+    Eigen::Vector3d from_camera_n;                           ///< from P to X, m
+    double slant_sigma_m;                                    ///< of its length; 0: not stated
     std::optional<Eigen::Quaterniond> q_n_c = std::nullopt;  ///< of the fix, if it has one
   };
   void add_fix(int64_t t_ns, const RoofPoint& roof);

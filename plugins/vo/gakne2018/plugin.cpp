@@ -14,8 +14,8 @@ namespace {
 
 using namespace odograph::gakne2018;
 
-/// The visual odometry of Gakne & O'Keefe 2018, for a camera that looks up. The attitude aligns the pictures with gravity
-/// and, with `rotation: attitude`, gives the rotation; without one the camera is assumed to look straight up.
+/// The visual odometry of Gakne & O'Keefe 2018, for a camera that looks up. The attitude aligns the pictures with
+/// gravity and, with `rotation: attitude`, gives the rotation; without one the camera is assumed to look straight up.
 class Gakne2018 {
  public:
   int64_t features = 1000;
@@ -89,9 +89,9 @@ class Gakne2018 {
     out.pixel[0] = point.pixel.x, out.pixel[1] = point.pixel.y;
     const Eigen::Vector3d u = point.p_c.normalized();
     const double across = std::pow(point.ray_sigma_rad, 2), along = std::pow(point.relative_sigma, 2);
-    const Eigen::Matrix3f c = (point.p_c.squaredNorm() *
-                               (across * Eigen::Matrix3d::Identity() + (along - across) * u * u.transpose()))
-                                  .cast<float>();
+    const Eigen::Matrix3f c =
+        (point.p_c.squaredNorm() * (across * Eigen::Matrix3d::Identity() + (along - across) * u * u.transpose()))
+            .cast<float>();
     const float packed[] = {c(0, 0), c(0, 1), c(0, 2), c(1, 1), c(1, 2), c(2, 2)};
     std::copy(std::begin(packed), std::end(packed), out.covariance);
     return out;

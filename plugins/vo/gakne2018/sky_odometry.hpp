@@ -31,7 +31,7 @@ Rigid2d rigid_motion(const std::vector<Eigen::Vector2d>& p, const std::vector<Ei
 
 /// A matched point of the latest picture. Its unit of length is the motion's.
 struct SkyPoint {
-  uint64_t id;  ///< the same as long as it is matched from picture to picture
+  uint64_t id;   ///< the same as long as it is matched from picture to picture
   uint32_t age;  ///< pictures in which it was seen
   cv::Point2f pixel;
   Eigen::Vector3d p_c;
