@@ -269,8 +269,8 @@ TEST_CASE("the rotation of eq. (1) is found where it may be used, in pictures th
   cv::Mat noise(160, 160, CV_8UC1), roofs, turned;
   cv::RNG(7).fill(noise, cv::RNG::UNIFORM, 0, 255);
   cv::resize(noise, roofs, {1280, 1280}, 0, 0, cv::INTER_LINEAR);
-  const double turn_deg = 3;
-  cv::warpAffine(roofs, turned, cv::getRotationMatrix2D({639.5, 639.5}, turn_deg, 1), roofs.size());
+  const double rotation_deg = 3;
+  cv::warpAffine(roofs, turned, cv::getRotationMatrix2D({639.5, 639.5}, rotation_deg, 1), roofs.size());
   CameraModel camera{.fx = 400, .fy = 400, .cx = 319.5, .cy = 239.5};
   const cv::Rect view(320, 400, 640, 480);
   for (const bool vision : {false, true}) {
@@ -280,7 +280,7 @@ TEST_CASE("the rotation of eq. (1) is found where it may be used, in pictures th
     const auto motion = vo.process(turned(view), {}, level, vision ? 0.15 : 0);
     const double turned_rad = motion.q_c0_c1.angularDistance(Eigen::Quaterniond::Identity());
     CAPTURE(vision);
-    if (vision) CHECK(turned_rad == doctest::Approx(turn_deg * std::numbers::pi / 180).epsilon(0.03));
+    if (vision) CHECK(turned_rad == doctest::Approx(rotation_deg * std::numbers::pi / 180).epsilon(0.03));
     if (!vision) CHECK(turned_rad < 1e-9);
   }
 }

@@ -58,8 +58,7 @@ typedef struct odo_skylines {
   ODO_FUNCTION(int32_t, edge, (void* user, uint64_t number, double* from_n, double* to_n, int32_t* object));
   /* [any] Since 1.1. Correlation of the binary images of two skylines, 720 elevations each, rad: eq. (3), 1 where they
    * are equal. */
-  ODO_FUNCTION(int32_t, correlate,
-               (void* user, const float* seen_rad, const float* place_rad, double* correlation));
+  ODO_FUNCTION(int32_t, correlate, (void* user, const float* seen_rad, const float* place_rad, double* correlation));
 } odo_skylines;
 
 #ifdef __cplusplus

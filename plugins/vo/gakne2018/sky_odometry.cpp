@@ -93,8 +93,7 @@ Height height_of(const Vector2d& flow, const Vector2d& T, double flow_sigma, dou
 SkyOdometry::SkyOdometry(const Parameters& parameters, const CameraModel& camera)
     : p_(parameters), camera_(camera), orb_(cv::ORB::create(parameters.features)), matcher_(cv::NORM_HAMMING, true) {}
 
-Motion SkyOdometry::process(const cv::Mat& grey, const cv::Mat& mask, const Eigen::Quaterniond& q_l_c,
-                            double max_rotation) {
+SkyOdometry::Picture SkyOdometry::detect(const cv::Mat& grey, const cv::Mat& mask, const Eigen::Quaterniond& q_l_c) {
   Picture now;
   now.q_l_c = q_l_c;
   orb_->detectAndCompute(grey, mask, now.keypoints, now.descriptors);
@@ -106,23 +105,32 @@ Motion SkyOdometry::process(const cv::Mat& grey, const cv::Mat& mask, const Eige
     const Vector3d ray = q_l_c * Vector3d(n.x, n.y, 1).normalized();
     now.on_plane.push_back(ray.z() < -p_.lowest ? Vector2d(ray.head<2>() / -ray.z()) : Vector2d(kFar, kFar));
   }
+  now.tracks.assign(now.keypoints.size(), {});
+  return now;
+}
 
+std::vector<SkyOdometry::Pair> SkyOdometry::matches(const Picture& now) {
+  std::vector<Pair> pairs;
+  if (before_.descriptors.empty() || now.descriptors.empty()) return pairs;
+  std::vector<cv::DMatch> matches;
+  matcher_.match(before_.descriptors, now.descriptors, matches);
+  for (const auto& match : matches) {
+    const auto i = static_cast<size_t>(match.queryIdx), j = static_cast<size_t>(match.trainIdx);
+    const Vector2d &a = before_.on_plane[i], &b = now.on_plane[j];
+    if (a.x() < kFar && b.x() < kFar && match.distance < p_.max_distance && (a - b).norm() < p_.near)
+      pairs.push_back({i, j});
+  }
+  return pairs;
+}
+
+Motion SkyOdometry::process(const cv::Mat& grey, const cv::Mat& mask, const Eigen::Quaterniond& q_l_c,
+                            double max_rotation) {
+  Picture now = detect(grey, mask, q_l_c);
+  const std::vector<Pair> pairs = matches(now);
+  std::vector<Vector2d> p, q;
+  for (const Pair& pair : pairs) p.push_back(before_.on_plane[pair.before]), q.push_back(now.on_plane[pair.now]);
   Motion motion;
   points_.clear();
-  now.tracks.assign(now.keypoints.size(), {});
-  std::vector<Pair> pairs;
-  std::vector<Vector2d> p, q;
-  if (!before_.descriptors.empty() && !now.descriptors.empty()) {
-    std::vector<cv::DMatch> matches;
-    matcher_.match(before_.descriptors, now.descriptors, matches);
-    for (const auto& match : matches) {
-      const Vector2d& a = before_.on_plane[static_cast<size_t>(match.queryIdx)];
-      const Vector2d& b = now.on_plane[static_cast<size_t>(match.trainIdx)];
-      if (a.x() < kFar && b.x() < kFar && match.distance < p_.max_distance && (a - b).norm() < p_.near)
-        p.push_back(a), q.push_back(b),
-            pairs.push_back({static_cast<size_t>(match.queryIdx), static_cast<size_t>(match.trainIdx)});
-    }
-  }
   motion.matches = static_cast<unsigned>(p.size());
   if (p.size() >= p_.min_inliers) {
     std::vector<double> weights = ransac(p, q, p_, max_rotation);
@@ -150,10 +158,6 @@ Motion SkyOdometry::process(const cv::Mat& grey, const cv::Mat& mask, const Eige
       motion.position_sigma = std::sqrt(square / motion.inliers) / std::sqrt(static_cast<double>(motion.inliers));
       motion.rotation_sigma_rad = 2 * motion.position_sigma;
       motion.valid = true;
-      for (size_t i = 0; i < pairs.size(); ++i) {
-        const Picture::Track& track = before_.tracks[pairs[i].before];
-        if (inlier[i] > 0) now.tracks[pairs[i].now] = {track.id, track.age + 1};
-      }
       locate(pairs, inlier, rigid, now);
     }
   }
@@ -164,9 +168,11 @@ Motion SkyOdometry::process(const cv::Mat& grey, const cv::Mat& mask, const Eige
 }
 
 void SkyOdometry::locate(const std::vector<Pair>& pairs, const std::vector<double>& inlier, const Rigid2d& rigid,
-                         const Picture& now) {
+                         Picture& now) {
   for (size_t i = 0; i < pairs.size(); ++i) {
     if (inlier[i] == 0) continue;
+    const Picture::Track& track = before_.tracks[pairs[i].before];
+    now.tracks[pairs[i].now] = {track.id, track.age + 1};
     const Vector2d &p = before_.on_plane[pairs[i].before], &q = now.on_plane[pairs[i].now];
     const double slant = 1 + q.squaredNorm();  // of the plane against the picture's ray: errors on it grow
     const Height height =

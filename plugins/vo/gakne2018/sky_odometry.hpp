@@ -92,8 +92,9 @@ class SkyOdometry {
   struct Pair {
     size_t before, now;  // keypoints
   };
-  void locate(const std::vector<Pair>& pairs, const std::vector<double>& inlier, const Rigid2d& rigid,
-              const Picture& now);
+  Picture detect(const cv::Mat& grey, const cv::Mat& mask, const Eigen::Quaterniond& q_l_c);
+  std::vector<Pair> matches(const Picture& now);
+  void locate(const std::vector<Pair>& pairs, const std::vector<double>& inlier, const Rigid2d& rigid, Picture& now);
 
   Parameters p_;
   CameraModel camera_;
