@@ -41,16 +41,16 @@ void RoofPoints::add_fix(int64_t t_ns, const RoofPoint& roof) {
   const double slant_m = roof.from_camera_n.norm();
   if (!frame || !(slant_m > 0) || (!roof.q_n_c && !frame->q_n_c)) return;
   const Eigen::Quaterniond q_n_c = roof.q_n_c ? *roof.q_n_c : *frame->q_n_c;
-  const Vector3d to_roof_n = roof.from_camera_n / slant_m;
-  const double wall_m = roof.from_camera_n.head<2>().norm();
+  const double wall_m = roof.from_camera_n.head<2>().norm(), roof_rad = std::atan2(-roof.from_camera_n.z(), wall_m);
   std::vector<LogScale> scales;
   for (const LandmarkPoint& point : frame->points) {
     const Vector3d x_n = q_n_c * point.p_c.cast<double>();
     const double distance = x_n.norm(), relative = static_cast<double>(point.distance_sigma) / distance;
     if (!(distance > 0) || !(relative < p_.max_relative_sigma)) continue;
-    if (!(x_n.dot(to_roof_n) > std::cos(p_.near_rad) * distance)) continue;
-    const double horizontal = x_n.head<2>().norm();
-    if (horizontal < std::cos(p_.steepest_rad) * distance) continue;
+    const double horizontal = x_n.head<2>().norm(), elevation_rad = std::atan2(-x_n.z(), horizontal);
+    if (elevation_rad > std::min(p_.steepest_rad, roof_rad + p_.above_rad)) continue;
+    if (elevation_rad < roof_rad - p_.below_rad) continue;
+    if (x_n.head<2>().dot(roof.from_camera_n.head<2>()) < std::cos(p_.beside_rad) * horizontal * wall_m) continue;
     scales.push_back({t_ns, std::log(wall_m / horizontal), relative * relative});
   }
   if (scales.size() < p_.min_points) return;
