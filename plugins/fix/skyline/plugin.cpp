@@ -72,7 +72,7 @@ class Skyline : public FixerConfig {
                         "each frame is a separate photograph, searched around the pose at its time within its "
                         "covariance; pitch and roll are estimated"),
         odo::choice<P>(
-            "match", "robust|correlation", &P::match,
+            "match", "robust|correlation", &P::matching,
             "comparison of picture and model: a bounded loss of each direction, or the correlation of binary "
             "images, which is the paper's")};
   }

@@ -50,7 +50,7 @@ SkylineFixer::SkylineFixer(const FixerConfig& config)
     throw std::runtime_error("start_known: false wants a database in `skylines`");
   if (config.geodetic && has_database)
     throw std::runtime_error("geodetic: a database lies along the model's grid; give model_origin");
-  if (config.match == "correlation" && config.photographs)
+  if (config.matching == "correlation" && config.photographs)
     throw std::runtime_error("match: correlation is for the frames of a camera; photographs are matched robustly");
   std::vector<Edge> edges;
   if (has_database) {
@@ -66,7 +66,7 @@ SkylineFixer::SkylineFixer(const FixerConfig& config)
                               {config.model_origin, config.geodetic, config.geodetic_origin, config.geoid_height},
                               &georeference_);
   MatcherParameters matcher;
-  matcher.correlation = config.match == "correlation";
+  matcher.correlation = config.matching == "correlation";
   matcher_.emplace(City(std::move(edges)), matcher);
   if (config.photographs)
     photograph_fixer_.emplace(matcher_->city());

@@ -21,15 +21,15 @@ struct LandmarkPoint {
 /// The slant distance as a scale: s = d_slant / ||X - P||. The numerator is eq. (4) of Gakne & O'Keefe 2018 in metres;
 /// the denominator is the distance from the camera to the same roof, which the front-end has triangulated.
 ///
-/// Landmarks in the direction of the roof point or below it lie on the wall under its edge: their horizontal distance is
-/// the roof point's. A robust mean over them gives the scale of a fix, one over the fixes of the window the scale.
+/// Landmarks in the direction of the roof point or below it lie on the wall under its edge: their horizontal distance
+/// is the roof point's. A robust mean over them gives the scale of a fix, one over the fixes of the window the scale.
 class RoofPoints {
  public:
   /// Empirical, not tuned.
   struct Parameters {
-    double beside_rad = 0.2;         ///< max difference of the azimuths of landmark and roof point
-    double below_rad = 0.3;          ///< max elevation of the roof point over the landmark's ...
-    double above_rad = 0.03;         ///< ... and under it
+    double beside_rad = 0.2;        ///< max difference of the azimuths of landmark and roof point
+    double below_rad = 0.3;         ///< max elevation of the roof point over the landmark's ...
+    double above_rad = 0.03;        ///< ... and under it
     double steepest_rad = 1.48;     ///< max elevation: the wall's horizontal distance is undefined at the zenith
     double max_relative_sigma = 1;  ///< of a landmark's distance
     size_t min_points = 3;          ///< of a fix
