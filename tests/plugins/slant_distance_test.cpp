@@ -162,8 +162,9 @@ TEST_CASE("eq. (4) over the odometry's distance to the same roof is the scale, f
     REQUIRE(scale.scale_at(kFrame_ns));
     const auto s = *scale.scale_at(kFrame_ns);
     CHECK(s.scale == doctest::Approx(u).epsilon(0.002));
-    // Relative variances: five landmarks of 10 % each 0.01 / 5; the fix 0.5 / 20 squared; the walls' 8 % twice.
-    CHECK(s.sigma / s.scale == doctest::Approx(std::sqrt(0.002 + 0.000625 + 2 * 0.0064)).epsilon(0.01));
+    // Relative variances: landmarks of 10 % each, of which three count: 0.01 / 3; the fix: 0.5 / 20 squared; the wall:
+    // 8 % of the fix and 8 % of the mean.
+    CHECK(s.sigma / s.scale == doctest::Approx(std::sqrt(0.01 / 3 + 0.000625 + 2 * 0.0064)).epsilon(0.01));
   }
 }
 

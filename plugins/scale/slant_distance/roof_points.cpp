@@ -54,7 +54,10 @@ void RoofPoints::add_fix(int64_t t_ns, const RoofPoint& roof) {
     scales.push_back({t_ns, std::log(wall_m / horizontal), relative * relative});
   }
   if (scales.size() < p_.min_points) return;
+  double variance = 0;
+  for (const LogScale& scale : scales) variance += scale.variance / static_cast<double>(scales.size());
   LogScale fix = robust_mean(std::move(scales), p_.huber);
+  fix.variance = std::max(fix.variance, variance / p_.independent);
   const double slant_sigma_m = roof.slant_sigma_m > 0 ? roof.slant_sigma_m : p_.slant_sigma_m;
   fix.t_ns = t_ns;
   fix.variance += std::pow(slant_sigma_m / slant_m, 2) + p_.model * p_.model;  // common to all landmarks

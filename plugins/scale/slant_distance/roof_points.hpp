@@ -33,6 +33,7 @@ class RoofPoints {
     double steepest_rad = 1.48;     ///< max elevation: the wall's horizontal distance is undefined at the zenith
     double max_relative_sigma = 1;  ///< of a landmark's distance
     size_t min_points = 3;          ///< of a fix
+    double independent = 3;         ///< at most so many count as independent: the rest share their errors
     double model = 0.08;            ///< relative: depth of balconies, cornices and setbacks
     double slant_sigma_m = 1;       ///< of a fix that does not state it
     double history_s = 4;           ///< fixes of a picture come that much later
