@@ -10,6 +10,8 @@ import subprocess
 import sys
 
 odograph, project, work = sys.argv[1], pathlib.Path(sys.argv[2]), pathlib.Path(sys.argv[3])
+OF_DRIVE = {"fix/skyline": "{model: city.json, sky: flood_fill, tilt_sigma: 1 deg, survey: false}",
+            "scale/slant_distance": "{formula: points, window: 3 s, scale_drift: 0.2}"}
 WRONG = 0.3  # of the path: twice what a basic odometry with steps is off in so short a walk
 KINDS = ["attitude", "step_estimator", "vo_frontend", "scale_source", "absolute_fixers"]
 INTERFACES = {"attitude": "attitude", "step_estimator": "step", "vo_frontend": "vo", "scale_source": "scale", "absolute_fixers": "fix"}
@@ -25,13 +27,15 @@ def plugins():
     return {key: sorted(p for p in listed if p.startswith(group + "/")) for key, group in INTERFACES.items()}
 
 
-def config(chosen, extra):
+def config(chosen, extra, parameters):
     lines = ["odograph: 1", "walker: {height: 1.70 m}", "coupling: {type: paper" + extra + "}"]
     for kind in KINDS:
         if kind not in chosen:
             continue
-        item = f"plugin: {chosen[kind]}"
-        lines.append(f"{kind}:\n  - {item}" if kind == "absolute_fixers" else f"{kind}:\n  {item}")
+        first, more = ("  - ", "    ") if kind == "absolute_fixers" else ("  ", "  ")
+        lines.append(f"{kind}:\n{first}plugin: {chosen[kind]}")
+        if chosen[kind] in parameters:
+            lines.append(f"{more}parameters: {parameters[chosen[kind]]}")
     return "\n".join(lines) + "\n"
 
 
@@ -79,18 +83,19 @@ def main():
         if run(*command).returncode:
             sys.exit(f"{command}: {run(*command).stderr}")
     bases = {"walk": (walk, {"attitude": "attitude/vqf", "step_estimator": "step/renaudin2012", "vo_frontend": "vo/five_point",
-                             "scale_source": "scale/step_length", "absolute_fixers": "fix/gnss"}, ""),
+                             "scale_source": "scale/step_length", "absolute_fixers": "fix/gnss"}, "", {}),
              "drive": (drive, {"attitude": "attitude/vqf", "vo_frontend": "vo/gakne2018", "scale_source": "scale/slant_distance",
-                               "absolute_fixers": "fix/gnss"}, ", fastest: 15 m/s, orientation: gyroscope")}
+                               "absolute_fixers": "fix/skyline"}, ", fastest: 15 m/s, orientation: gyroscope}\n"
+                       "navigation: {start: {position: [0 m, 0 m, -1.5 m]}", OF_DRIVE)}
     counts, silent = {}, []
-    for base, (recording, chosen, extra) in bases.items():
+    for base, (recording, chosen, extra, parameters) in bases.items():
         for kind in KINDS:
             rest = {key: value for key, value in chosen.items() if key != kind}
             companions = {"attitude": ["step_estimator"], "vo_frontend": ["scale_source"]}.get(kind, [])
             bare = {key: value for key, value in rest.items() if key not in companions}
-            without = played(f"{base}/{kind}/none", recording, config(bare, extra))
+            without = played(f"{base}/{kind}/none", recording, config(bare, extra, parameters))
             for plugin in made[kind]:
-                result = played(f"{base}/{kind}/{plugin.replace('/', '_')}", recording, config({**rest, kind: plugin}, extra))
+                result = played(f"{base}/{kind}/{plugin.replace('/', '_')}", recording, config({**rest, kind: plugin}, extra, parameters))
                 verdict, why = judge(plugin, result, without)
                 counts[verdict] = counts.get(verdict, 0) + 1
                 print(f"{base:6} {kind:16} {plugin:24} {verdict} {why}", flush=True)
