@@ -6,6 +6,8 @@
 
 #include <Eigen/Dense>
 
+#include "plugins/fix/skyline/match_terms.hpp"
+
 namespace odograph::skyline {
 namespace {
 
@@ -21,8 +23,6 @@ Vector6 vector_of(const Guess& g) {
 Guess guess_of(const Vector6& v) {
   return {.north = v[0], .east = v[1], .yaw = v[2], .tilt_north = v[3], .tilt_east = v[4], .up = v[5]};
 }
-
-double apart(const Guess& x, const Guess& y) { return std::hypot(x.north - y.north, x.east - y.east); }
 
 }  // namespace
 

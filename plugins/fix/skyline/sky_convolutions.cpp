@@ -7,19 +7,19 @@
 namespace odograph::skyline {
 namespace {
 
-constexpr int kOutputs = 4;  // computed together
+constexpr int kTogether = 4;  // computed together
 
-/// kChunk pixels of kOutputs outputs, from rows of all inputs and taps; compilers keep the sums in registers.
+/// kChunk pixels of kTogether outputs, from rows of all inputs and taps; compilers keep the sums in registers.
 void chunk(const std::vector<const float*>& taps, const float* weights, int x,
-           float (&sums)[kOutputs][Volume::kChunk]) {
-  float local[kOutputs][Volume::kChunk];
+           float (&sums)[kTogether][Volume::kChunk]) {
+  float local[kTogether][Volume::kChunk];
   std::memcpy(local, sums, sizeof local);
   for (const float* tap : taps) {
     float in[Volume::kChunk];
     std::memcpy(in, tap + x, sizeof in);
-    for (int o = 0; o < kOutputs; ++o)
+    for (int o = 0; o < kTogether; ++o)
       for (int i = 0; i < Volume::kChunk; ++i) local[o][i] += weights[o] * in[i];
-    weights += kOutputs;
+    weights += kTogether;
   }
   std::memcpy(sums, local, sizeof local);
 }
@@ -51,12 +51,12 @@ void convolve(const Convolution& layer, const Volume& in, bool rectified, Volume
   out.create(layer.outputs, height, width);
   if (stride == 2) split_columns(in, split);
   const auto taps_of = static_cast<size_t>(layer.inputs * layer.side * layer.side);
-  // Weights of kOutputs outputs side by side.
-  const int groups = (layer.outputs + kOutputs - 1) / kOutputs;
-  std::vector<float> packed(static_cast<size_t>(groups * kOutputs) * taps_of, 0.0f);
+  // Weights of kTogether outputs side by side.
+  const int groups = (layer.outputs + kTogether - 1) / kTogether;
+  std::vector<float> packed(static_cast<size_t>(groups * kTogether) * taps_of, 0.0f);
   for (size_t o = 0; o < static_cast<size_t>(layer.outputs); ++o)
     for (size_t t = 0; t < taps_of; ++t)
-      packed[(o / kOutputs * taps_of + t) * kOutputs + o % kOutputs] = layer.weights[o * taps_of + t];
+      packed[(o / kTogether * taps_of + t) * kTogether + o % kTogether] = layer.weights[o * taps_of + t];
   std::vector<const float*> taps(taps_of);
   for (int y = 0; y < height; ++y) {
     size_t t = 0;
@@ -67,11 +67,11 @@ void convolve(const Convolution& layer, const Volume& in, bool rectified, Volume
               stride == 1 ? in.row(c, y + dy) + dx : split.row(2 * c + (dx != 0), 2 * y + dy) + (dx < 0 ? -1 : 0);
     for (int g = 0; g < groups; ++g)
       for (int x = 0; x < width; x += Volume::kChunk) {
-        float sums[kOutputs][Volume::kChunk];
-        const int first = g * kOutputs, outputs = std::min(kOutputs, layer.outputs - first);
-        for (int o = 0; o < kOutputs; ++o)
+        float sums[kTogether][Volume::kChunk];
+        const int first = g * kTogether, outputs = std::min(kTogether, layer.outputs - first);
+        for (int o = 0; o < kTogether; ++o)
           std::fill_n(sums[o], Volume::kChunk, o < outputs ? layer.biases[static_cast<size_t>(first + o)] : 0.0f);
-        chunk(taps, &packed[static_cast<size_t>(g) * taps_of * kOutputs], x, sums);
+        chunk(taps, &packed[static_cast<size_t>(g) * taps_of * kTogether], x, sums);
         const int columns = std::min(Volume::kChunk, width - x);
         for (int o = 0; o < outputs; ++o) {
           float* to = out.row(first + o, y) + x;
