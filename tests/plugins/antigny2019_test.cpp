@@ -101,7 +101,7 @@ TEST_CASE("static is reported when the next step is overdue, at most 1.4 s after
   for (const uint64_t seed : {1, 2, 3}) {
     const Recording recording = recorded_sensors(s, seed);
     std::vector<AnyMessage> samples;
-    for (const RecordedMessage& m : recording.messages) samples.push_back(m.message);
+    for (const RecordedMessage& m : recording.messages) samples.emplace_back(m.message.header());
     PluginRun plugin("step_renaudin2012");
     int64_t last_ns = 0;
     for (const AnyMessage& event : plugin(samples)) {
