@@ -3,9 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <random>
+#include <utility>
 
 #include <Eigen/Dense>
+
+#include "sdk/math/rotation.hpp"
 
 namespace odograph::gakne2018 {
 namespace {
@@ -72,11 +76,24 @@ Rigid2d rigid_motion(const std::vector<Vector2d>& p, const std::vector<Vector2d>
   return motion;
 }
 
+Eigen::Quaterniond levelled(const Vector3d& up_c) {
+  const Eigen::Quaterniond upright(0, 1, 0, 0);  // x of the picture remains x
+  return (shortest_rotation(upright * up_c, -Vector3d::UnitZ()) * upright).normalized();
+}
+
+Height height_of(const Vector2d& flow, const Vector2d& T, double flow_sigma, double height_sigma) {
+  const double information = T.squaredNorm() / (flow_sigma * flow_sigma);
+  const double prior = 1 / (height_sigma * height_sigma);
+  const double inverse = (prior + T.dot(flow) / (flow_sigma * flow_sigma)) / (prior + information);
+  const double sigma = 1 / std::sqrt(prior + information);
+  const double bounded = std::max(inverse, sigma);  // a point that moves against the fit is far, not below
+  return {1 / bounded, sigma / bounded};
+}
+
 SkyOdometry::SkyOdometry(const Parameters& parameters, const CameraModel& camera)
     : p_(parameters), camera_(camera), orb_(cv::ORB::create(parameters.features)), matcher_(cv::NORM_HAMMING, true) {}
 
-Motion SkyOdometry::process(const cv::Mat& grey, const cv::Mat& mask, const Eigen::Quaterniond& q_l_c,
-                            double max_rotation) {
+SkyOdometry::Picture SkyOdometry::detect(const cv::Mat& grey, const cv::Mat& mask, const Eigen::Quaterniond& q_l_c) {
   Picture now;
   now.q_l_c = q_l_c;
   orb_->detectAndCompute(grey, mask, now.keypoints, now.descriptors);
@@ -88,19 +105,32 @@ Motion SkyOdometry::process(const cv::Mat& grey, const cv::Mat& mask, const Eige
     const Vector3d ray = q_l_c * Vector3d(n.x, n.y, 1).normalized();
     now.on_plane.push_back(ray.z() < -p_.lowest ? Vector2d(ray.head<2>() / -ray.z()) : Vector2d(kFar, kFar));
   }
+  now.tracks.assign(now.keypoints.size(), {});
+  return now;
+}
 
-  Motion motion;
-  std::vector<Vector2d> p, q;
-  if (!before_.descriptors.empty() && !now.descriptors.empty()) {
-    std::vector<cv::DMatch> matches;
-    matcher_.match(before_.descriptors, now.descriptors, matches);
-    for (const auto& match : matches) {
-      const Vector2d& a = before_.on_plane[static_cast<size_t>(match.queryIdx)];
-      const Vector2d& b = now.on_plane[static_cast<size_t>(match.trainIdx)];
-      if (a.x() < kFar && b.x() < kFar && match.distance < p_.max_distance && (a - b).norm() < p_.near)
-        p.push_back(a), q.push_back(b);
-    }
+std::vector<SkyOdometry::Pair> SkyOdometry::matches(const Picture& now) {
+  std::vector<Pair> pairs;
+  if (before_.descriptors.empty() || now.descriptors.empty()) return pairs;
+  std::vector<cv::DMatch> matches;
+  matcher_.match(before_.descriptors, now.descriptors, matches);
+  for (const auto& match : matches) {
+    const auto i = static_cast<size_t>(match.queryIdx), j = static_cast<size_t>(match.trainIdx);
+    const Vector2d &a = before_.on_plane[i], &b = now.on_plane[j];
+    if (a.x() < kFar && b.x() < kFar && match.distance < p_.max_distance && (a - b).norm() < p_.near)
+      pairs.push_back({i, j});
   }
+  return pairs;
+}
+
+Motion SkyOdometry::process(const cv::Mat& grey, const cv::Mat& mask, const Eigen::Quaterniond& q_l_c,
+                            double max_rotation) {
+  Picture now = detect(grey, mask, q_l_c);
+  const std::vector<Pair> pairs = matches(now);
+  std::vector<Vector2d> p, q;
+  for (const Pair& pair : pairs) p.push_back(before_.on_plane[pair.before]), q.push_back(now.on_plane[pair.now]);
+  Motion motion;
+  points_.clear();
   motion.matches = static_cast<unsigned>(p.size());
   if (p.size() >= p_.min_inliers) {
     std::vector<double> weights = ransac(p, q, p_, max_rotation);
@@ -128,10 +158,34 @@ Motion SkyOdometry::process(const cv::Mat& grey, const cv::Mat& mask, const Eige
       motion.position_sigma = std::sqrt(square / motion.inliers) / std::sqrt(static_cast<double>(motion.inliers));
       motion.rotation_sigma_rad = 2 * motion.position_sigma;
       motion.valid = true;
+      locate(pairs, inlier, rigid, now);
     }
   }
+  for (Picture::Track& track : now.tracks)
+    if (track.age == 0) track = {next_id_++, 1};
   before_ = std::move(now);
   return motion;
+}
+
+void SkyOdometry::locate(const std::vector<Pair>& pairs, const std::vector<double>& inlier, const Rigid2d& rigid,
+                         Picture& now) {
+  for (size_t i = 0; i < pairs.size(); ++i) {
+    if (inlier[i] == 0) continue;
+    const Picture::Track& track = before_.tracks[pairs[i].before];
+    now.tracks[pairs[i].now] = {track.id, track.age + 1};
+    const Vector2d &p = before_.on_plane[pairs[i].before], &q = now.on_plane[pairs[i].now];
+    const double slant = 1 + q.squaredNorm();  // of the plane against the picture's ray: errors on it grow
+    const Height height =
+        height_of(q - rigid.R * p, rigid.T, std::numbers::sqrt2 * p_.match_sigma * slant, p_.height_sigma);
+    points_.push_back({.id = now.tracks[pairs[i].now].id,
+                       .age = now.tracks[pairs[i].now].age,
+                       .pixel = now.keypoints[pairs[i].now].pt,
+                       .p_c = now.q_l_c.conjugate() * (height.value * Vector3d(q.x(), q.y(), -1)),
+                       .relative_sigma = height.relative_sigma,
+                       .ray_sigma_rad = p_.match_sigma});
+  }
+  std::sort(points_.begin(), points_.end(),
+            [](const SkyPoint& a, const SkyPoint& b) { return a.relative_sigma < b.relative_sigma; });
 }
 
 }  // namespace odograph::gakne2018
