@@ -56,6 +56,9 @@ typedef struct odo_skylines {
   /* [control] An edge of the model in its n, m, and whose it is (as above), by its number from 0. ODO_E_NOT_FOUND
    * beyond the last. */
   ODO_FUNCTION(int32_t, edge, (void* user, uint64_t number, double* from_n, double* to_n, int32_t* object));
+  /* [any] Since 1.1. Correlation of the binary images of two skylines, 720 elevations each, rad: eq. (3), 1 where they
+   * are equal. */
+  ODO_FUNCTION(int32_t, correlate, (void* user, const float* seen_rad, const float* place_rad, double* correlation));
 } odo_skylines;
 
 #ifdef __cplusplus

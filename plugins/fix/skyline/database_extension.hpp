@@ -4,6 +4,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <new>
 #include <optional>
@@ -12,6 +13,7 @@
 #include <odograph/plugin.hpp>
 #include <odograph/skylines.h>
 
+#include "plugins/fix/skyline/binary_sky.hpp"
 #include "plugins/fix/skyline/ground.hpp"
 #include "plugins/fix/skyline/horizon.hpp"
 #include "plugins/fix/skyline/skyline_database.hpp"
@@ -126,6 +128,13 @@ class DatabaseExtension {
       return ODO_OK;
     });
   }
+  static int32_t ODO_CALL correlate(void*, const float* seen_rad, const float* place_rad,
+                                    double* correlation) noexcept {
+    std::array<float, BinarySky::kColumns> seen, place;
+    std::copy_n(seen_rad, seen.size(), seen.begin()), std::copy_n(place_rad, place.size(), place.begin());
+    *correlation = cross_correlation(BinarySky(seen), BinarySky(place));
+    return ODO_OK;
+  }
 
   static constexpr double kLowest = 0.01;  // tangent of the lowest elevation of a skyline
   odo::Output host_;
@@ -133,7 +142,7 @@ class DatabaseExtension {
   std::optional<Ground> ground_;
   Eigen::Vector3d origin_;
   SkylineDatabase opened_;
-  odo_skylines table_ = {sizeof(odo_skylines), 0, this, build, open, nearest, skyline, look, ground, edge};
+  odo_skylines table_ = {sizeof(odo_skylines), 0, this, build, open, nearest, skyline, look, ground, edge, correlate};
 };
 
 }  // namespace odograph::skyline

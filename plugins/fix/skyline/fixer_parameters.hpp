@@ -15,7 +15,7 @@ struct FixerConfig {
   std::array<double, 3> model_origin = {0, 0, 0}, geodetic_origin = {0, 0, 0};
   bool geodetic = false;
   double geoid_height = 0;
-  std::string sky = "robust", inclination = "pose";
+  std::string sky = "robust", inclination = "pose", matching = "robust";
   double interval = 0.5, min_agreement = 0.75, tilt_sigma = 0.6 * std::numbers::pi / 180, min_sigma = 0.2, radius = 40;
   double height_sigma = 1.0;
   bool start_known = true, join = false, survey = true, photographs = false;

@@ -16,6 +16,7 @@ struct MatcherParameters {
   double soft_rad = 0.6 * kDegree;    ///< scale of the robust loss (Geman & McClure 1987)
   double max_rad = 3 * kDegree;       ///< max loss of a direction: models lack trees and new houses
   double correlated = 12;             ///< neighbouring directions with a common error: six degrees
+  bool correlation = false;           ///< places are compared by eq. (3) instead, without a bound
   double lowest_rad = 3 * kDegree;    ///< lower objects are ignored: parked cars, hedges, far hills
   double agrees_rad = 1.0 * kDegree;  ///< max difference of a direction in which picture and model agree
   size_t min_edges = 240;             ///< a third of the directions: pictures with fewer have matched wrong places

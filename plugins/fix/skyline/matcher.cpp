@@ -29,7 +29,21 @@ double Matcher::cost_of_prior(const Guess& g) const {
 double Matcher::cost(const Guess& g, bool new_place) {
   spend(seen_.directions() + seen_.work_to_recompute(city_, place_of(g), g.yaw, new_place));
   seen_.look(city_, place_of(g), g.yaw, new_place);
-  return seen_.loss(g, p_.max_rad) + cost_of_prior(g);
+  return (p_.correlation ? correlation_loss(g) : seen_.loss(g, p_.max_rad)) + cost_of_prior(g);
+}
+
+/// Eq. (3) as a mean difference of elevations, rad: the share of the pixels that differ, (1 - CC) / 2, times the
+/// height of the image in a mean direction.
+double Matcher::correlation_loss(const Guess& guess) const {
+  double loss = 0;
+  for (const auto& seen : seen_.seen()) {
+    const BinarySky image = seen.skyline.image(guess);
+    const auto rows =
+        static_cast<double>(image.pixels_seen()) / static_cast<double>(std::max<size_t>(1, image.columns_seen()));
+    const double differ = 0.5 * (1 - cross_correlation(image, BinarySky(seen.horizon.elevation)));
+    loss += differ * rows * BinarySky::kRow_rad;
+  }
+  return loss / static_cast<double>(seen_.seen().size());
 }
 
 /// Adds a place of the lattice with the best of the headings in reach.
@@ -41,11 +55,12 @@ void Matcher::look_at_place(Place best, int middle_deg, int yaw_steps, int strid
   spend(city_.quick_work() +
         static_cast<uint64_t>(2 * yaw_steps / stride + 3) * seen.turned_size() / p_.rotated_cheaper);
   city_.quick_horizon(place_of(best.guess), horizon);
+  const double max_rad = p_.correlation ? std::numbers::pi : p_.max_rad;  // the images of eq. (3) have no bound
   const auto middle = std::copy(horizon.elevation.begin(), horizon.elevation.end(), twice_.begin());
   std::copy(horizon.elevation.begin(), horizon.elevation.end(), middle);
   const auto look = [&](int degrees) {
     const int turned = static_cast<int>(std::lround(std::remainder(degrees, 360)));
-    if (const double c = seen.turned_loss(twice_, 2 * turned, p_.max_rad); c < best.cost)
+    if (const double c = seen.turned_loss(twice_, 2 * turned, max_rad); c < best.cost)
       best.guess.yaw = turned * kDegree, best.cost = c;
   };
   for (int y = -yaw_steps; y <= yaw_steps; y += stride) look(middle_deg + y);

@@ -63,9 +63,9 @@ enum class Refusal {
   beyond,           ///< the best place lies outside the searched area, or far above or below the prior's height
 };
 
-/// Finds the position and the orientation whose skyline matches that of the picture. The paper correlates binary images
-/// of a database of places. This class compares the elevation of the sky's edge in each direction with the model's,
-/// computed on demand; the loss of a direction is bounded, because models lack trees and new houses.
+/// Finds the position and the orientation whose skyline matches that of the picture: by the elevation of the sky's edge
+/// in each direction against the model's, with a bounded loss, because models lack trees and new houses; or by the
+/// binary images of eq. (3), as the paper does. The model's skylines are computed on demand.
 class Matcher {
  public:
   using Parameters = MatcherParameters;
@@ -94,6 +94,7 @@ class Matcher {
   }
   double cost(const Guess& guess, bool new_place);
   double cost_of_prior(const Guess& guess) const;
+  double correlation_loss(const Guess& guess) const;
   void search(double radius_m, double step_m);
   void search_path(double radius_m, double step_m);
   void search_circle(const Eigen::Vector2d& displacement, double step_m);

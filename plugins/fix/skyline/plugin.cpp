@@ -70,7 +70,11 @@ class Skyline : public FixerConfig {
         odo::real<P>("min_sigma", "m", 0.001, 100, &P::min_sigma, "minimum standard deviation of a fix"),
         odo::boolean<P>("photographs", &P::photographs,
                         "each frame is a separate photograph, searched around the pose at its time within its "
-                        "covariance; pitch and roll are estimated")};
+                        "covariance; pitch and roll are estimated"),
+        odo::choice<P>(
+            "match", "robust|correlation", &P::matching,
+            "comparison of picture and model: a bounded loss of each direction, or the correlation of binary "
+            "images, which is the paper's")};
   }
 
   void configured(odo::Output& host) {
@@ -175,6 +179,9 @@ class Skyline : public FixerConfig {
     fix.integrity = match.second_best_ratio;
     Eigen::Vector3d::Map(fix.landmark_n) = match.landmark_n;
     fix.slant_distance_m = match.slant_distance_m;
+    const Eigen::Vector3d e = (match.landmark_n - match.p_n).normalized();  // the roof is surveyed: the place is not
+    fix.slant_sigma_m = std::sqrt(std::max(0.0, e.head<2>().dot(match.covariance * e.head<2>())) +
+                                  std::pow(e.z() * match.height_sigma_m, 2));
     return fix;
   }
 

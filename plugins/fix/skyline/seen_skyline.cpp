@@ -64,6 +64,16 @@ void SeenSkyline::add_loss(const Horizon& model, const Guess& guess, double max_
   }
 }
 
+BinarySky SeenSkyline::image(const Guess& g) const {
+  BinarySky image;
+  for (const Ray& ray : rays_) {
+    const double up = g.tilt_east * ray.cosine - g.tilt_north * ray.sine;
+    const double round = g.yaw + ray.slope * (g.tilt_north * ray.cosine + g.tilt_east * ray.sine);
+    image.add(ray.azimuth + round, ray.elevation + up, ray.below == 0, ray.above == 0);
+  }
+  return image;
+}
+
 std::pair<double, double> SeenSkyline::azimuths() const {
   std::vector<double> all;
   for (const Ray& ray : rays_) all.push_back(ray.azimuth);

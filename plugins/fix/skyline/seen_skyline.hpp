@@ -8,6 +8,7 @@
 
 #include <Eigen/Geometry>
 
+#include "plugins/fix/skyline/binary_sky.hpp"
 #include "plugins/fix/skyline/horizon.hpp"
 #include "plugins/fix/skyline/sky_finder.hpp"
 
@@ -47,6 +48,8 @@ class SeenSkyline {
     add_loss(model, guess, max_rad, sum);
     return sum.mean();
   }
+  /// The picture's binary image from the guess, without weights.
+  BinarySky image(const Guess& guess) const;
   /// The same over every third direction and rotations by half degrees only, for coarse searches. `twice`: the
   /// elevations of the model's directions, repeated twice.
   using Twice = std::array<float, 2 * Horizon::kDirections>;

@@ -50,6 +50,8 @@ SkylineFixer::SkylineFixer(const FixerConfig& config)
     throw std::runtime_error("start_known: false wants a database in `skylines`");
   if (config.geodetic && has_database)
     throw std::runtime_error("geodetic: a database lies along the model's grid; give model_origin");
+  if (config.matching == "correlation" && config.photographs)
+    throw std::runtime_error("match: correlation is for the frames of a camera; photographs are matched robustly");
   std::vector<Edge> edges;
   if (has_database) {
     database_ = SkylineDatabase::open(config.skylines);
@@ -63,7 +65,9 @@ SkylineFixer::SkylineFixer(const FixerConfig& config)
     edges = read_city_outline(config.model,
                               {config.model_origin, config.geodetic, config.geodetic_origin, config.geoid_height},
                               &georeference_);
-  matcher_.emplace(City(std::move(edges)));
+  MatcherParameters matcher;
+  matcher.correlation = config.matching == "correlation";
+  matcher_.emplace(City(std::move(edges)), matcher);
   if (config.photographs)
     photograph_fixer_.emplace(matcher_->city());
   else if (config.survey && !config.model.empty())  // a database has no buildings

@@ -82,6 +82,13 @@ class Skylines {
     return s;
   }
 
+  /// Eq. (3) of two skylines.
+  double correlation(const Skyline& seen, const Skyline& place) const {
+    double correlation = 0;
+    table_->correlate(table_->user, seen.elevation_rad.data(), place.elevation_rad.data(), &correlation);
+    return correlation;
+  }
+
  private:
   explicit Skylines(const fs::path& folder)
       : host_(0, {folder}, [this](const Report& report) {
@@ -100,7 +107,7 @@ class Skylines {
 
 struct SkylineArguments {
   std::string model, database, output, along;
-  std::vector<double> at, to;  // easting, northing
+  std::vector<double> at, to, seen_from;  // easting, northing
   StreetPlaceParameters places;
   double step_m = 1;
   bool json = false;
@@ -161,6 +168,19 @@ Vector3d in_n(const odo_skyline_database& what, const std::vector<double>& at) {
   return {at[1] - what.origin[1], at[0] - what.origin[0], 0};
 }
 
+/// Figure 7: the correlation of each place along a road with the skyline seen from one place, which is at its peak.
+void print_correlation(const Skylines& skylines, const std::vector<Skylines::Skyline>& road,
+                       const Skylines::Skyline& seen, double step_m) {
+  constexpr double kBar = 60;
+  std::printf("# distance_m correlation\n");
+  for (size_t k = 0; k < road.size(); ++k) {
+    const double correlation = skylines.correlation(seen, road[k]);
+    const auto bar = static_cast<size_t>(std::max(0.0, kBar * correlation));
+    std::printf("%8.2f %7.4f %s%s\n", static_cast<double>(k) * step_m, correlation, std::string(bar, '#').c_str(),
+                road[k].p_n == seen.p_n ? " <" : "");
+  }
+}
+
 int query(const SkylineArguments& a) {
   auto skylines = Skylines::make("skylines", a.database);
   if (!skylines) return print_failure(skylines.failure());
@@ -183,6 +203,12 @@ int query(const SkylineArguments& a) {
     found.push_back(std::move(*skyline));
   }
   const double took_ms = 1e3 * seconds_since(start);
+  if (!a.seen_from.empty()) {
+    const auto seen = (*skylines)->nearest(in_n(*what, a.seen_from));
+    if (!seen) return print_failure(seen.failure());
+    print_correlation(**skylines, found, *seen, a.step_m);
+    return kDone;
+  }
   const auto easting = [&](const Vector3d& p) { return what->origin[0] + p.y(); };
   const auto northing = [&](const Vector3d& p) { return what->origin[1] + p.x(); };
   if (a.json) {
@@ -230,6 +256,11 @@ void add_city_skylines(CLI::App& city, int& status) {
   asked->add_option("database", a->database, "database written by `city build`")->required();
   asked->add_option("--at", a->at, "easting and northing in the model's reference system, m")->expected(2);
   asked->add_option("--to", a->to, "end of a road that starts at --at: easting and northing, m")->expected(2);
+  asked
+      ->add_option("--seen-from", a->seen_from,
+                   "easting and northing, m: print the correlation of the skyline there with each along the road, eq. "
+                   "(3) and Figure 7 of Gakne & O'Keefe 2018")
+      ->expected(2);
   asked->add_option("--step", a->step_m, "distance between places along the road, m")
       ->capture_default_str()
       ->check(CLI::Range(0.01, 1000.0));
