@@ -1,8 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include <odograph/plugin.hpp>
+
 #include "plugins/scale/slant_distance/slant_scale.hpp"
 #include "plugins/scale/step_fit/step_fit.hpp"
 #include "plugins/scale/step_length/step_scale.hpp"
 #include "sdk/tools/simulation/random.hpp"
+#include "tests/support/messages.hpp"
+#include "tests/support/plugin_run.hpp"
 #include "tests/support/support.hpp"
 
 using Eigen::Vector2d;
@@ -209,9 +217,9 @@ TEST_CASE(
     "errors") {
   Driven near;
   for (int k = 0; k < 8; ++k) near.go({0, 1}, 2);
-  CHECK_FALSE(near.fit.scale());  // 7 m
+  CHECK_FALSE(near.fit.known());  // 7 m
   for (int k = 0; k < 4; ++k) near.go({0, 1}, 2);
-  REQUIRE(near.fit.scale());
+  REQUIRE(near.fit.known());
   CHECK(near.fit.scale()->scale == doctest::Approx(2.0));
   // sigma of the scale: that of a position over the odometry's spread, plus the odometry's drift.
   double spread = 0;
@@ -261,4 +269,95 @@ TEST_CASE("a new group has the previous speed for one second of motions, and fix
   standing.group = 2;
   standing.go({0.04, 0}, 6, 0);
   CHECK_FALSE(standing.fit.scale());
+}
+
+namespace {
+
+/// A drive behind scale/slant_distance: frames of a metre in units of `u` metres, a camera that looks up and moves
+/// along its x, landmarks on a wall 12 m ahead near a roof 16 m above, and fixes with the slant distance to that roof.
+struct SlantDrive {
+  double u;
+  std::vector<AnyMessage> messages;
+  int64_t t_ns = kSecond;
+  Vector3d p_n{100, 50, -1.5};
+
+  void frame(bool with_points, bool metric_points = false) {
+    if (with_points) {
+      odo::PointsWriter points;
+      points.begin(t_ns + kFrame, 0, 0, metric_points);
+      for (int k = 0; k < 5; ++k) {
+        odo_point point{};
+        Eigen::Vector3f::Map(point.p_c) = Eigen::Vector3f(12, 0.1f * static_cast<float>(k - 2), 16) / float(u);
+        for (const int i : {0, 3, 5}) point.covariance[i] = 0.01f;
+        points.add(point);
+      }
+      messages.emplace_back(points.message().header);
+    }
+    auto motion =
+        motion_between(t_ns, t_ns + kFrame, {1 / u, 0, 0}, ODO_VO_ROTATION | ODO_VO_TRANSLATION | ODO_FLAG_NAVIGATION);
+    put_quaternion(Eigen::Quaterniond(0, 1, 0, 0), motion.q_n_c0);
+    messages.emplace_back(motion.header);
+    t_ns += kFrame, p_n.x() += 1;
+  }
+  void pose(const Vector3d& at_n) {
+    auto pose = make_message<odo_pose>(ODO_TYPE_POSE, t_ns);
+    pose.header.flags = ODO_POSE_POSITION | ODO_POSE_ORIENTATION | ODO_POSE_COVARIANCE;
+    Vector3d::Map(pose.p_n) = at_n, pose.q_n[0] = 1;
+    messages.emplace_back(pose.header);
+  }
+  void fix(double slant_m = 20) {
+    auto fix = fix_at(t_ns, p_n, 0.3, ODO_FIX_NORTH | ODO_FIX_EAST | ODO_FIX_COVARIANCE | ODO_FIX_SLANT);
+    Vector3d::Map(fix.landmark_n) = p_n + Vector3d(0.6, 0, -0.8) * slant_m, fix.slant_distance_m = slant_m;
+    messages.emplace_back(fix.header);
+  }
+  /// The last scale by a formula.
+  std::optional<odo_scale> scale(const char* formula, PluginRun::Settings settings = {}) const {
+    settings.emplace_back("formula", formula);
+    PluginRun run("scale_slant_distance", settings);
+    const auto events = run(messages);
+    return events.empty() ? std::nullopt : std::optional(as<odo_scale>(events.back().header()));
+  }
+};
+
+}  // namespace
+
+TEST_CASE("the slant distance is a scale by the front-end's landmarks, before the car has moved far") {
+  SlantDrive drive{40};
+  drive.frame(true), drive.fix(), drive.frame(true);
+  const auto scale = drive.scale("points");
+  REQUIRE(scale);
+  CHECK(scale->scale == doctest::Approx(40).epsilon(0.01));
+  CHECK(scale->sigma < 0.25 * scale->scale);
+  // Half the slant distance to the same landmarks is half the scale: it does not cancel.
+  SlantDrive near{40};
+  near.frame(true), near.fix(10), near.frame(true);
+  CHECK(near.scale("points")->scale == doctest::Approx(20).epsilon(0.01));
+  // `baseline`, which has no line yet, starts with it instead of waiting for a scale that never comes.
+  CHECK(drive.scale("baseline")->scale == doctest::Approx(40).epsilon(0.01));
+  SlantDrive without{40};
+  without.frame(false), without.fix(), without.frame(false);
+  CHECK_FALSE(without.scale("points"));
+  CHECK(without.scale("points", {{"initial_scale", "30"}})->scale == 30);
+  SlantDrive metric{1};
+  metric.frame(true, true), metric.fix(), metric.frame(true, true);
+  CHECK_FALSE(metric.scale("points"));
+}
+
+TEST_CASE("the literal scale counts from navigation.start, which the first pose states") {
+  SlantDrive drive{0.5};
+  drive.frame(false);
+  drive.pose(Vector3d(100, 50, -1.5) + Vector3d(2, 0, 0));  // moved by Algorithm 1's first scale, 1
+  for (int k = 1; k < 10; ++k) drive.frame(false);
+  CHECK(drive.scale("gakne2018")->scale == 1);
+  drive.fix(40);
+  drive.frame(false);
+  // After 10 m: P_3DBM is 10 m from the start, P_VO of the frame before 9 / 0.5 = 18: 40 / 8.
+  CHECK(drive.scale("gakne2018")->scale == doctest::Approx(5));
+}
+
+TEST_CASE("the slant distance cancels in `baseline`") {
+  SlantDrive drive{0.5}, other{0.5};
+  for (int k = 0; k < 20; ++k) drive.frame(false), drive.fix(20), other.frame(false), other.fix(33);
+  CHECK(drive.scale("baseline")->scale == doctest::Approx(0.5));
+  CHECK(other.scale("baseline")->scale == drive.scale("baseline")->scale);
 }

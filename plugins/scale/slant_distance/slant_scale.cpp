@@ -10,13 +10,8 @@
 #include "sdk/math/time.hpp"
 
 namespace odograph::slant_scale {
-namespace {
 
 using Eigen::Vector2d;
-
-constexpr double kMinBaseline = 1e-6;  // eq. (5) divides by it
-
-}  // namespace
 
 void SlantScale::add_motion(int64_t from_ns, int64_t t_ns, const Eigen::Vector3d& d_n, uint32_t group) {
   if (group_ != group) {
@@ -30,6 +25,7 @@ void SlantScale::add_motion(int64_t from_ns, int64_t t_ns, const Eigen::Vector3d
   }
   const double dt = seconds(t_ns - from_ns), distance = d_n.head<2>().norm();
   guess(dt, distance);
+  if (path_.empty()) path_.push_back({from_ns, at_});
   at_ += d_n.head<2>();
   path_.push_back({t_ns, at_});
   while (seconds(t_ns - path_.front().t_ns) > window_s_) path_.pop_front();
@@ -54,6 +50,11 @@ void SlantScale::guess(double dt, double distance) {
   scale_ = Scale{guessed_.median(), p_.guess * guessed_.median()};
 }
 
+void SlantScale::start_at(const Vector2d& p_n, double variance) {
+  if (path_.empty() || !pairs_.empty()) return;
+  pairs_.push_back({path_.front().t_ns, p_n, path_.front().p, variance});
+}
+
 void SlantScale::add_position(int64_t t_ns, const Vector2d& p_n, double variance) {
   const auto at =
       std::lower_bound(path_.begin(), path_.end(), t_ns, [](const Point& p, int64_t t) { return p.t_ns < t; });
@@ -66,7 +67,7 @@ void SlantScale::add_position(int64_t t_ns, const Vector2d& p_n, double variance
 /// model = a + s R(angle) vo. The angle is fitted with the scale and discarded: heading is the coupling's task, and its
 /// errors would make the line too short.
 void SlantScale::fit() {
-  if (pairs_.size() < 3) return;
+  if (pairs_.size() < 2) return;
   std::vector<double> weights(pairs_.size(), 1.0);
   double s = 0, sigma = 0;
   Vector2d spread_m = Vector2d::Zero();
@@ -86,9 +87,10 @@ void SlantScale::fit() {
       dot += w * m.dot(v), cross += w * (v.x() * m.y() - v.y() * m.x()), vv += w * v.squaredNorm();
       spread_m = spread_m.cwiseMax(m.cwiseAbs());
     }
-    if (vv <= 0) return;
-    s = std::hypot(dot, cross) / vv;
-    const double c = dot / std::hypot(dot, cross), t = cross / std::hypot(dot, cross);
+    const double length = std::hypot(dot, cross);
+    if (vv <= 0 || length <= 0) return;
+    s = length / vv;
+    const double c = dot / length, t = cross / length;
     double chi = 0, n = 0;
     for (size_t i = 0; i < pairs_.size(); ++i) {
       const Vector2d v = pairs_[i].vo - mean_v;
@@ -99,26 +101,18 @@ void SlantScale::fit() {
     }
     sigma = std::sqrt(std::max(1.0, chi / std::max(1.0, n - 4)) / vv);
   }
-  if (2 * spread_m.norm() < min_displacement_m_) return;  // nearly standing: the direction of the line is undefined
+  const Scale found{s, std::hypot(sigma, scale_drift_ * s)};
+  if (pairs_.size() < 3 || 2 * spread_m.norm() < min_displacement_m_) {
+    const bool better = !scale_ || found.sigma / found.scale < scale_->sigma / scale_->scale;
+    if (!known_ && found.sigma < p_.first * found.scale && better) scale_ = found;
+    return;  // nearly standing: the direction of the line is undefined
+  }
   // A scale that doubles within a window is rejected as fixes of a similar place, unless it persists.
   const bool leaps = known_ && std::abs(std::log(s / scale_->scale)) > p_.max_jump;
   jumps_ = leaps ? jumps_ + 1 : 0;
   if (leaps && jumps_ < p_.confirmations) return;
-  scale_ = Scale{s, std::hypot(sigma, scale_drift_ * s)};
+  scale_ = found;
   known_ = true;
-}
-
-void LiteralScale::add_motion(const Eigen::Vector3d& d_n, uint32_t group) {
-  if (group_ && *group_ != group) at_ = before_ = last_position_;
-  group_ = group;
-  before_ = at_;
-  at_ += d_n;
-}
-
-void LiteralScale::add_position(const Eigen::Vector3d& p_n, double slant_distance_m) {
-  last_position_ = p_n;
-  const double baseline = (p_n - before_).norm();
-  if (baseline > kMinBaseline) scale_ = slant_distance_m / baseline;
 }
 
 }  // namespace odograph::slant_scale

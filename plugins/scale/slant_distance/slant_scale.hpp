@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <cstdint>
 #include <array>
+#include <cstdint>
 #include <deque>
 #include <optional>
 
@@ -14,12 +14,12 @@ struct Scale {
   double scale, sigma;
 };
 
-/// Scale from slant distances to known roof points: Gakne & O'Keefe 2018, eq. (4) to (6).
+/// Scale from the positions P_3DBM of Gakne & O'Keefe 2018: one length in metres over the same length by the odometry.
+/// The length is the distance between fixes; up to scale it is the sum of the displacements of eq. (6), with their
+/// directions. The scale is the robust least-squares line through the fixes of the window, so that no single pair
+/// dominates. The slant distance is not used: it cancels (docs/slant_distance.md).
 ///
-/// Eq. (5) divides the slant distance by ||P_3DBM - P_VO||, that is, a length in metres by the same length in the
-/// odometry. Here the length is the distance between two fixes: in metres the difference of the slant vectors to the
-/// roof points, P_3DBM = X - d_slant u; up to scale the sum of the displacements of eq. (6), with their directions. The
-/// scale is the robust least-squares line through the fixes of the window, so that no single pair dominates.
+/// Before the fixes extend far enough, the first two of them or the start and one of them give a first scale.
 class SlantScale {
  public:
   /// Empirical, not tuned.
@@ -30,6 +30,7 @@ class SlantScale {
     double guess = 0.3;         ///< relative sigma of a scale from the previous speed
     double guess_s = 1;         ///< of motions from which it is computed
     double standing_mps = 0.5;  ///< below it the previous speed carries no information
+    double first = 0.3;         ///< max relative sigma of a first scale from fixes that lie near each other
   };
 
   /// `scale_drift`: relative change of the odometry's scale within a window.
@@ -39,9 +40,13 @@ class SlantScale {
   /// A motion's displacement in n, up to scale. A new group drops everything in the old scale, and starts with the
   /// final speed of the old group.
   void add_motion(int64_t from_ns, int64_t t_ns, const Eigen::Vector3d& d_n, uint32_t group);
+  /// The position at which the path starts, m, and its variance per axis, m^2.
+  void start_at(const Eigen::Vector2d& p_n, double variance);
   /// The vehicle's position by the city model, m, and the variance per axis, m^2.
   void add_position(int64_t t_ns, const Eigen::Vector2d& p_n, double variance);
   const std::optional<Scale>& scale() const { return scale_; }
+  /// Whether the scale is from fixes that extend far enough: not a first one, nor one from the previous speed.
+  bool known() const { return known_; }
 
  private:
   struct Point {
@@ -80,24 +85,6 @@ class SlantScale {
   RunningMedian speed_mps_;  ///< of the latest motions with a known scale
   RunningMedian guessed_;    ///< scale, from the first motions of a new group
   double guess_s_ = 0;
-};
-
-/// Eq. (4) to (6) and Algorithm 1 literally: s_g = d_slant / ||P_3DBM - P_VO||, with P_VO the previous position by the
-/// odometry alone, up to scale, from the same origin. For its value see docs/slant_distance.md.
-class LiteralScale {
- public:
-  /// A motion's displacement in n, up to scale: the positions of eq. (6). A new group starts at the last position.
-  void add_motion(const Eigen::Vector3d& d_n, uint32_t group);
-  /// The position by the city model and the slant distance from there, m.
-  void add_position(const Eigen::Vector3d& p_n, double slant_distance_m);
-  /// Nothing before the first position.
-  std::optional<double> scale() const { return scale_; }
-
- private:
-  Eigen::Vector3d at_ = Eigen::Vector3d::Zero(), before_ = Eigen::Vector3d::Zero(),
-                  last_position_ = Eigen::Vector3d::Zero();
-  std::optional<uint32_t> group_;
-  std::optional<double> scale_;
 };
 
 }  // namespace odograph::slant_scale
