@@ -55,6 +55,7 @@ function setUpCharts() {
   if (!data.axes) addChart('Height', 'm', each(run => ({name: named(run), t: run.t, y: run.height, colour: run.colour}))
     .concat(data.truth ? [{name: 'truth', t: data.truth.t, y: data.truth.height, colour: css('--soft'), dashed: true}] : []));
   addChart('Speed', 'm/s', each(run => ({name: named(run), t: run.speed.t, y: run.speed.y, colour: run.colour, thin: true})), true);
+  addChart('Speed less the true one', 'm/s', each(run => ({name: named(run), t: run.speed_error.t, y: run.speed_error.y, colour: run.colour, thin: true})));
   addChart('Step length', 'm', each(run => ({name: named(run), t: run.steps.t, y: run.steps.y, band: several ? undefined : run.steps.sigma, points: true, colour: run.colour})));
   addChart('Fixes less the track', 'm', each(run => ['north', 'east', 'down'].map((axis, k) =>
     ({name: named(run, axis), t: run.fixes.t, y: run.fixes.residual[k], points: true, colour: kColours[k]})).filter(s => s.y.some(y => y !== null))));

@@ -63,6 +63,7 @@ class PageOfRun {
                 {"laid", aligned},
                 {"error", errors.json()},
                 {"speed", speed().json()},
+                {"speed_error", (recording_.truth.empty() ? Series() : speed(true)).json()},
                 {"steps", steps()},
                 {"modes", modes()},
                 {"scales", scales()},
@@ -145,14 +146,17 @@ class PageOfRun {
               {"north", north}};
   }
 
-  Series speed() const {
+  /// With `less_true`: the error of the speed, and so of the scale.
+  Series speed(bool less_true = false) const {
     Series out;
     size_t from = 0;
     for (size_t k = 1; k < r_.track.size(); ++k) {
-      const double dt_s = seconds(r_.track[k].t_ns - r_.track[from].t_ns);
+      const StampedPose &a = r_.track[from], &b = r_.track[k];
+      const double dt_s = seconds(b.t_ns - a.t_ns);
       if (dt_s < kSpeedOver_s) continue;
-      const double middle_s = time(r_.track[from].t_ns) + dt_s / 2;
-      out.add(middle_s, aligned_.scale * (r_.track[k].p - r_.track[from].p).norm() / dt_s);
+      const double true_m =
+          less_true ? (position_at(recording_.truth, b.t_ns) - position_at(recording_.truth, a.t_ns)).norm() : 0.0;
+      out.add(time(a.t_ns) + dt_s / 2, (aligned_.scale * (b.p - a.p).norm() - true_m) / dt_s);
       from = k;
     }
     return out;
