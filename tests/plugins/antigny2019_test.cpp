@@ -118,17 +118,6 @@ TEST_CASE("static is reported when the next step is overdue, half a second after
   CHECK(percentile(after_s, 1) < 1);
 }
 
-TEST_CASE("shocks without rotation are no steps, unless there is no gyroscope") {
-  std::vector<AnyMessage> shaken = rocking(12, 2), accelerometer_alone = shaken;
-  for (AnyMessage& sample : shaken) Vector3d::Map(reinterpret_cast<odo_imu&>(sample.header()).gyro_b).fill(0.01);
-  for (AnyMessage& sample : accelerometer_alone)
-    Vector3d::Map(reinterpret_cast<odo_imu&>(sample.header()).gyro_b).setZero();
-  PluginRun plugin("step_renaudin2012");
-  CHECK(of_type<odo_step>(plugin(shaken), ODO_TYPE_STEP).empty());
-  plugin.reset();
-  CHECK(of_type<odo_step>(plugin(accelerometer_alone), ODO_TYPE_STEP).size() >= 20);
-}
-
 TEST_CASE("GNSS for the start alone gives one fix, after the first pose, and one more after a reset") {
   std::vector<AnyMessage> samples;
   for (int k = 0; k < 10; ++k) {

@@ -7,6 +7,7 @@
 #include <Eigen/Geometry>
 #include <odograph/plugin.hpp>
 
+#include "plugins/shared/sensor_range.hpp"
 #include "plugins/fix/gnss/correlated_error.hpp"
 #include "plugins/fix/gnss/path_heading.hpp"
 #include "sdk/math/rotation.hpp"
@@ -78,7 +79,8 @@ class Gnss {
   /// Between buildings compass headings are wrong, and step headings with them. The path therefore follows the
   /// gyroscope's heading, which has a constant offset and a drift.
   void on(const odo_imu& imu, odo::Output&) {
-    if (!Eigen::Vector3d(imu.gyro_b).allFinite()) throw odo::Error(ODO_E_DISCARD, "gyro_b is not finite");
+    if (!(Eigen::Vector3d(imu.gyro_b).norm() <= odograph::SensorRange::rate_radps))
+      throw odo::Error(ODO_E_DISCARD, "gyro_b exceeds the range of any phone's sensor");
     const double dt_s = odograph::seconds(imu.header.t_ns - gyro_.t_ns);
     if (attitude_ && dt_s > 0 && dt_s < kLongestStep_s) {
       const Eigen::Vector3d rate_b = Eigen::Vector3d(imu.gyro_b) - gyro_.bias_b;

@@ -30,17 +30,11 @@ void GaitSignal::update(int64_t t_ns, const Eigen::Vector3d& gyro, const Eigen::
   mean_ += gain(std::min(p_.mean_tau_s, std::max(0.05, time_s_))) * (norm - mean_);
   const double e = gain(p_.energy_tau_s), deviation = norm - mean_;
   accel_energy_ += e * (deviation * deviation - accel_energy_);
-  gyro_energy_ += e * (gyro.squaredNorm() - gyro_energy_);
   swing_energy_ += gain(p_.swing_tau_s) * (gyro.squaredNorm() - swing_energy_);
   const double before =
       std::exchange(gyro_smooth_, gyro_smooth_ + gain(p_.smooth_tau_s) * (gyro.norm() - gyro_smooth_));
   gyro_peaked_ = gyro_peaked_ || (gyro_rises_ && gyro_smooth_ < before && before * before > swing_energy_);
   gyro_rises_ = gyro_smooth_ > before;
-}
-
-bool GaitSignal::moves() const {
-  const bool rocks = gyro_energy_ > p_.still_gyro_radps * p_.still_gyro_radps || swing_energy_ == 0.0;
-  return rocks && accel_energy_ > p_.still_accel_mps2 * p_.still_accel_mps2;
 }
 
 }  // namespace odograph::gait

@@ -22,7 +22,6 @@ class GaitSignal {
     /// Of the energies: a fifth of a step, so that they fade within half a second of the last one.
     double energy_tau_s = 0.1;
     double still_accel_mps2 = 0.45;  ///< root of the accelerometer's energy below which nobody walks
-    double still_gyro_radps = 0.06;  ///< and of the gyroscope's: a hand that is carried by steps rocks
     double swing_tau_s = 0.6;        ///< of the gyroscope's energy that tells swinging from texting
     double swing_gyro_radps = 1.8;   ///< its root above which the arm swings
   };
@@ -33,8 +32,8 @@ class GaitSignal {
 
   int64_t time_ns() const { return t_ns_ - delay_ns_; }  ///< the time that value() refers to
   double value() const { return smooth_[1] - mean_; }    ///< m/s^2
-  /// Whether both sensors have the energy of a walk; the accelerometer alone where there is no gyroscope.
-  bool moves() const;
+  /// Whether the accelerometer has the energy of a walk.
+  bool moves() const { return accel_energy_ > p_.still_accel_mps2 * p_.still_accel_mps2; }
   bool swings() const { return swing_energy_ > p_.swing_gyro_radps * p_.swing_gyro_radps; }
   bool settled() const { return time_s_ >= 0.3; }
   /// Whether the norm of the angular rate has had a peak above its rms since the last call of next_step().
@@ -50,7 +49,7 @@ class GaitSignal {
   double mean_ = 0.0;
   double gyro_smooth_ = 0.0;
   bool gyro_rises_ = false, gyro_peaked_ = false;
-  double accel_energy_ = 0.0, gyro_energy_ = 0.0, swing_energy_ = 0.0;
+  double accel_energy_ = 0.0, swing_energy_ = 0.0;
   double time_s_ = 0.0;
 };
 
