@@ -189,6 +189,8 @@ class Gnss {
     fix.header.flags = ODO_FIX_YAW | ODO_FIX_INTEGRITY;
     Eigen::Vector3d::Map(fix.yaw_axis_b) = axis_b;
     fix.yaw_rad = std::remainder(std::atan2(axis_n.y(), axis_n.x()) + gyro_.heading_offset_rad + yaw->rad, 2 * kPi);
+    if (!std::isfinite(fix.yaw_rad))
+      throw odo::Error(ODO_E_DISCARD, "steps or attitudes out of any range gave no heading");
     fix.yaw_sigma_rad = std::hypot(yaw->sigma_rad, hold_sigma);
     fix.integrity = 0.05;
     output.emit(fix);

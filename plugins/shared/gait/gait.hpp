@@ -60,7 +60,7 @@ class Gait {
       walks_ns_ = now_ns;
       return;
     }
-    if (step) walks_ns_ = step->t_end_ns, due_ns_ = step->t_end_ns + (step->t_end_ns - step->t_start_ns) * 4 / 5;
+    if (step) walks_ns_ = step->t_end_ns, due_ns_ = 2 * step->t_end_ns - step->t_start_ns;
     const bool moves = signal_.moves();
     if (!moves && now_ns > due_ns_) walks_ns_ = now_ns;
     if (!(moves || now_ns <= due_ns_) || now_ns - walks_ns_ > detector_.longest_ns())
