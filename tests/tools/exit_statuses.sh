@@ -83,7 +83,7 @@ expect 1 "in ms (multiply by 1,000,000)" "$odograph" run -i ms -o o
 expect 1 "in ms (multiply by 1,000,000) or us" "$odograph" run -c "$steps" -i us -o o
 expect 1 "Multiply by pi/180" "$odograph" run -i degrees -o o
 expect 1 "after the inertial samples: on another clock?" "$odograph" run -c "$configs/walk.yaml" -i ahead -o o
-expect 1 "no pose moves" "$odograph" run -c scale.yaml -i film -o o
+expect 1 "no pose does" "$odograph" run -c scale.yaml -i film -o o
 expect 1 "never had a scale in metres" "$odograph" run -c drive.yaml -i drive -o o
 expect 1 "came to nothing" "$odograph" run -c gnss.yaml -i drive -o o
 expect 1 "came to nothing" "$odograph" view --once --port 0 -c empty.yaml -i walk

@@ -76,10 +76,11 @@ def main():
     made = plugins()
     if min(len(each) for each in made.values()) < 2:
         sys.exit(f"too few plugins: {made}")
+    work.mkdir(parents=True, exist_ok=True)
     walk, drive = work / "walk.odo", work / "drive.odo"
     scenarios = project / "samples/scenarios"
     for command in (["sim", scenarios / "street_short.yaml", "--first", "14", "-o", walk],
-                    ["sim", scenarios / "drive_short.yaml", "--first", "14", "-o", drive, "--city", work / "city.json"]):
+                    ["sim", scenarios / "drive_short.yaml", "--first", "40", "-o", drive, "--city", work / "city.json"]):
         if run(*command).returncode:
             sys.exit(f"{command}: {run(*command).stderr}")
     bases = {"walk": (walk, {"attitude": "attitude/vqf", "step_estimator": "step/renaudin2012", "vo_frontend": "vo/five_point",

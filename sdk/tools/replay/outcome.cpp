@@ -18,6 +18,7 @@ struct Parameters {
   int walking_windows = 4;       ///< a few seconds
   double gnss_rad = 20 / 6.4e6;  ///< 20 m on the Earth, twice a phone's error
   double moved_m = 0.1;          ///< less is jitter
+  int motions = 20;              ///< of a front-end, with a displacement
 };
 constexpr Parameters kParameters;
 
@@ -69,6 +70,14 @@ double extent_m(const StampedPoses& track) {
   return extent;
 }
 
+/// Whether a front-end up to scale has moved: a car shakes no accelerometer.
+bool sees_motion(const RunResult& result) {
+  int count = 0;
+  for (const odo_vo_motion& m : result.motions)
+    count += (m.header.flags & (ODO_VO_TRANSLATION | ODO_VO_METRIC)) == ODO_VO_TRANSLATION && m.state == ODO_TRACKING;
+  return count >= kParameters.motions;
+}
+
 /// Whether a front-end estimates the scale from inertia, if it has a parameter of that name.
 bool has_metric_front_end(const PipelineConfig& config) {
   for (const PluginChoice& choice : config.vo_frontends)
@@ -108,7 +117,7 @@ std::string why_nothing(const Recording& recording, const PipelineConfig& config
   if (const double apart_s = frames_apart_s(recording); front_end && uses_imu && apart_s != 0)
     return text("all frames are %.1f s %s the inertial samples: on another clock?", std::abs(apart_s),
                 apart_s > 0 ? "after" : "before");
-  const bool inertial = recording.has(ODO_TYPE_IMU), moves = holds_motion(recording);
+  const bool inertial = recording.has(ODO_TYPE_IMU), moves = holds_motion(recording) || sees_motion(result);
   if (inertial && !moves) return {};
   if (extent_m(result.track) < kParameters.moved_m)
     return because(moves ? "the input moves, and no pose does" : "no pose moves");

@@ -236,7 +236,6 @@ void name_unused(RunResult& result) {
   std::set<uint32_t> gave;
   const auto add = [&](const odo_header& header) { gave.insert(header.source); };
   for (const odo_step& step : result.steps) add(step.header);
-  for (const odo_motion_mode& mode : result.modes) add(mode.header);
   for (const odo_vo_motion& motion : result.motions) add(motion.header);
   for (const odo_scale& scale : result.scales) add(scale.header);
   for (const RunResult::Fix& fix : result.fixes) add(fix.fix.header);
