@@ -16,6 +16,7 @@ WALKING_SHARE = 0.07  # of the mean norm, its rms scatter in a window: 0.7 m/s^2
 WALKING_WINDOWS = 4
 GNSS_RAD = 20 / 6.4e6  # 20 m on the Earth, twice a phone's error
 MOVED_M = 0.1  # less is jitter
+MOTIONS = 20  # of a front-end up to scale, with a displacement
 
 
 class Input:
@@ -76,10 +77,13 @@ def why_nothing(config: Path, given: Input, result: Any) -> str:
     if "vo_frontend" in keys and abi.ODO_TYPE_FRAME in given.types and result.statistics.frames == 0:
         return because("all frames were dropped")
     inertial = abi.ODO_TYPE_IMU in given.types
-    if inertial and not given.moves:
+    seen = result.of(abi.VoMotion)
+    up_to_scale = seen["header"]["flags"] & (abi.ODO_VO_TRANSLATION | abi.ODO_VO_METRIC) == abi.ODO_VO_TRANSLATION
+    moves = given.moves or int((up_to_scale & (seen["state"] == abi.ODO_TRACKING)).sum()) >= MOTIONS
+    if inertial and not moves:
         return ""
     if float(np.linalg.norm(poses["p_n"] - poses["p_n"][0], axis=1).max()) < MOVED_M:
-        return because("the input moves, and no pose does" if given.moves else "no pose moves")
+        return because("the input moves, and no pose does" if moves else "no pose moves")
     waiting = np.isin(poses["reason"], (abi.ODO_REASON_INITIALISING, abi.ODO_REASON_NO_SCALE)) | (poses["header"]["flags"] & abi.ODO_POSE_METRIC == 0)
     metric = "scale_source" in keys or (inertial and {"step_estimator", "localizer"} <= keys) or ("absolute_fixers" in keys and abi.ODO_TYPE_GNSS in given.types)
     return because("the poses never had a scale in metres") if metric and waiting.all() else ""
