@@ -146,6 +146,49 @@ TEST_CASE("a late scale is published as not accepted and reported, unlike one fo
                     [](const odo_report& r) { return std::string(r.key) == "late_scale"; }));
 }
 
+TEST_CASE("a source without effect is named once, with severity info and what to change, and changes no state") {
+  const TestPlugins plugins{"needy_vo"};
+  const auto unused = [](const App& app) {
+    std::vector<std::string> said;
+    for (const odo_report& report : app.reports) {
+      if (std::string(report.key) != "unused_source") continue;
+      CHECK(report.severity == ODO_SEVERITY_INFO);
+      said.push_back(std::string(report.plugin) + ": " + report.text);
+    }
+    return said;
+  };
+  SUBCASE("its input never comes") {
+    RunningApp app(kWalk + "absolute_fixers:\n  - plugin: fix/waypoint\n  - plugin: fix/gnss\n");
+    app.walk(0, 900);
+    app.flush();
+    CHECK(unused(app).empty());  // it may still come
+    app.walk(900, 2000);
+    app.flush();
+    const auto said = unused(app);
+    REQUIRE(said.size() == 2);
+    CHECK(contains(said[0], "fix/waypoint: no effect: it has given nothing, and waypoint did not come"));
+    CHECK(contains(said[1], "fix/gnss: no effect: it has given nothing, and gnss"));
+    CHECK(app.pose(ODO_TIME_LATEST).state == ODO_TRACKING);
+  }
+  SUBCASE("the front-end's motions are in metres") {
+    RunningApp app(kWalk + "vo_frontend:\n  plugin: test/needy_vo\nscale_source:\n  plugin: scale/fixed_step\n",
+                   ODO_RUN_REPLAY, plugins.path());
+    const odo_calibration camera = calibration(64, 48);
+    app.push(camera);
+    for (int i = 0; i < 50; ++i) {
+      app.walk(10 * i, 10 * i + 10);
+      app.frame(1'000'000'000 + i * int64_t{100'000'000});
+    }
+    app.flush();
+    const auto said = unused(app);
+    REQUIRE(said.size() == 1);
+    CHECK(contains(said[0], "scale/fixed_step: no effect: the front-end's motions are in metres"));
+    const auto scales = app.all<odo_scale>(ODO_TYPE_SCALE);
+    CHECK(scales.size() > 40);
+    for (const odo_scale& scale : scales) CHECK((scale.header.flags & ODO_FLAG_ACCEPTED) == 0);
+  }
+}
+
 TEST_CASE("the next step estimator replaces one that has failed") {
   const std::string yaml =
       "odograph: 1\nattitude:\n  plugin: attitude/vqf\nstep_estimator:\n  - plugin: test/failing_steps\n"

@@ -6,6 +6,7 @@ Each combination is right, or refused or explained by name: the track differs fr
 near the truth, or a sentence of the run names the plugin. What is neither fails."""
 import json
 import pathlib
+import re
 import subprocess
 import sys
 
@@ -65,11 +66,16 @@ def judge(plugin, result, without):
         return ("refused", "") if plugin in said else ("silent", f"status {status}, without the plugin's name: {said[-300:]}")
     if plugin in said:
         return "explained", ""
+    if "came to nothing" in said:
+        return "explained", "it came to nothing"
     if track == without[3]:
         return "silent", f"the track is that without it, status {status}"
     if off < WRONG:
         return "right", f"{100 * off:.1f} % of the path"
-    return ("explained", "it came to nothing") if "came to nothing" in said else ("silent", f"off by {100 * off:.0f} % of the path")
+    times = re.search(r"tracking ([0-9.]+) s, degraded ([0-9.]+) s", said)
+    if times and float(times[1]) < float(times[2]):
+        return "explained", "degraded most of the time"
+    return "silent", f"off by {100 * off:.0f} % of the path"
 
 
 def main():

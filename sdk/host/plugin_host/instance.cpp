@@ -100,8 +100,8 @@ PluginInstance::Started PluginInstance::start() const {
   const int32_t status = backend.start();
   if (!backend.ended().empty()) return opened;
   if (status < 0)
-    return Failure{status, (choice_->place.empty() ? choice_->manifest.place() + ": " : choice_->place) + "plugin '" +
-                               id() + "' could not be created, configured and activated: " + odo_status_text(status)};
+    return Failure{status, choice_->place + choice_->manifest.place() + ": plugin '" + id() +
+                               "' could not be created, configured and activated: " + odo_status_text(status)};
   if (!saved_.empty()) backend.load(saved_);
   return opened;
 }
