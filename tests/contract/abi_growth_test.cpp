@@ -29,6 +29,16 @@ const odo_header& head(const std::vector<uint64_t>& bytes) {
   return *reinterpret_cast<const odo_header*>(bytes.data());
 }
 
+/// A calibration, then frames at 10 Hz between the inertial samples of a walk.
+void walk_with_frames(App& app, int frames) {
+  app.push(calibration(64, 48));
+  for (int i = 0; i < frames; ++i) {
+    app.walk(10 * i, 10 * i + 10);
+    app.frame(1'000'000'000 + i * int64_t{100'000'000});
+  }
+  app.flush();
+}
+
 }  // namespace
 
 TEST_CASE("every message's struct of version 1.0 is a prefix of the present one, and names and numbers are unique") {
@@ -130,13 +140,7 @@ TEST_CASE("a late scale is published as not accepted and reported, unlike one fo
   const TestPlugins plugins{"late_scale"};
   RunningApp app(kWalk + "vo_frontend:\n  plugin: vo/five_point\nscale_source:\n  plugin: test/late_scale\n",
                  ODO_RUN_REPLAY, plugins.path());
-  const odo_calibration camera = calibration(64, 48);
-  app.push(camera);
-  for (int i = 0; i < 20; ++i) {
-    app.walk(10 * i, 10 * i + 10);
-    app.frame(1'000'000'000 + i * int64_t{100'000'000});
-  }
-  app.flush();
+  walk_with_frames(app, 20);
   const auto scales = app.all<odo_scale>(ODO_TYPE_SCALE);
   REQUIRE(scales.size() == 19);
   const auto accepted = [](const odo_scale& s) { return (s.header.flags & ODO_FLAG_ACCEPTED) != 0; };
@@ -173,19 +177,30 @@ TEST_CASE("a source without effect is named once, with severity info and what to
   SUBCASE("the front-end's motions are in metres") {
     RunningApp app(kWalk + "vo_frontend:\n  plugin: test/needy_vo\nscale_source:\n  plugin: scale/fixed_step\n",
                    ODO_RUN_REPLAY, plugins.path());
-    const odo_calibration camera = calibration(64, 48);
-    app.push(camera);
-    for (int i = 0; i < 50; ++i) {
-      app.walk(10 * i, 10 * i + 10);
-      app.frame(1'000'000'000 + i * int64_t{100'000'000});
-    }
-    app.flush();
+    walk_with_frames(app, 50);
     const auto said = unused(app);
     REQUIRE(said.size() == 1);
     CHECK(contains(said[0], "scale/fixed_step: no effect: the front-end's motions are in metres"));
     const auto scales = app.all<odo_scale>(ODO_TYPE_SCALE);
     CHECK(scales.size() > 40);
     for (const odo_scale& scale : scales) CHECK((scale.header.flags & ODO_FLAG_ACCEPTED) == 0);
+  }
+}
+
+TEST_CASE("landmarks have the time and the scale group of the motion that follows them, also after a restart") {
+  const TestPlugins plugins{"needy_vo"};
+  RunningApp app(kWalk + "vo_frontend:\n  plugin: test/needy_vo\n", ODO_RUN_REPLAY, plugins.path());
+  app.walk(5000, 5100);
+  walk_with_frames(app, 20);
+  walk_with_frames(app, 20);  // the clock is set back: the front-end counts its groups anew
+  const auto motions = app.all<odo_vo_motion>(ODO_TYPE_VO_MOTION);
+  const auto points = app.all<odo_points>(ODO_TYPE_POINTS);
+  REQUIRE(points.size() == motions.size());
+  CHECK(motions.back().scale_group > motions.front().scale_group);
+  for (size_t i = 0; i < points.size(); ++i) {
+    CHECK(points[i].header.t_ns == motions[i].header.t_ns);
+    CHECK(points[i].scale_group == motions[i].scale_group);
+    CHECK(points[i].camera == motions[i].camera);
   }
 }
 

@@ -5,10 +5,12 @@
 
 #include <random>
 
+#include "plugins/shared/camera/points_event.hpp"
 #include "plugins/shared/median.hpp"
 #include "plugins/vo/antigny2019/odometry.hpp"
 #include "plugins/vo/five_point/visual_odometry.hpp"
 #include "plugins/vo/odograph/visual/odometry.hpp"
+#include "sdk/host/messages/messages.hpp"
 #include "tests/plugins/film.hpp"
 #include "tests/support/support.hpp"
 
@@ -128,6 +130,65 @@ TEST_CASE("a track that ends is reported once as lost, where the motion has take
   tracks.move(kStraight, Vector3d(0.1, 0, 0));
   CHECK(tracks.see({}, kSigma_rad).size() == 1);  // the other one, lost too
   CHECK(tracks.see({}, kSigma_rad).empty());
+}
+
+TEST_CASE("a ray begins where the camera was at its row") {
+  std::mt19937 random(4);
+  const auto points = room(random);
+  PointTracks tracks;
+  const Vector3d step(0.12, 0.01, 0.02);
+  double worst = 0;
+  for (int k = 0; k < 12; ++k) {
+    if (k > 0) tracks.move(kStraight, step);
+    std::vector<TrackedCorner> corners;
+    for (size_t i = 0; i < points.size(); ++i) {
+      TrackedCorner corner;
+      corner.id = i;
+      corner.origin_c = (i % 10 / 10.0 - 0.45) * step;  // rows read over a whole frame
+      const Vector3d y = points[i] - k * step - corner.origin_c;
+      corner.ray_c = y / y.z();
+      corners.push_back(corner);
+    }
+    for (const TrackedPoint& point : tracks.see(corners, kSigma_rad))
+      if (k == 11) worst = std::max(worst, (point.p_c - (points[point.id] - k * step)).norm());
+  }
+  CHECK(worst < 1e-6);
+}
+
+TEST_CASE("landmarks that the camera has passed leave the message, whatever the lens, and the host takes it") {
+  struct : odo_sink {
+    mutable std::vector<AnyMessage> emitted;
+  } sink{};
+  sink.struct_size = sizeof(odo_sink);
+  sink.emit = [](const odo_sink* to, const odo_header* event) -> int32_t {
+    static_cast<const decltype(sink)*>(to)->emitted.emplace_back(*event);
+    return message_fault(*event).empty() ? ODO_OK : ODO_E_ARGUMENT;
+  };
+  odo::Output output(nullptr, 1);
+  output.connect(&sink);
+  const CameraModel lens{CameraModel::Distortion::radial_tangential, 300, 300, 320, 240, {-0.3, 0.1, 0, 0, 0.05}};
+  const std::vector<Vector3d> points{{0.4, 0.1, 1.98}, {-0.4, 0.1, 1.9}, {0.5, -0.2, 30}};
+  std::mt19937 random(5);
+  PointsEvent event;
+  for (int k = 0; k < 12; ++k) {
+    const Vector3d p(0, 0, 0.25 * k);  // forward, past the first two
+    auto corners = seen_from(p, points, random);
+    std::erase_if(corners, [&](const TrackedCorner& c) { return points[c.id].z() < p.z() + 0.2; });
+    auto motion = make_message<odo_vo_motion>(ODO_TYPE_VO_MOTION, k + 1);
+    motion.header.flags = ODO_VO_ROTATION | ODO_VO_TRANSLATION;
+    motion.q_c0_c1[0] = 1, motion.p_c0_c1[2] = k > 0 ? 0.25 : 0;
+    event.emit(motion, corners, kSigma_rad, lens, {640, 480}, output);
+  }
+  REQUIRE(!sink.emitted.empty());
+  bool lost = false;
+  for (const AnyMessage& message : sink.emitted) {
+    CHECK(message_fault(message.header()) == "");
+    for (const odo_point& point : odo::Points(as<odo_points>(message.header()))) {
+      CHECK(point.p_c[2] > 0);
+      lost = lost || (point.flags & ODO_POINT_LOST) != 0;
+    }
+  }
+  CHECK(lost);
 }
 
 namespace {

@@ -261,7 +261,7 @@ typedef struct odo_points {
 } odo_points;
 
 #define ODO_POINT_USED 1u      /* it took part in the motion of this frame */
-#define ODO_POINT_LOST 2u      /* not seen in this frame any more: position and pixel are predicted */
+#define ODO_POINT_LOST 2u      /* no more seen: position and pixel are predicted; left out if the camera has passed it */
 #define ODO_POINT_UNCERTAIN 4u /* its distance is not known yet: the covariance along the ray is a lower bound */
 /* A landmark, an element of odo_points. */
 typedef struct odo_point {

@@ -18,7 +18,6 @@ class Barometer {
   static constexpr odo::Description description{"fix/barometer", "1.0.0",
                                                 "Heights from pressure relative to the start or the last known height",
                                                 ODO_INTERFACE_ABSOLUTE_FIXER};
-  static constexpr uint32_t extra_inputs[] = {ODO_TYPE_FIX};  // of other plugins, once the estimator has used them
   static std::vector<odo::Parameter<Barometer>> parameters() {
     using P = Barometer;
     return {

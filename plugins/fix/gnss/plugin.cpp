@@ -31,7 +31,6 @@ class Gnss {
 
   static constexpr odo::Description description{"fix/gnss", "1.2.0", "Position and heading fixes from a GNSS receiver",
                                                 ODO_INTERFACE_ABSOLUTE_FIXER};
-  static constexpr uint32_t extra_inputs[] = {ODO_TYPE_STEP, ODO_TYPE_ATTITUDE, ODO_TYPE_IMU};  // for the walked path
   static std::vector<odo::Parameter<Gnss>> parameters() {
     return {
         odo::real("sigma", "m", 0.01, 1000, &Gnss::sigma, "standard deviation of a position without one"),

@@ -36,7 +36,6 @@ class Skyline : public FixerConfig {
   static constexpr odo::Description description{
       "fix/skyline", "1.0.0", "Position and heading from the skyline of a 3D city model (Gakne & O'Keefe 2018)",
       ODO_INTERFACE_ABSOLUTE_FIXER};
-  static constexpr uint32_t extra_inputs[] = {ODO_TYPE_CORRECTION};
   static std::vector<odo::Parameter<Skyline>> parameters() {
     using P = Skyline;
     return {

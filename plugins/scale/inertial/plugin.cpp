@@ -17,7 +17,6 @@ class Inertial {
   static constexpr odo::Description description{"scale/inertial", "1.0.0",
                                                 "Scale from the IMU, for a front-end that does not use the IMU",
                                                 ODO_INTERFACE_SCALE_SOURCE};
-  static constexpr uint32_t extra_inputs[] = {ODO_TYPE_IMU, ODO_TYPE_CALIBRATION};
   static std::vector<odo::Parameter<Inertial>> parameters() {
     return {odo::real("window", "s", 2, 10, &Inertial::window, "duration of motion in one regression"),
             odo::real("start_sigma", "", 0.01, 0.5, &Inertial::start_sigma,

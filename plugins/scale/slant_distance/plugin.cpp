@@ -29,7 +29,6 @@ class SlantDistance {
   static constexpr odo::Description description{"scale/slant_distance", "1.0.0",
                                                 "Scale from slant distances to roofs (Gakne & O'Keefe 2018)",
                                                 ODO_INTERFACE_SCALE_SOURCE};
-  static constexpr uint32_t extra_inputs[] = {ODO_TYPE_POSE, ODO_TYPE_POINTS, ODO_TYPE_CALIBRATION};
   static std::vector<odo::Parameter<SlantDistance>> parameters() {
     return {
         odo::choice("formula", "baseline|gakne2018|points", &SlantDistance::formula,

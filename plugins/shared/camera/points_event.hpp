@@ -13,6 +13,7 @@
 
 #include "plugins/shared/camera/camera_model.hpp"
 #include "plugins/shared/camera/point_tracks.hpp"
+#include "sdk/math/rotation.hpp"
 
 namespace odograph {
 
@@ -37,6 +38,21 @@ inline void choose(std::vector<TrackedPoint>& points, cv::Size size) {
   points.swap(chosen);
 }
 
+inline odo_point element_of(const TrackedPoint& point) {
+  odo_point out{};
+  out.id = point.id;
+  Eigen::Vector3f::Map(out.p_c) = point.p_c.cast<float>();
+  const Eigen::Matrix3f P = point.covariance.cast<float>();
+  const float upper[] = {P(0, 0), P(0, 1), P(0, 2), P(1, 1), P(1, 2), P(2, 2)};
+  std::copy(std::begin(upper), std::end(upper), out.covariance);
+  Eigen::Vector2f::Map(out.pixel) = point.pixel.cast<float>();
+  out.age = point.age;
+  if (point.used) out.flags |= ODO_POINT_USED;
+  if (point.lost) out.flags |= ODO_POINT_LOST;
+  if (point.uncertain) out.flags |= ODO_POINT_UNCERTAIN;
+  return out;
+}
+
 /// Emits the landmarks of each frame before its motion.
 class PointsEvent {
  public:
@@ -50,30 +66,19 @@ class PointsEvent {
     tracks_.move(raw_quaternion(motion.q_c0_c1), Eigen::Vector3d(motion.p_c0_c1));
     if (corners.empty()) return;  // a frame that was not estimated
     points_ = tracks_.see(corners, sigma_rad);
+    // Those that the camera has passed: no lens has a pixel for them.
+    std::erase_if(points_, [](const TrackedPoint& p) { return p.lost && p.p_c.z() < kLowest * p.p_c.norm(); });
     if (points_.empty()) return;
     for (TrackedPoint& point : points_)
-      if (point.lost) point.pixel = lens.project(point.p_c.head<2>() / std::max(point.p_c.z(), 1e-9));
+      if (point.lost) point.pixel = lens.project(point.p_c.head<2>() / point.p_c.z());
     choose(points_, size);
     writer_.begin(motion.header.t_ns, motion.camera, motion.scale_group, (motion.header.flags & ODO_VO_METRIC) != 0);
-    for (const TrackedPoint& point : points_) writer_.add(element(point));
+    for (const TrackedPoint& point : points_) writer_.add(element_of(point));
     output.emit(writer_);
   }
 
  private:
-  static odo_point element(const TrackedPoint& point) {
-    odo_point out{};
-    out.id = point.id;
-    Eigen::Vector3f::Map(out.p_c) = point.p_c.cast<float>();
-    const Eigen::Matrix3f P = point.covariance.cast<float>();
-    const float upper[] = {P(0, 0), P(0, 1), P(0, 2), P(1, 1), P(1, 2), P(2, 2)};
-    std::copy(std::begin(upper), std::end(upper), out.covariance);
-    Eigen::Vector2f::Map(out.pixel) = point.pixel.cast<float>();
-    out.age = point.age;
-    if (point.used) out.flags |= ODO_POINT_USED;
-    if (point.lost) out.flags |= ODO_POINT_LOST;
-    if (point.uncertain) out.flags |= ODO_POINT_UNCERTAIN;
-    return out;
-  }
+  static constexpr double kLowest = 0.1;  // cosine of the angle to the axis: beyond 84 degrees x/z grows without bound
 
   PointTracks tracks_;
   std::vector<TrackedPoint> points_;

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <optional>
 #include <string>
 #include <utility>
 
 #include "plugins/shared/camera/frame_view.hpp"
+#include "plugins/shared/camera/points_event.hpp"
 #include "plugins/vo/gakne2018/sky_odometry.hpp"
 #include "sdk/math/rotation.hpp"
 
@@ -78,22 +77,18 @@ class Gakne2018 {
   void emit_points(const odo_frame& frame, uint32_t scale_group, odo::Output& output) {
     if (!takes_points_) return;
     points_.begin(frame.header.t_ns, frame.header.source, scale_group, false);
-    for (const SkyPoint& point : vo_->points()) points_.add(element(point));
+    for (const SkyPoint& point : vo_->points()) points_.add(odograph::element_of(tracked(point)));
     takes_points_ = output.emit(points_);  // a host of 1.0 does not
   }
 
-  static odo_point element(const SkyPoint& point) {
-    odo_point out{};
-    out.id = point.id, out.age = point.age, out.flags = ODO_POINT_USED;
-    Eigen::Vector3f::Map(out.p_c) = point.p_c.cast<float>();
-    out.pixel[0] = point.pixel.x, out.pixel[1] = point.pixel.y;
+  static odograph::TrackedPoint tracked(const SkyPoint& point) {
+    odograph::TrackedPoint out;
+    out.id = point.id, out.age = point.age, out.used = true;
+    out.p_c = point.p_c, out.pixel = {point.pixel.x, point.pixel.y};
     const Eigen::Vector3d u = point.p_c.normalized();
     const double across = std::pow(point.ray_sigma_rad, 2), along = std::pow(point.relative_sigma, 2);
-    const Eigen::Matrix3f c =
-        (point.p_c.squaredNorm() * (across * Eigen::Matrix3d::Identity() + (along - across) * u * u.transpose()))
-            .cast<float>();
-    const float packed[] = {c(0, 0), c(0, 1), c(0, 2), c(1, 1), c(1, 2), c(2, 2)};
-    std::copy(std::begin(packed), std::end(packed), out.covariance);
+    out.covariance =
+        point.p_c.squaredNorm() * (across * Eigen::Matrix3d::Identity() + (along - across) * u * u.transpose());
     return out;
   }
 

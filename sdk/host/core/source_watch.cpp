@@ -3,8 +3,6 @@
 
 #include <algorithm>
 
-#include <odograph/vo_frontend.h>
-
 #include "sdk/host/base/saturating.hpp"
 #include "sdk/math/time.hpp"
 
