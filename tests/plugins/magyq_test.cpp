@@ -60,6 +60,15 @@ TEST_CASE("a still device gives its inclination and bias within seconds, without
   CHECK(std::acos((filter.orientation() * (q_b_n * Vector3d::UnitZ())).z()) < 0.01);
 }
 
+TEST_CASE("a bad first sample does not turn the start") {
+  Standing standing;
+  standing.filter.update({}, Vector3d(2.7, 0, 9.4), 0.01);  // 16 degrees off, which the dip makes 30 of heading
+  standing.pass(0.5, true);
+  const Eigen::Quaterniond off = standing.filter.orientation() * standing.q.conjugate();
+  CHECK(std::acos((off * Vector3d::UnitZ()).z()) < 0.04);
+  CHECK(std::abs(standing.heading_error() - 0.7) < 0.08);  // that of the field
+}
+
 TEST_CASE("a deflected but constant field gives the vertical bias to a swaying hand") {
   Standing with, without;
   with.pass(20, true), without.pass(20, false);

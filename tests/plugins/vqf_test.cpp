@@ -54,6 +54,8 @@ TEST_CASE(
       filter.update(gyro_bias + 0.002 * n, walk.phone.at(0.5).specific_force_b() + 0.03 * n, 0.01);
     }
     CHECK((filter.bias() - gyro_bias).norm() < 5e-4);
+    for (int i = 0; i < 50; ++i)  // it is picked up
+      filter.update(gyro_bias, walk.phone.at(0).specific_force_b() + Vector3d(0, 0, 2 * std::sin(0.2 * i)), 0.01);
     double start = 0, end = 0, start_t = 0;
     for (double t = 0; t < walk.phone.duration_s(); t += 0.01) {
       const auto k = walk.phone.at(t);

@@ -67,6 +67,24 @@ TEST_CASE("the motion's derivatives match its poses") {
   CHECK(worst_rotation < 1e-6 * rotation);
 }
 
+TEST_CASE("an even motion has no acceleration at its ends") {
+  std::vector<Eigen::Vector3d> p;
+  std::vector<Eigen::Quaterniond> q;
+  for (int i = 0; i < 10; ++i) {
+    p.emplace_back(0.1 * i, 0, 0);
+    q.emplace_back(Eigen::AngleAxisd(0.02 * i, Eigen::Vector3d::UnitZ()));
+  }
+  const Motion motion(10, p, q);
+  CHECK(motion.duration_s() == doctest::Approx(0.9));
+  for (const double t : {0.0, 0.05, 0.5, 0.9}) {
+    const auto state = motion.at(t);
+    CHECK(state.acceleration_n.norm() < 1e-9);
+    CHECK((state.velocity_n - Eigen::Vector3d(1, 0, 0)).norm() < 1e-9);
+    CHECK((state.angular_velocity_b - Eigen::Vector3d(0, 0, 0.2)).norm() < 1e-9);
+    CHECK(state.T_n_b.translation().x() == doctest::Approx(t));
+  }
+}
+
 TEST_CASE("the ideal IMU integrates to the true motion") {
   const Journey walk = make_walk(small(), 3);
   const Motion& phone = walk.phone;

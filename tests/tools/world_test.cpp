@@ -134,6 +134,33 @@ TEST_CASE("the model of a real town loads, and a route follows its terrain" * do
   CHECK(World(s, 1, &*city).route_blocked_at_m());
 }
 
+TEST_CASE("no walk of the samples leads through a house") {
+  std::vector<std::vector<Vector3d>> routes;
+  for (const auto& file : std::filesystem::directory_iterator(source("samples/scenarios"))) {
+    const Scenario scenario = *required(read_scenario(file.path().string()));
+    if (scenario.world.type == "city" || scenario.route.size() < 3) continue;  // a straight street has none across
+    if (std::find(routes.begin(), routes.end(), scenario.route) != routes.end()) continue;
+    routes.push_back(scenario.route);
+    const World world(scenario, 41);
+    double nearest = 1e9;
+    for (const Building& b : world.buildings())
+      for (double d = 0; d <= world.route().length(); d += 1) {
+        const Eigen::Vector2d p = world.route().at(d).north_east;
+        double outside = -1e9;  // of the four sides of the parallelogram
+        for (size_t i = 0; i < 4; ++i) {
+          const Eigen::Vector2d from = b.foot[i].head<2>(), side = b.foot[(i + 1) % 4].head<2>() - from;
+          const Eigen::Vector2d middle = 0.5 * (b.foot[0] + b.foot[2]).head<2>();
+          const Eigen::Vector2d normal = Eigen::Vector2d(side.y(), -side.x()).normalized();
+          const double inwards = normal.dot(middle - from) < 0 ? 1 : -1;
+          outside = std::max(outside, inwards * normal.dot(p - from));
+        }
+        nearest = std::min(nearest, outside);
+      }
+    CAPTURE(file.path().string());
+    CHECK(nearest > 2);
+  }
+}
+
 TEST_CASE("AprilTag's own detector finds a tag in a frame at its true position") {
   const TemporaryFolder folder;
   const Recording recording = recorded(past_a_tag(), 2, folder / "tag.odo");

@@ -20,8 +20,13 @@ using Eigen::Vector3d;
 void Filter::update(const Vector3d& gyro, const Vector3d& accel, double dt_s) {
   if (!started_) {
     if (accel.norm() < p_.min_start_accel_mps2) return;
+    // One sample alone may be old, or part of a swing, and its error would be the heading's too, by the field's dip.
+    q_ = (q_ * exp_rotation(gyro * dt_s)).normalized();
+    accel_sum_ += q_ * accel, window_s_ += dt_s;
+    if (window_s_ < p_.start_s) return;
     started_ = true;
-    q_ = shortest_rotation(accel, Vector3d::UnitZ());
+    q_ = shortest_rotation(accel_sum_, Vector3d::UnitZ()) * q_;
+    reset_window();
     P_.setZero();
     P_.topLeftCorner<2, 2>().diagonal().setConstant(p_.start_tilt_rad * p_.start_tilt_rad);
     P_.block<3, 3>(3, 3).diagonal().setConstant(p_.bias_sigma_radps * p_.bias_sigma_radps);
@@ -61,7 +66,7 @@ void Filter::predict(const Vector3d& gyro, double dt_s) {
 }
 
 /// The mean acceleration in the Earth frame is vertical, apart from the change of velocity within the window. The first
-/// window is not gated, since the initial inclination comes from one sample, which may be part of a swing.
+/// window is not gated, since the initial inclination may be part of a swing.
 void Filter::align_with_gravity() {
   const auto n = static_cast<double>(window_count_);
   const Vector3d mean = accel_sum_ / n, rate = rate_sum_ / n;

@@ -33,7 +33,8 @@ struct Parameters {
   double hard_iron_sigma = 0.06;           ///< hard iron, relative to the Earth's field
   // Empirical, never varied:
   double min_start_accel_mps2 = 1;       ///< min first sample: below it free fall or a defective sensor
-  double start_tilt_rad = 0.1;           ///< of the inclination from the first sample
+  double start_s = 0.1;                  ///< averaging time of the first inclination
+  double start_tilt_rad = 0.1;           ///< its sigma
   double saturation_tilt_rad = 1;        ///< of the rotation after saturation
   double rest_accel_factor = 0.1;        ///< on accel_sigma_mps2 at rest
   double gate_sigma = 5;                 ///< for a vertical, or a rate at rest

@@ -104,7 +104,9 @@ bool Odometry::estimate_pose(const Picture& now, const std::vector<std::pair<int
   for (const auto& [i, j] : ab_) in_a[j] = i;
   std::vector<cv::Point3d> world;
   std::vector<cv::Point2d> image;
-  const Isometry3d T_b_a = T_a_b_.inverse();
+  // In units of the displacement from a to b: the solver's thresholds are absolute, and the scale of a group drifts.
+  Isometry3d T_b_a = T_a_b_.inverse();
+  T_b_a.translation() /= scale_;
   for (const auto& [j, k] : pairs) {
     const auto found = in_a.find(j);
     if (found == in_a.end()) continue;
@@ -131,11 +133,12 @@ bool Odometry::estimate_pose(const Picture& now, const std::vector<std::pair<int
   T_c_b.linear() = matrix(R);
   T_c_b.translation() = Vector3d(t.at<double>(0), t.at<double>(1), t.at<double>(2));
   // Rejects a pose whose displacement is many times the last one, or whose rotation is close to half a circle.
-  if (T_c_b.translation().norm() > 10 * T_a_b_.translation().norm()) return false;
+  if (T_c_b.translation().norm() > 10) return false;
   if (Eigen::AngleAxisd(T_c_b.linear()).angle() > 0.6) return false;
   T_b_c = T_c_b.inverse();
+  T_b_c.translation() *= scale_;
   double depth = 0;
-  for (const auto& X : good_world) depth += X.z;
+  for (const auto& X : good_world) depth += scale_ * X.z;
   motion.inliers = static_cast<unsigned>(inliers.total());
   motion.rotation_sigma_rad = p_.inlier_px / f_ / std::sqrt(static_cast<double>(good_world.size()));
   motion.position_sigma = motion.rotation_sigma_rad * depth / static_cast<double>(good_world.size());
@@ -167,6 +170,7 @@ Motion Odometry::process(const cv::Mat& grey, const cv::Mat& mask) {
   follow(pair ? pair->inliers : std::vector<std::pair<int, int>>{}, now);
   Isometry3d T_b_c = T_b_before_;
   bool located = false;
+  unsigned next_group = group_;
   if (pair) {
     motion.inliers = static_cast<unsigned>(pair->inliers.size());
     located = a_ && estimate_pose(now, pair->inliers, T_b_c, motion);
@@ -176,9 +180,9 @@ Motion Odometry::process(const cv::Mat& grey, const cv::Mat& mask) {
       motion.rotation_sigma_rad = p_.inlier_px / f_ / std::sqrt(static_cast<double>(pair->inliers.size()));
     }
     if (!located && parallax) {
-      if (a_) ++group_;
-      T_b_c.translation() = scale_ * pair->T_0_1.translation();
-      motion.position_sigma = 0.1 * scale_;
+      if (a_) next_group = ++group_;
+      T_b_c.translation() = pair->T_0_1.translation();  // the group's unit of length
+      motion.position_sigma = 0.1;
       located = true;
     }
     motion.outcome = located ? Outcome::tracking : Outcome::no_parallax;
@@ -189,7 +193,9 @@ Motion Odometry::process(const cv::Mat& grey, const cv::Mat& mask) {
       a_ = std::move(b_), b_ = std::move(now);
       ab_ = pair->inliers;
       T_a_b_ = T_b_c;
-      scale_ = std::max(1e-6, T_a_b_.translation().norm());
+      scale_ = T_a_b_.translation().norm();
+      if (scale_ > p_.max_drift || scale_ * p_.max_drift < 1)
+        T_a_b_.translation() /= scale_, scale_ = 1, next_group = group_ + 1;
       T_b_before_.setIdentity();
       last_.reset();
     } else {
@@ -199,8 +205,9 @@ Motion Odometry::process(const cv::Mat& grey, const cv::Mat& mask) {
   } else {  // no common points
     last_ = std::move(now);
     restart();
+    next_group = group_;
   }
-  motion.scale_group = group_;
+  motion.scale_group = std::exchange(group_, next_group);
   return motion;
 }
 

@@ -41,6 +41,7 @@ class Odometry {
     double ratio = 0.6;  ///< of the squared differences; Lowe 2004 has 0.8 of the differences, 0.64 of these
     double inlier_px = 1.5;     ///< distance to the epipolar line; twice that for PnP; as vo/five_point
     double parallax_px = 4.0;   ///< min median parallax of two pictures to triangulate from; empirical
+    double max_drift = 1e4;     ///< of the scale within a group, in either direction; then another group begins
     unsigned min_inliers = 12;  ///< of a pose; empirical
     double dark_grey = 8;       ///< mean grey level below which a picture is too dark; as the other front-ends
   };

@@ -120,6 +120,7 @@ CouplingConfig coupling_of(const Value& coupling) {
                        : orientation == "gyroscope" ? Orientation::gyroscope
                                                     : Orientation::vo;
   config.vertical = coupling["vertical"].text == "scaled" ? Vertical::scaled : Vertical::ignore;
+  config.compass = coupling["compass"].text == "start" ? Compass::start : Compass::always;
   config.fix_gate_sigma = coupling["fix_gate"].real;
   config.bridge_s = coupling["bridge"].real;
   config.fastest_mps = coupling["fastest"].real;

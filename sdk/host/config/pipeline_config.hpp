@@ -44,12 +44,14 @@ struct StartPose {
 
 enum class Orientation { vo, gyroscope, attitude };
 enum class Vertical { ignore, scaled };
+enum class Compass { always, start };
 
 enum class CouplingType { paper, localizer };
 
 struct CouplingConfig {
   Orientation orientation = Orientation::vo;
   Vertical vertical = Vertical::ignore;
+  Compass compass = Compass::always;
   double fix_gate_sigma = 5.0;
   double bridge_s = 2.0;
   double fastest_mps = 2.0;

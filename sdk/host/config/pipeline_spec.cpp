@@ -102,6 +102,9 @@ Spec coupling_section() {
                  "attitude: the attitude source's, fixes correct its heading"),
           choice("vertical", "ignore|scaled", "ignore",
                  "paper only. ignore: horizontal displacement only, as in the paper; scaled: all three components"),
+          choice("compass", "always|start", "always",
+                 "always: a heading that refers to north corrects the camera's all along; start: it gives that of the "
+                 "start alone, as in Antigny et al. 2019, section 5.2"),
           real("fix_gate", "", 0, 100, "5",
                "a fix more than this many standard deviations from the track is rejected; 0 = no gate"),
           real("bridge", "s", 0, 60, "2",

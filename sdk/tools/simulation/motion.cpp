@@ -30,11 +30,29 @@ Eigen::Vector3d Motion::State::specific_force_b() const {
 }
 
 Motion::Motion(double rate_hz, std::vector<Eigen::Vector3d> p_n, std::vector<Eigen::Quaterniond> q_n_b)
-    : rate_hz_(rate_hz), p_(std::move(p_n)), q_(std::move(q_n_b)) {}
+    : rate_hz_(rate_hz), count_(p_n.size()), p_(std::move(p_n)), q_(std::move(q_n_b)) {
+  // The motion goes on evenly beyond both ends: a stop there would be an acceleration of the first and last samples.
+  const size_t n = p_.size(), near = std::min<size_t>(1, n - 1);
+  std::vector<Eigen::Vector3d> before, after;
+  std::vector<Eigen::Quaterniond> turned_before, turned_after;
+  for (long k = 1; k <= kBeyond; ++k) {
+    before.insert(before.begin(), p_[0] + static_cast<double>(k) * (p_[0] - p_[near]));
+    after.push_back(p_[n - 1] + static_cast<double>(k) * (p_[n - 1] - p_[n - 1 - near]));
+    turned_before.insert(turned_before.begin(),
+                         q_[0] * exp_rotation(static_cast<double>(k) * log_rotation(q_[near].conjugate() * q_[0])));
+    turned_after.push_back(
+        q_[n - 1] * exp_rotation(static_cast<double>(k) * log_rotation(q_[n - 1 - near].conjugate() * q_[n - 1])));
+  }
+  p_.insert(p_.begin(), before.begin(), before.end()), p_.insert(p_.end(), after.begin(), after.end());
+  q_.insert(q_.begin(), turned_before.begin(), turned_before.end());
+  q_.insert(q_.end(), turned_after.begin(), turned_after.end());
+}
 
-double Motion::duration_s() const { return p_.empty() ? 0.0 : static_cast<double>(p_.size() - 1) / rate_hz_; }
+double Motion::duration_s() const { return count_ == 0 ? 0.0 : static_cast<double>(count_ - 1) / rate_hz_; }
 
-size_t Motion::index(long i) const { return static_cast<size_t>(std::clamp(i, 0L, static_cast<long>(p_.size()) - 1)); }
+size_t Motion::index(long i) const {
+  return static_cast<size_t>(std::clamp(i + kBeyond, 0L, static_cast<long>(p_.size()) - 1));
+}
 
 Motion::State Motion::at(double t_s) const {
   const double u = t_s * rate_hz_, whole = std::floor(u), x = u - whole;

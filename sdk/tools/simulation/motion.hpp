@@ -26,14 +26,18 @@ class Motion {
   /// Control points at t = i / rate_hz. Both lists have the same length, at least one.
   Motion(double rate_hz, std::vector<Eigen::Vector3d> p_n, std::vector<Eigen::Quaterniond> q_n_b);
 
-  State at(double t_s) const;  ///< constant before the start and after the end
+  /// Even beyond the start and the end for a few control points, constant further out.
+  State at(double t_s) const;
   Eigen::Isometry3d pose(double t_s) const { return at(t_s).T_n_b; }
   double duration_s() const;
 
  private:
+  static constexpr long kBeyond = 3;  // control points added at each end
+
   size_t index(long i) const;
 
   double rate_hz_ = 1.0;
+  size_t count_ = 0;
   std::vector<Eigen::Vector3d> p_;
   std::vector<Eigen::Quaterniond> q_;
 };

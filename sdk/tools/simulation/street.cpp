@@ -97,6 +97,14 @@ void World::build_houses(const Scenario& c, uint64_t seed) {
     return c.world.house_height_m *
            (towers ? std::exp(std::clamp(0.55 * random.normal(), -1.1, 0.9)) : random.uniform(0.6, 1.4));
   };
+  const auto leaves_street = [&](const Vector3d& corner, const Vector3d& front, const Vector3d& back) {
+    for (const double a : {0.0, 0.5, 1.0})
+      for (const double b : {0.0, 0.5, 1.0}) {
+        const Vector3d p = corner + a * front + b * back;
+        if (!is_free(legs, p, edge - 0.2) || is_cleared(p)) return false;
+      }
+    return true;
+  };
   double leg_start = 0;
   for (const Leg& leg : legs) {
     for (const double side : {-1.0, 1.0}) {
@@ -106,12 +114,7 @@ void World::build_houses(const Scenario& c, uint64_t seed) {
         const double depth = towers ? random.uniform(18, 28) : random.uniform(7, 12);
         const Vector3d corner = leg.at(d, side * (edge + set_back));
         const Vector3d front = width * leg.along, back = side * depth * leg.aside;
-        bool free = true;
-        for (const double a : {0.0, 0.5, 1.0})
-          for (const double b : {0.0, 0.5, 1.0})
-            free = free && is_free(legs, corner + a * front + b * back, edge - 0.2) &&
-                   !is_cleared(corner + a * front + b * back);
-        if (free) {
+        if (leaves_street(corner, front, back)) {
           put(side > 0 ? Vector3d(corner + front) : corner, side > 0 ? Vector3d(-front) : front, back, height());
           const double along = leg_start + d + 0.5 * width;
           for (const auto& gap : c.world.unmapped)
@@ -129,11 +132,7 @@ void World::build_houses(const Scenario& c, uint64_t seed) {
     for (int k = -3; k < 3; ++k) {
       const Vector3d corner = middle + (end ? 14.0 : -14.0) * k * leg.aside;
       const Vector3d front = (end ? 14 : -14) * leg.aside, back = (end ? 8 : -8) * leg.along;
-      bool free = true;
-      for (const double a : {0.0, 1.0})
-        for (const double b : {0.0, 1.0}) free = free && is_free(legs, corner + a * front + b * back, edge - 0.2);
-      if (is_cleared(corner + 0.5 * front)) continue;
-      if (free || !towers) put(corner, front, back, height());
+      if (leaves_street(corner, front, back)) put(corner, front, back, height());
     }
   }
 }
