@@ -79,6 +79,29 @@ TEST_CASE("a compass that rotates a camera's world announces it, however small e
   CHECK(std::abs(announced_rad - (off_rad - first_rad)) < 0.2 * (off_rad - first_rad));
 }
 
+TEST_CASE("a compass for the start alone does not rotate a camera's world, not after blind frames either") {
+  for (const auto type : {CouplingType::paper, CouplingType::localizer}) {
+    WalkMeasurements what;
+    what.odometry.inverse_scale = 1, what.odometry.scale_sigma = 0.005;
+    what.odometry.blind_from_s = 30, what.odometry.blind_to_s = 30.1;
+    what.compass_sigma_rad = 0.1, what.end_s = 60;
+    what.compass_rad = [](double t_s) { return t_s < 20 ? 0.0 : 0.3; };
+    double turned_rad[2] = {};
+    for (const auto compass : {Compass::always, Compass::start}) {
+      MeasuredWalk walk(walk_scenario(80), what, 4);
+      TestFusion fusion({.compass = compass, .type = type}, {}, {true, false});
+      double before_rad = 0, off_rad = 0;
+      walk.run(fusion, [&](double t_s, const odo_pose& pose) {
+        off_rad = heading_of(quaternion(pose.q_n) * walk.truth(t_s).q_n_c.conjugate());
+        if (t_s < 19) before_rad = off_rad;
+      });
+      turned_rad[static_cast<size_t>(compass)] = off_rad - before_rad;
+    }
+    CHECK(turned_rad[0] > 0.02);
+    CHECK(std::abs(turned_rad[1]) < 0.005);
+  }
+}
+
 TEST_CASE("without a camera a walk drifts with its compass heading, consistently with its covariance") {
   constexpr double kCompass_rad = 0.2;
   double squares = 0, across_m = 0;

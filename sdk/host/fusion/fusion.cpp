@@ -115,7 +115,7 @@ UpdateResult Fusion::apply(const odo_attitude& attitude, Outputs& out) {
     state_.track.push(state_.track.newest().t_ns, quaternion(attitude.q_n_b), Vector3d::Zero());
     return {true, 0.0, 0};
   }
-  if (!state_.corrects_heading(t_ns, odometry_->moves())) return {};
+  if (!state_.corrects_heading(t_ns, odometry_->moved().has_value())) return {};
   // The camera's orientation at that time; the attitude's own may differ.
   const TrackPoint& newest = state_.track.newest();
   const auto q_b0_b1 = state_.track.gyro_rotation(newest.t_ns, t_ns);

@@ -56,8 +56,8 @@ class FusionState {
   MotionSource source() const { return source_; }
   bool camera_leads() const { return source_ >= MotionSource::camera_not_moving; }
   /// Whether an attitude of this time corrects the camera's heading.
-  bool corrects_heading(int64_t t_ns, bool moves) const {
-    const bool ended = config.compass == Compass::start && heading.north() && moves;
+  bool corrects_heading(int64_t t_ns, bool has_moved) const {
+    const bool ended = config.compass == Compass::start && heading.north() && has_moved;
     return camera_leads() && heading.due(t_ns) && !ended;
   }
   /// The track was moved by this source.
