@@ -2,6 +2,7 @@
 """Generates the JavaScript and TypeScript binding: memory layout and types of the messages. generate.py writes the returned text.
 Names are those of C. Header fields are members of each message, and 64-bit integers are bigints."""
 from c_types import CALLS, is_event, parse
+from description import ELEMENTS
 
 CODES = {"uint8_t": "u8", "int32_t": "i32", "uint32_t": "u32", "int64_t": "i64", "uint64_t": "u64", "float": "f32", "double": "f64", "char": "char"}
 STRUCTS = ["odo_string", "odo_error", *CALLS]  # in addition to the messages
@@ -61,15 +62,14 @@ def typescript(description):
         title = "".join(part.capitalize() for part in name[4:].split("_"))
         body = [f"  type: '{name[4:]}';"] if message else []
         body += [f"  {label}: {kind(code, count, label)};" for label, code, _, count in kept(description, name)]
-        if description.is_element(name[:-1]):
-            body += [f"  {name[4:]}: {title[:-1]}[];"]
+        body += [f"  {label}: {element[4:].capitalize()}[];" for element, (of, label) in ELEMENTS.items() if of == name]
         return title, f"export interface {title} {{\n" + "\n".join(body) + "\n}"
 
     made = [interface(name, True) for name in description.messages()]
     events = [title for (title, _), number in zip(made, description.messages().values()) if is_event(number)]
     inputs = [title for title, _ in made if title not in events]
     lines = [f"export const {name}: {value};" for name, value in constants(description).items()]
-    return (HEAD + "\n".join(lines) + "\n\n/** An address: a number in a browser, a bigint in Node. */\nexport type Pointer = number | bigint;\n\n" + "\n\n".join(text for _, text in [*made, *[interface(name, False) for name in description.structs if description.is_element(name)], interface("odo_statistics", False), interface("odo_anchor_place", False), interface("odo_anchor", False)]) +
+    return (HEAD + "\n".join(lines) + "\n\n/** An address: a number in a browser, a bigint in Node. */\nexport type Pointer = number | bigint;\n\n" + "\n\n".join(text for _, text in [*made, *[interface(name, False) for name in description.structs if description.is_element(name)], *[interface(name, False) for name in CALLS[1:]]]) +
             "\n\nexport type Input = " + " | ".join(inputs) + ";\nexport type Event = " + " | ".join(events) +
             ";\nexport type Message = Input | Event;\nexport type MessageName = Message['type'];\n"
             "export const TYPES: Record<MessageName, number>;\n"

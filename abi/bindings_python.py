@@ -33,6 +33,7 @@ MESSAGE_TYPES = """class Message(c.Structure):
     quality: float
     picture: bytes | None
     points: c.Array[Any]
+    outline: c.Array[Any]
     def __init__(self, **fields: Any) -> None: ..."""
 MESSAGE = '''
 
@@ -41,6 +42,7 @@ class Message(c.Structure):
     TYPE = 0
     picture = None  # encoded picture of a recorded frame, PNG or JPEG
     points = ()  # the landmarks of an odo_points, each an odo_point
+    outline = ()  # the vertices of an odo_surface, each an odo_vertex
     HEAD = ("t_ns", "source", "flags", "quality")
 
     def __init__(self, **fields):

@@ -4,7 +4,7 @@ import dataclasses
 import re
 
 # Structs other than messages that the library's functions take or return.
-CALLS = ["odo_session_options", "odo_statistics", "odo_anchor_place", "odo_anchor"]
+CALLS = ["odo_session_options", "odo_statistics", "odo_anchor_place", "odo_anchor", "odo_ray", "odo_hit", "odo_map_point"]
 FORM = re.compile(r"(?:const )?(?:struct )?(?P<base>\w+)(?P<stars>(?: ?\*(?:const )?)*) ?(?P<name>\w+)?(?:\[(?P<count>\d+)\])?")
 
 

@@ -12,6 +12,8 @@ import sys
 
 WRITTEN = {"layout.h", "messages.h"}  # by generate.py
 SCALARS = {"uint8_t": 1, "int32_t": 4, "uint32_t": 4, "float": 4, "double": 8, "int64_t": 8, "uint64_t": 8, "char": 1}
+# Of which message, and the name of their list in languages that have one.
+ELEMENTS = {"odo_point": ("odo_points", "points"), "odo_vertex": ("odo_surface", "outline")}
 LIMITS = {"INT64_MIN": -2**63, "INT64_MAX": 2**63 - 1, "UINT32_MAX": 2**32 - 1, "UINT64_MAX": 2**64 - 1}
 
 
@@ -181,9 +183,8 @@ class Description:
             sys.exit("plugin.h: ODO_PLUGIN_ENTRY and ODO_PLUGIN_ENTRY_SYMBOL differ")
 
     def is_element(self, name):
-        """Whether it follows a message, odo_point an odo_points, with that one's stride."""
-        message = self.structs.get(name + "s")
-        return message is not None and any(f.name == "stride" for f in message.fields)
+        """Whether it follows a message, with that one's stride."""
+        return name in ELEMENTS
 
     def has_pointer(self, name):
         fields = self.structs[name].fields

@@ -12,6 +12,7 @@ constexpr const char* kUsage =
     "  -o FILE.mp4                     write a video\n"
     "  --picture SECONDS:FILE.png      write one picture; may be repeated\n"
     "  --drop SECONDS:NAME:X,Y,Z       place an object right, down and ahead of the camera, m\n"
+    "  --tap SECONDS:NAME:COLUMN,ROW   place an object where this pixel's ray meets a surface or a landmark\n"
     "  --place NAME:LAT,LON,HEIGHT     a geodetic position: degrees, metres above the ellipsoid\n"
     "  --for SECONDS                   stop after this time\n"
     "  --height METRES                 height of the phone above the ground (1.45)\n"
@@ -51,6 +52,14 @@ bool take(const std::string& key, const std::string& value, Options& options) {
     Options::Drop drop{};
     if (parts.size() != 3 || !three(parts[2], drop.p)) return false;
     drop.at_s = std::atof(parts[0].c_str()), drop.name = parts[1];
+    options.drops.push_back(drop);
+    return true;
+  }
+  if (key == "--tap") {
+    const auto parts = split(value, ':', 3);
+    Options::Drop drop{};
+    if (parts.size() != 3 || std::sscanf(parts[2].c_str(), "%lf,%lf", drop.p, drop.p + 1) != 2) return false;
+    drop.at_s = std::atof(parts[0].c_str()), drop.name = parts[1], drop.touched = true;
     options.drops.push_back(drop);
     return true;
   }

@@ -11,6 +11,7 @@ struct Options {
     double at_s;
     std::string name;
     double p[3];
+    bool touched;  ///< by a touch: p are column and row of the picture's pixel
   };
   /// A geodetic position: degrees, and metres above the ground, the ellipsoid or the geoid.
   struct Place {

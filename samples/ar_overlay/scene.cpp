@@ -50,6 +50,28 @@ uint64_t Scene::anchor(uint32_t kind, const std::string& name, const Point& p, i
   return id;
 }
 
+/// An anchor where the ray of a pixel meets a surface or a landmark; 0 if nothing is known there yet.
+uint64_t Scene::touch(const std::string& name, double column, double row, int64_t t_ns) const {
+  odo_ray ray = sized<odo_ray>();
+  odo_hit hit = sized<odo_hit>();
+  uint32_t count = 0;
+  ray.struct_size = sizeof ray, hit.struct_size = sizeof hit;
+  ray.kind = ODO_RAY_PIXEL, ray.t_ns = t_ns;
+  ray.pixel[0] = column, ray.pixel[1] = row;
+  ray.wanted = ODO_HIT_SURFACE | ODO_HIT_POINT;
+  if (odo_session_hit_test(session_, &ray, &hit, 1, &count) != ODO_OK || count == 0) return 0;
+  odo_anchor_place place = sized<odo_anchor_place>();
+  place.struct_size = sizeof place;
+  place.kind = ODO_ANCHOR_HIT, place.t_ns = hit.t_ns, place.surface = hit.surface;
+  std::copy(hit.q_n, hit.q_n + 4, place.q);
+  std::copy(hit.p_n, hit.p_n + 3, place.p);
+  place.name.data = name.data(), place.name.size = name.size();
+  uint64_t id = 0;
+  odo_anchor_create(session_, &place, &id);
+  std::printf("%s: %.2f m ahead, +- %.0f cm\n", name.c_str(), hit.distance_m, 100 * hit.sigma_m);
+  return id;
+}
+
 void Scene::put_up(int64_t t_ns, double seconds) {
   if (!placed_) {
     placed_ = true;
@@ -80,7 +102,8 @@ void Scene::put_up(int64_t t_ns, double seconds) {
     const bool due = seconds >= drop.at_s;
     const bool done = std::any_of(shown_.begin(), shown_.end(), [&](const Shown& s) { return s.name == drop.name; });
     if (!due || done) continue;
-    const uint64_t id = anchor(ODO_ANCHOR_VIEW, drop.name, {drop.p[0], drop.p[1], drop.p[2]}, t_ns);
+    const uint64_t id = drop.touched ? touch(drop.name, drop.p[0], drop.p[1], t_ns)
+                                     : anchor(ODO_ANCHOR_VIEW, drop.name, {drop.p[0], drop.p[1], drop.p[2]}, t_ns);
     if (id != 0) shown_.push_back({id, drop.name, static_cast<int>(shown_.size())});
   }
 }

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include <odograph/anchor.h>
+#include <odograph/scene.h>
 
 #include "canvas.hpp"
 #include "options.hpp"
@@ -20,6 +21,7 @@ class Scene {
   void draw(Canvas& canvas, int64_t t_ns) const;
 
  private:
+  uint64_t touch(const std::string& name, double column, double row, int64_t t_ns) const;
   uint64_t anchor(uint32_t kind, const std::string& name, const Point& p, int64_t t_ns) const;
   void draw_grid(Canvas& canvas, const odo_pose& pose, double ground_down) const;
   std::vector<Point> path_points(int64_t t_ns) const;

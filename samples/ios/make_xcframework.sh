@@ -1,6 +1,6 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# For a Mac with Xcode: builds Odograph with three plugins and all dependencies as one static library, for phones and
+# For a Mac with Xcode: builds Odograph with four plugins and all dependencies as one static library, for phones and
 # the simulator.
 # make_xcframework.sh ODOGRAPH PREFIX_PHONE PREFIX_SIMULATOR
 # The prefixes contain the dependencies listed in README.md, built for each of the two.
@@ -8,7 +8,7 @@ set -eu
 odograph=$1
 here=$(cd "$(dirname "$0")" && pwd)
 build=$here/.build/odograph
-plugins="odograph_attitude_vqf_static odograph_step_odograph_static odograph_vo_odograph_static"
+plugins="odograph_attitude_vqf_static odograph_step_odograph_static odograph_vo_odograph_static odograph_surface_planes_static"
 
 # one SDK ARCHITECTURES PREFIX
 one() {

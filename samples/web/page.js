@@ -6,8 +6,6 @@ import {add, rotate, project, unproject, conjugate, subtract} from './math.js';
 import {Overlay} from './overlay.js';
 
 const $ = id => document.getElementById(id);
-const MARK_AHEAD_M = 3; // distance of a mark for touches above the horizon
-const FARTHEST_MARK_M = 15; // on the ground; touches beyond it are ignored
 const HAND_HEIGHT = 0.8; // height of a phone looked at, as a fraction of the walker's height (assumed)
 const PATH_STEP_M = 0.05;
 const SILENT_AFTER_MS = 3000; // without motion samples a warning is shown
@@ -173,20 +171,25 @@ function draw() {
     if (!pixel) return;
     const [x, y] = overlay.placeOf(pixel, view.camera);
     label.style.left = `${x}px`, label.style.top = `${y}px`;
-    label.textContent = `${mark.id} · ${Math.hypot(...seen).toFixed(1)} m`;
+    label.textContent = `${mark.id} · ${mark.what} · ${Math.hypot(...seen).toFixed(1)} m${tape(view.marks[i - 1], mark)}`;
   });
 }
 
-/** A mark where a touch meets the ground, or a few metres ahead of the phone. */
+/** The distance of a mark from the one before it, with its standard deviation: a measuring tape. */
+function tape(before, mark) {
+  if (!before?.sigma_m || !mark.sigma_m) return '';
+  const sigma_cm = 100 * Math.hypot(before.sigma_m, mark.sigma_m);
+  return ` · ${Math.hypot(...subtract(mark.p_n, before.p_n)).toFixed(2)} m ± ${sigma_cm.toFixed(0)} cm from ${before.id}`;
+}
+
+/** A mark where a touch meets a surface, a landmark or the floor. */
 function touch(event) {
   if (!view.pose || !view.camera) return note('A mark needs a position: walk a few steps first.');
   const box = $('picture').getBoundingClientRect();
   const ray_d = unproject(view.camera, overlay.pixelAt([event.clientX - box.left, event.clientY - box.top], view.camera));
-  const ray_n = rotate(view.pose.q_n, ray_d), below = view.ground === null ? 0 : view.ground - view.pose.p_n[2];
-  const to_ground = ray_n[2] > 0.05 ? below / ray_n[2] : Infinity, far = to_ground > 0 && to_ground < FARTHEST_MARK_M ? to_ground : MARK_AHEAD_M;
   // In the axes of the tracker's camera, whose picture is in sensor orientation.
   const half = view.turn_deg * Math.PI / 360, q_c_d = [Math.cos(half), 0, 0, -Math.sin(half)];
-  worker.postMessage({do: 'mark', t_ns: view.t_ns, p: rotate(q_c_d, ray_d).map(x => x * far)});
+  worker.postMessage({do: 'mark', t_ns: view.t_ns, direction: rotate(q_c_d, ray_d)});
   $('hint').hidden = true;
 }
 

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // The tracker, in a worker beside the page. Requests are {do: ...}, reports {type: ...}.
 import {load, ODO_CALIBRATION_EXTRINSICS, ODO_CALIBRATION_LINE_TIME, ODO_CALIBRATION_TIME_OFFSET, ODO_FORMAT_GREY8, ODO_POSE_METRIC, ODO_POSE_POSITION,
-  ODO_ANCHOR_VIEW, ODO_IMU_GYRO_CORRECTED, ODO_IMU_GYRO, ODO_IMU_ACCEL, TYPES} from './odograph/index.js';
+  ODO_ANCHOR_VIEW, ODO_HIT_FLOOR, ODO_HIT_POINT, ODO_IMU_GYRO_CORRECTED, ODO_IMU_GYRO, ODO_IMU_ACCEL, ODO_RAY_VIEW, ODO_SURFACE_FLOOR, ODO_SURFACE_VERTICAL, TYPES, placeOf} from './odograph/index.js';
 import {drawTurnedBack} from './live.js';
 
 const EVENTS = ['pose', 'state', 'correction', 'refined', 'report', 'step'];
 const FIRST_EVENT = 0x1000; // of the message numbers: recorded events are outputs and are not pushed
 const UNDRAWN = 2; // pictures that the page may lag behind; a recording waits for it, a live camera skips
+const MARK_AHEAD_M = 3; // distance of a mark where a touch hits nothing
 const WAITING_PICTURES = 8; // pictures still without a pose; a live camera drops further ones
 const library = load();
 let run = null;
@@ -21,6 +22,7 @@ class Run {
     this.poses = [];
     this.notes = [];
     this.corrections = [];
+    this.hits = new Map(); // what each mark was put on, by its id
     this.costs = [];
     this.calibration = null;
     this.state = '';
@@ -94,7 +96,14 @@ class Run {
   }
 
   marks(t_ns) {
-    return this.session.anchors().map(id => this.session.anchor(id, {t_ns})).filter(Boolean).map(({p_n, id}) => ({p_n, id: Number(id)}));
+    return this.session.anchors().map(id => this.session.anchor(id, {t_ns})).filter(Boolean).map(({p_n, id}) => ({p_n, id: Number(id), ...this.hits.get(id)}));
+  }
+
+  /** A mark where the ray of a touch, in the axes of the pose, hits something, or some metres ahead. */
+  mark(t_ns, direction) {
+    const hit = this.session.hitTest({kind: ODO_RAY_VIEW, t_ns, direction});
+    const id = this.session.createAnchor(hit ? placeOf(hit) : {kind: ODO_ANCHOR_VIEW, t_ns, p: direction.map(x => x * MARK_AHEAD_M)});
+    this.hits.set(id, hit ? {what: nameOf(hit), sigma_m: hit.sigma_m} : {what: 'ahead', sigma_m: 0});
   }
 
   end() {
@@ -104,6 +113,9 @@ class Run {
     this.session.close();
   }
 }
+
+const nameOf = ({what, surface, surface_kind}) => what === ODO_HIT_POINT ? 'point' : what === ODO_HIT_FLOOR && !surface ? 'assumed floor'
+  : surface_kind === ODO_SURFACE_FLOOR ? 'floor' : surface_kind === ODO_SURFACE_VERTICAL ? 'wall' : 'surface';
 
 const later = ms => new Promise(done => setTimeout(done, ms));
 
@@ -176,10 +188,10 @@ const ORDERS = {
     run.picture({t_ns: Math.round(t_ns), flags: 0}, bitmap, {grey: false, turn_deg});
     run.report();
   },
-  mark({t_ns, p}) {
+  mark({t_ns, direction}) {
     if (!run) return;
     try {
-      run.session.createAnchor({kind: ODO_ANCHOR_VIEW, t_ns, p});
+      run.mark(t_ns, direction);
       postMessage({type: 'marks', marks: run.marks(t_ns)});
     } catch (error) {
       run.notes.push({text: `no mark there: ${error.message}`, bad: false});

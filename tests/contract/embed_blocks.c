@@ -70,6 +70,7 @@ int main(int argc, char** argv) {
     const double accel[3] = {0.0, 9.81 + 2.0 * sin(6.2832 * 2.0 * t), 0.3};
     t_ns = 1000000000 + (int64_t)i * 10000000;
     on_imu(session, t_ns, gyro, accel, t_ns, &pose);
+    if (i == 1000 && place_where_touched(session, t_ns, 10, 10) != 0) return 4; /* there is no camera */
     if (i == 1000 && (label_what_is_ahead(session, t_ns) == 0 || put_up_a_sign(session, 0.8, 0.1) == 0)) return 3;
     if (i == 1001 && put_up_a_sign(session, 0.8, 0.1) != find_anchor(session, "the sign")) return 4;
     if (i > 1000 && i % 2 == 0) drawn += draw_anchors(session, t_ns, draw);

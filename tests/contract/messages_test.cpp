@@ -257,6 +257,37 @@ TEST_CASE("an odo_points is refused unless all its elements are within it and fi
   CHECK(message_fault(AnyMessage(writer.message().header).header()) == "");
 }
 
+TEST_CASE("an odo_surface is refused unless its outline is within it, and its state and ids agree") {
+  odo::SurfaceWriter writer;
+  const auto fault = [&](auto&& change) {
+    writer.begin(1000, 5);
+    odo_surface& surface = writer.message();
+    surface.kind = ODO_SURFACE_FLOOR, surface.q_n[0] = 1, surface.sigma_m = surface.tilt_sigma_rad = 0.1;
+    for (const float x : {0.0f, 1.0f, 2.0f}) writer.add(x, x * x);
+    change(surface);
+    return message_fault(AnyMessage(surface.header).header());
+  };
+  CHECK(fault([](odo_surface&) {}) == "");
+  CHECK(ODO_VERTEX_AT(&writer.message(), 2)->p[1] == 4);
+  CHECK(ODO_VERTEX_AT(&writer.message(), 3) == nullptr);
+  CHECK(fault([](odo_surface& s) { s.id = 0; }).starts_with("id = 0"));
+  CHECK(fault([](odo_surface& s) { s.kind = 0; }).starts_with("kind = 0"));
+  CHECK(fault([](odo_surface& s) { s.state = 4; }).starts_with("state = 4"));
+  CHECK(fault([](odo_surface& s) { s.count = 2; }).starts_with("count = 2; expected 3 to 32"));
+  CHECK(fault([](odo_surface& s) { s.count = 4; }).starts_with("count = 4; expected vertices within"));
+  CHECK(fault([](odo_surface& s) { s.count = 33; }).starts_with("count = 33"));
+  CHECK(fault([](odo_surface& s) { s.stride = 12; }).starts_with("stride = 12"));
+  CHECK(fault([](odo_surface& s) { s.offset = 136; }).starts_with("offset = 136"));
+  CHECK(fault([](odo_surface& s) { s.sigma_m = 0; }).starts_with("sigma_m = 0"));
+  CHECK(fault([](odo_surface& s) { s.q_n[0] = 2; }).starts_with("q_n has the norm 2"));
+  CHECK(fault([](odo_surface& s) { s.p_n[1] = 1e8; }).starts_with("p_n[1] = 1e+08"));
+  CHECK(fault([](odo_surface& s) { s.merged_into = 6; }).starts_with("merged_into = 6"));
+  CHECK(fault([](odo_surface& s) { s.state = ODO_SURFACE_WITHDRAWN; }).starts_with("count = 3"));
+  CHECK(fault([](odo_surface& s) { s.state = ODO_SURFACE_WITHDRAWN, s.count = 0, s.sigma_m = 0; }) == "");
+  CHECK(fault([](odo_surface& s) { s.state = ODO_SURFACE_MERGED, s.count = 0; }).starts_with("merged_into = 0"));
+  CHECK(fault([](odo_surface& s) { s.state = ODO_SURFACE_MERGED, s.count = 0, s.merged_into = 6; }) == "");
+}
+
 TEST_CASE("integers of calibrations and frames are accepted within their limits only") {
   struct Limit {
     uint32_t type;

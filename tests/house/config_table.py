@@ -9,7 +9,7 @@ import sys
 ROOT, WRITE = sys.argv[1], "--write" in sys.argv[2:]
 PAGE = os.path.join(ROOT, "samples/configs/README.md")
 BEGIN, END = "<!-- config_table.py: begin -->\n", "<!-- config_table.py: end -->\n"
-KINDS = ("attitude", "step", "vo", "scale", "fix")
+KINDS = ("attitude", "step", "vo", "scale", "fix", "surface")
 SENSORS = {"fix/gnss": "GNSS", "fix/barometer": "barometer", "fix/skyline": "city model", "fix/known_object": "objects' file", "fix/waypoint": "waypoints", "fix/terrain": "terrain model",
            "attitude/magyq": "magnetometer"}
 
@@ -29,7 +29,7 @@ def row(path):
     return "| " + " | ".join(cells) + " |\n"
 
 
-TABLE = ("| config | uses | attitude | steps | front-end | scale | fixes | coupling |\n|---|---|---|---|---|---|---|---|\n" +
+TABLE = ("| config | uses | attitude | steps | front-end | scale | fixes | surfaces | coupling |\n|---|---|---|---|---|---|---|---|---|\n" +
          "".join(map(row, sorted(glob.glob(os.path.join(ROOT, "samples/configs/*.yaml"))))))
 with open(PAGE, encoding="utf-8") as page:
     before, rest = page.read().split(BEGIN)

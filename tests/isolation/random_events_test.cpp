@@ -85,10 +85,10 @@ TEST_CASE("if the localizer's state becomes non-finite, no such pose is publishe
   CameraTable cameras(std::nullopt);
   InputChecks checks(host);
   WorldView world(
-      cameras, [] { return 0u; }, 1'000'000'000);
+      cameras, [] { return 0u; }, 1'000'000'000, 1.7);
   size_t poses = 0, broken = 0;
   auto pipeline =
-      Pipeline::make(*config, {host, checks, world.geodesy(), world.poses(), world.anchors(), world.mutex()},
+      Pipeline::make(*config, {host, checks, world.geodesy(), world.poses(), world.anchors(), world.scene(), world.mutex()},
                      [&](const odo_header& event) {
                        if (event.type != ODO_TYPE_POSE) return;
                        ++poses, broken += whole(as<odo_pose>(event)) ? 0 : 1;

@@ -60,6 +60,14 @@ namespace Odograph {
       return i < message->count && message->stride >= sizeof(Point) && begin + message->stride <= Header->struct_size ? (Point*)((byte*)Header + begin) : null;
     }
 
+    /// Vertex i of an odo_surface, likewise.
+    public Vertex* OutlineVertex(uint i) {
+      if (Header->type != Abi.ODO_TYPE_SURFACE || Header->struct_size < sizeof(Surface)) return null;
+      var message = (Surface*)Header;
+      ulong begin = message->offset + (ulong)i * message->stride;
+      return i < message->count && message->stride >= sizeof(Vertex) && begin + message->stride <= Header->struct_size ? (Vertex*)((byte*)Header + begin) : null;
+    }
+
     bool Copy(void* to, uint type, uint size) {
       if (Header->type != type) return false;
       uint available = Math.Min(size, Header->struct_size);
@@ -266,6 +274,27 @@ namespace Odograph {
       fixed (Anchor* a = &anchor) return Abi.odo_anchor_get(session, id, world, t_ns, a) == Abi.ODO_OK;
     }
     public bool RemoveAnchor(ulong id) { return Abi.odo_anchor_remove(session, id) == Abi.ODO_OK; }
+
+    /// The nearest thing that a ray hits: false if there is none, or while position or scale are unknown. Set kind, and pixel or origin and
+    /// direction; t_ns as of the picture shown. To place something there, pass PlaceOf(hit) to CreateAnchor.
+    public bool TryHitTest(Ray ray, out Hit hit) {
+      uint count;
+      hit = default(Hit);
+      hit.struct_size = (uint)sizeof(Hit);
+      ray.struct_size = (uint)sizeof(Ray);
+      fixed (Hit* h = &hit) OdographException.Check(Abi.odo_session_hit_test(session, &ray, h, 1, &count));
+      return count > 0;
+    }
+    public static AnchorPlace PlaceOf(Hit hit, uint world = Abi.ODO_WORLD_CORRECTED) {
+      var place = default(AnchorPlace);
+      place.kind = Abi.ODO_ANCHOR_HIT;
+      place.t_ns = hit.t_ns;
+      place.world = world;
+      place.q = hit.q_n;
+      place.p = hit.p_n;
+      place.surface = hit.surface;
+      return place;
+    }
 
     public static string StateText(uint state) { return Marshal.PtrToStringAnsi((IntPtr)Abi.odo_state_text(state)); }
     public static string ReasonText(uint reason) { return Marshal.PtrToStringAnsi((IntPtr)Abi.odo_reason_text(reason)); }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Odograph for JavaScript: a metric 6-DoF pose of a hand-held phone. Names are those of the C ABI; its headers and docs/abi.md describe
 // messages and fields. node.d.ts and web.d.ts declare how each package loads the library.
-import type {Anchor, AnchorPlace, Event, Frame, Input, MessageName, Message, Pose, Statistics} from './abi.js';
+import type {Anchor, AnchorPlace, Event, Frame, Hit, Input, MessageName, Message, Pose, Ray, Statistics} from './abi.js';
 export * from './abi.js';
 
 /** Nanoseconds of the sensor clock: any epoch, one clock for all sensors. */
@@ -37,6 +37,9 @@ export class Odograph {
   openRecording(recording: string | Uint8Array): Recording;
 }
 
+/** The place of a hit for createAnchor, in the world of its ray (ODO_WORLD_*). */
+export function placeOf(hit: Hit, world?: number): {kind: number; q: number[]; p: number[]; t_ns: bigint; surface: bigint; world: number};
+
 /** Fields of a message to push: all are optional, and 64-bit integers may be numbers. */
 export type Fields<T> = T extends {type: string} ? {[K in keyof Omit<T, 'type'>]?: T[K] extends bigint ? Time : T[K]} : never;
 /** Any input except a frame. */
@@ -60,6 +63,8 @@ export class Session {
   createAnchor(place: Partial<Omit<AnchorPlace, 'name_data' | 'name_size'>> & {kind: number; name?: string}): bigint;
   anchor(id: bigint | number, options?: {t_ns?: Time; world?: number}): Anchor | null;
   anchors(): bigint[];
+  /** The nearest thing that a ray hits; null if there is none, or while position or scale are unknown. */
+  hitTest(ray: {kind: number; t_ns?: Time} & Partial<Omit<Ray, 'kind' | 't_ns'>>): Hit | null;
   removeAnchor(id: bigint | number): number;
   statistics(): Statistics;
   lastError(): string | null;

@@ -4,10 +4,10 @@
 import koffi from 'koffi';
 import * as abi from './abi.js';
 import {PROTOTYPES} from './prototypes.js';
-import {checkInput, eventTypes, LATEST, OdographError, plane, structs} from './structs.js';
+import {checkInput, eventTypes, LATEST, OdographError, placeOf, plane, structs} from './structs.js';
 
 export * from './abi.js';
-export {OdographError};
+export {OdographError, placeOf};
 
 const {read, message: messageAt, write} = structs('u64');
 const CALLBACK = koffi.pointer(koffi.proto('void odo_node_event(void *user, void *event)'));
@@ -160,6 +160,12 @@ export class Session {
     const ids = new BigUint64Array(Number(this.library.odo_anchor_list(this.#handle, null, 0)));
     this.library.odo_anchor_list(this.#handle, ids, ids.length);
     return [...ids];
+  }
+  /** The nearest thing that a ray (fields of odo_ray) hits, or null. placeOf(hit) is its place for createAnchor. */
+  hitTest(ray) {
+    const from = made('ray', {t_ns: LATEST, ...ray}), hit = made('hit'), count = new Uint32Array(1);
+    this.library.check(this.library.odo_session_hit_test(this.#handle, bytes(from), bytes(hit), 1, count));
+    return count[0] > 0 ? read(hit, 0, 'hit') : null;
   }
   removeAnchor(id) { return this.library.odo_anchor_remove(this.#handle, BigInt(id)); }
 

@@ -36,6 +36,11 @@ export function plane({length}, width, height, data) {
   return {format, width, height, plane_count: 1, planes0_data: data, planes0_row_stride: width * pixel, planes0_pixel_stride: pixel};
 }
 
+/** The place of a hit for createAnchor, in the world of its ray. */
+export function placeOf({q_n, p_n, t_ns, surface}, world = abi.ODO_WORLD_CORRECTED) {
+  return {kind: abi.ODO_ANCHOR_HIT, q: q_n, p: p_n, t_ns, surface, world};
+}
+
 /** Readers and writers for addresses of type 'u32' or 'u64'. A struct starts at offset `at` of a DataView. */
 export function structs(pointer) {
   const access = {...NUMBERS, ptr: NUMBERS[pointer]};
@@ -61,16 +66,18 @@ export function structs(pointer) {
   function message(view, at) {
     const type = view.getUint32(at + 4, true), name = NAMES[type];
     if (!name) return {type: String(type), t_ns: view.getBigInt64(at + 8, true)};
-    return name === 'points' ? withElements(view, at) : {type: name, ...read(view, at, name)};
+    const out = {type: name, ...read(view, at, name)};
+    if (name === 'points') out.points = elements(view, at, 'point', out);
+    if (name === 'surface') out.outline = elements(view, at, 'vertex', out);
+    return out;
   }
 
-  /** An odo_points with its landmarks, `points`. */
-  function withElements(view, at) {
-    const out = {type: 'points', ...read(view, at, 'points')}, size = view.getUint32(at, true), {offset, stride} = out;
-    out.points = [];
-    for (let begin = offset; out.points.length < out.count && stride >= STRUCTS.point.size && begin + stride <= size; begin += stride)
-      out.points.push(read(view, at + begin, 'point', stride));
-    return out;
+  /** The elements behind a message. */
+  function elements(view, at, name, {offset, stride, count}) {
+    const size = view.getUint32(at, true), found = [];
+    for (let begin = offset; found.length < count && stride >= STRUCTS[name].size && begin + stride <= size; begin += stride)
+      found.push(read(view, at + begin, name, stride));
+    return found;
   }
 
   /** Writes fields and the header of a struct to zeroed memory. */

@@ -3,10 +3,10 @@
 // thread, so use it in a Web Worker.
 import makeModule from './odograph.js';
 import * as abi from './abi.js';
-import {checkInput, eventTypes, LATEST, OdographError, plane, structs} from './structs.js';
+import {checkInput, eventTypes, LATEST, OdographError, placeOf, plane, structs} from './structs.js';
 
 export * from './abi.js';
-export {OdographError};
+export {OdographError, placeOf};
 
 const {STRUCTS} = abi, {read, message, write} = structs('u32');
 
@@ -176,6 +176,17 @@ export class Session {
     return library.using(8 * count + 8, at => {
       module._odo_anchor_list(this.#handle, at, BigInt(count));
       return Array.from({length: count}, (_, i) => library.view.getBigUint64(at + 8 * i, true));
+    });
+  }
+  /** The nearest thing that a ray (fields of odo_ray) hits, or null. placeOf(hit) is its place for createAnchor. */
+  hitTest(ray) {
+    const {library, library: {module}} = this, from = STRUCTS.ray.size, size = STRUCTS.hit.size;
+    return library.using(from + size + 8, at => {
+      library.write(at, 'ray', {t_ns: LATEST, ...ray});
+      library.write(at + from, 'hit');
+      const status = module._odo_session_hit_test(this.#handle, at, at + from, 1, at + from + size);
+      if (status < 0) throw new OdographError(status, library.statusText(status));
+      return library.view.getUint32(at + from + size, true) > 0 ? library.read(at + from, 'hit') : null;
     });
   }
   removeAnchor(id) { return this.library.module._odo_anchor_remove(this.#handle, BigInt(id)); }

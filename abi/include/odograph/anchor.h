@@ -23,6 +23,9 @@ extern "C" {
 #define ODO_ANCHOR_POSE 1u     /* q and p are in n */
 #define ODO_ANCHOR_VIEW 2u     /* q and p are in the axes of the pose at t_ns, e.g. a point touched in the image */
 #define ODO_ANCHOR_GEODETIC 3u /* a latitude, longitude and height */
+/* Since 1.1: like POSE, at the pose of an odo_hit. While the surface that was hit exists, the anchor is fixed to it (to
+ * the remaining one after a merger). Without a surface, or once it is withdrawn, it is an ordinary local anchor. */
+#define ODO_ANCHOR_HIT 4u
 
 #define ODO_HEIGHT_ELLIPSOID 1u /* above the WGS 84 ellipsoid */
 #define ODO_HEIGHT_GEOID 2u     /* above the geoid ("sea level"), which is geoid_height_m above the ellipsoid there */
@@ -32,18 +35,19 @@ extern "C" {
 typedef struct odo_anchor_place {
   uint32_t struct_size;
   uint32_t kind;         /* ODO_ANCHOR_* */
-  int64_t t_ns;          /* POSE, VIEW: time of observation, preferably within the last 3 s; ODO_TIME_LATEST: now */
-  uint32_t world;        /* POSE: world of q and p, ODO_WORLD_* */
+  int64_t t_ns;          /* POSE, VIEW, HIT: time of observation, preferably within the last 3 s; ODO_TIME_LATEST: now */
+  uint32_t world;        /* POSE, HIT: world of q and p, ODO_WORLD_* */
   uint32_t height_above; /* GEODETIC: ODO_HEIGHT_* */
-  double q[4];           /* rotates vectors from the anchor to n (POSE), to North-East-Down at the anchor (GEODETIC) or
-                          * to the axes of the pose (VIEW); all zero: no rotation */
-  double p[3];           /* POSE, VIEW: m */
+  double q[4];           /* rotates vectors from the anchor to n (POSE, HIT), to North-East-Down at the anchor (GEODETIC)
+                          * or to the axes of the pose (VIEW); all zero: no rotation */
+  double p[3];           /* POSE, VIEW, HIT: m */
   double latitude_rad;   /* GEODETIC: WGS 84 */
   double longitude_rad;
   double height_m;
   double geoid_height_m; /* with ODO_HEIGHT_GEOID */
   double sigma_m;        /* GEODETIC: standard deviation of the given position, in each axis */
   odo_string name;       /* UTF-8, at most 63 bytes */
+  uint64_t surface;      /* HIT: id of the surface that was hit, 0: another hit. Since 1.1 */
 } odo_anchor_place;
 
 #define ODO_ANCHOR_PLACED 1u    /* q_n, p_n and their sigmas are valid */

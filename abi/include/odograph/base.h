@@ -172,6 +172,7 @@ typedef struct odo_string {
 #define ODO_TYPE_REFINED 0x100Bu
 #define ODO_TYPE_RELATIVE_POSE 0x100Cu
 #define ODO_TYPE_POINTS 0x100Du
+#define ODO_TYPE_SURFACE 0x100Eu
 
 /* Type number of a vendor message. `vendor` (below 2^19) is assigned in docs/abi.md; the vendor chooses `number` (below
  * 4096). The message starts with an odo_header, contains no pointer and has at most ODO_LARGEST_MESSAGE bytes; it is

@@ -282,6 +282,49 @@ typedef struct odo_point {
                                            (size_t)(i) * (points)->stride)                                             \
        : (const odo_point *)0)
 
+/* A plane patch around the phone, since 1.1, from a surface finder. Each message replaces the one before it with its
+ * source and id. Published ones have the session's id, which is never used again. Later corrections (odo_correction)
+ * move it like all that is derived from the track. Vertex i of its outline begins at the byte offset + i * stride, both
+ * multiples of 8, and counts only if it ends within struct_size; message and vertex may each grow, as in odo_points. */
+#define ODO_SURFACE_FLOOR 1u      /* where the user stands */
+#define ODO_SURFACE_HORIZONTAL 2u /* a table, a step, a ceiling */
+#define ODO_SURFACE_VERTICAL 3u
+#define ODO_SURFACE_OTHER 4u
+#define ODO_SURFACE_PRESENT 1u    /* new, or changed */
+#define ODO_SURFACE_MERGED 2u     /* part of the surface `merged_into` from now on */
+#define ODO_SURFACE_WITHDRAWN 3u  /* there is no such plane */
+typedef struct odo_surface {
+  odo_header header;      /* t_ns: time of the newest frame that it is derived from */
+  uint64_t id;            /* not 0 */
+  uint64_t merged_into;   /* with MERGED: id of the other surface, otherwise 0 */
+  uint32_t kind;          /* ODO_SURFACE_FLOOR ... */
+  uint32_t state;         /* ODO_SURFACE_PRESENT ... */
+  uint32_t count;         /* vertices, 3 to ODO_MOST_VERTICES with PRESENT, otherwise 0 */
+  uint32_t stride;        /* bytes from one vertex to the next */
+  uint32_t offset;        /* bytes from the start of the message to the first vertex */
+  uint32_t reserved;      /* 0 */
+  double q_n[4];          /* rotates vectors from the surface to n: x and y lie in the plane, z is its normal on the
+                           * side that was seen. Except for refinements the axes last as long as the id */
+  double p_n[3];          /* origin of its axes, a point of the plane, m */
+  double sigma_m;         /* standard deviation of the plane along its normal, relative to the phone near it */
+  double tilt_sigma_rad;  /* standard deviation of the normal's direction */
+} odo_surface;
+
+/* A vertex of the outline, an element of odo_surface. The outline is convex, with the interior on the left when seen
+ * from the side of the normal. */
+typedef struct odo_vertex {
+  float p[2]; /* in the surface's x and y, m */
+} odo_vertex;
+#define ODO_MOST_VERTICES 32u
+#define ODO_LARGEST_SURFACE 1024u /* bytes that suffice for a message with its outline */
+/* Vertex i of `surface`, an odo_surface *, or null if the message does not contain it (8: its size in 1.1). */
+#define ODO_VERTEX_AT(surface, i)                                                                                      \
+  ((uint64_t)(i) < (surface)->count && (surface)->stride >= 8u &&                                                      \
+           (uint64_t)(surface)->offset + ((uint64_t)(i) + 1) * (surface)->stride <= (surface)->header.struct_size      \
+       ? (const odo_vertex *)(const void *)((const char *)(surface) + (surface)->offset +                              \
+                                            (size_t)(i) * (surface)->stride)                                           \
+       : (const odo_vertex *)0)
+
 #define ODO_SEVERITY_DEBUG 0u
 #define ODO_SEVERITY_INFO 1u
 #define ODO_SEVERITY_WARNING 2u

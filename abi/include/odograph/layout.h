@@ -17,7 +17,9 @@
 #include <odograph/attitude.h>
 #include <odograph/recording.h>
 #include <odograph/scale_source.h>
+#include <odograph/scene.h>
 #include <odograph/step_estimator.h>
+#include <odograph/surface_finder.h>
 #include <odograph/terrain.h>
 #include <odograph/vo_frontend.h>
 
@@ -100,6 +102,14 @@ ODO_LAYOUT(odo_point, sizeof(odo_point) == 64 && offsetof(odo_point, id) == 0 &&
            offsetof(odo_point, covariance) == 20 && offsetof(odo_point, pixel) == 44 &&
            offsetof(odo_point, age) == 52 && offsetof(odo_point, flags) == 56 &&
            offsetof(odo_point, reserved) == 60)
+ODO_LAYOUT(odo_surface, sizeof(odo_surface) == 144 && offsetof(odo_surface, header) == 0 &&
+           offsetof(odo_surface, id) == 32 && offsetof(odo_surface, merged_into) == 40 &&
+           offsetof(odo_surface, kind) == 48 && offsetof(odo_surface, state) == 52 &&
+           offsetof(odo_surface, count) == 56 && offsetof(odo_surface, stride) == 60 &&
+           offsetof(odo_surface, offset) == 64 && offsetof(odo_surface, reserved) == 68 &&
+           offsetof(odo_surface, q_n) == 72 && offsetof(odo_surface, p_n) == 104 &&
+           offsetof(odo_surface, sigma_m) == 128 && offsetof(odo_surface, tilt_sigma_rad) == 136)
+ODO_LAYOUT(odo_vertex, sizeof(odo_vertex) == 8 && offsetof(odo_vertex, p) == 0)
 ODO_LAYOUT(odo_report, sizeof(odo_report) == 1200 && offsetof(odo_report, header) == 0 &&
            offsetof(odo_report, count) == 32 && offsetof(odo_report, severity) == 40 &&
            offsetof(odo_report, status) == 44 && offsetof(odo_report, plugin) == 48 &&
@@ -218,13 +228,14 @@ ODO_LAYOUT(odo_statistics, sizeof(odo_statistics) == 184 && offsetof(odo_statist
            offsetof(odo_statistics, events_dropped) == 144 && offsetof(odo_statistics, unknown) == 152 &&
            offsetof(odo_statistics, scale_sigma) == 160 && offsetof(odo_statistics, scale_by_inertia) == 168 &&
            offsetof(odo_statistics, scale_by_steps) == 176)
-ODO_LAYOUT(odo_anchor_place, sizeof(odo_anchor_place) == 136 && offsetof(odo_anchor_place, struct_size) == 0 &&
+ODO_LAYOUT(odo_anchor_place, sizeof(odo_anchor_place) == 144 && offsetof(odo_anchor_place, struct_size) == 0 &&
            offsetof(odo_anchor_place, kind) == 4 && offsetof(odo_anchor_place, t_ns) == 8 &&
            offsetof(odo_anchor_place, world) == 16 && offsetof(odo_anchor_place, height_above) == 20 &&
            offsetof(odo_anchor_place, q) == 24 && offsetof(odo_anchor_place, p) == 56 &&
            offsetof(odo_anchor_place, latitude_rad) == 80 && offsetof(odo_anchor_place, longitude_rad) == 88 &&
            offsetof(odo_anchor_place, height_m) == 96 && offsetof(odo_anchor_place, geoid_height_m) == 104 &&
-           offsetof(odo_anchor_place, sigma_m) == 112 && offsetof(odo_anchor_place, name) == 120)
+           offsetof(odo_anchor_place, sigma_m) == 112 && offsetof(odo_anchor_place, name) == 120 &&
+           offsetof(odo_anchor_place, surface) == 136)
 ODO_LAYOUT(odo_anchor, sizeof(odo_anchor) == 264 && offsetof(odo_anchor, struct_size) == 0 &&
            offsetof(odo_anchor, kind) == 4 && offsetof(odo_anchor, id) == 8 && offsetof(odo_anchor, t_ns) == 16 &&
            offsetof(odo_anchor, flags) == 24 && offsetof(odo_anchor, state) == 28 &&
@@ -235,6 +246,19 @@ ODO_LAYOUT(odo_anchor, sizeof(odo_anchor) == 264 && offsetof(odo_anchor, struct_
            offsetof(odo_anchor, view_sigma_m) == 168 && offsetof(odo_anchor, latitude_rad) == 176 &&
            offsetof(odo_anchor, longitude_rad) == 184 && offsetof(odo_anchor, height_m) == 192 &&
            offsetof(odo_anchor, name) == 200)
+ODO_LAYOUT(odo_map_point, sizeof(odo_map_point) == 48 && offsetof(odo_map_point, struct_size) == 0 &&
+           offsetof(odo_map_point, reserved) == 4 && offsetof(odo_map_point, t_ns) == 8 &&
+           offsetof(odo_map_point, p_n) == 16 && offsetof(odo_map_point, sigma_m) == 40)
+ODO_LAYOUT(odo_ray, sizeof(odo_ray) == 104 && offsetof(odo_ray, struct_size) == 0 && offsetof(odo_ray, kind) == 4 &&
+           offsetof(odo_ray, t_ns) == 8 && offsetof(odo_ray, world) == 16 && offsetof(odo_ray, camera) == 20 &&
+           offsetof(odo_ray, pixel) == 24 && offsetof(odo_ray, origin) == 40 && offsetof(odo_ray, direction) == 64 &&
+           offsetof(odo_ray, max_distance_m) == 88 && offsetof(odo_ray, wanted) == 96 &&
+           offsetof(odo_ray, reserved) == 100)
+ODO_LAYOUT(odo_hit, sizeof(odo_hit) == 128 && offsetof(odo_hit, struct_size) == 0 && offsetof(odo_hit, what) == 4 &&
+           offsetof(odo_hit, surface) == 8 && offsetof(odo_hit, t_ns) == 16 &&
+           offsetof(odo_hit, surface_kind) == 24 && offsetof(odo_hit, reserved) == 28 &&
+           offsetof(odo_hit, q_n) == 32 && offsetof(odo_hit, p_n) == 64 && offsetof(odo_hit, normal_n) == 88 &&
+           offsetof(odo_hit, distance_m) == 112 && offsetof(odo_hit, sigma_m) == 120)
 ODO_LAYOUT(odo_terrain, sizeof(odo_terrain) == 24 && offsetof(odo_terrain, struct_size) == 0 &&
            offsetof(odo_terrain, reserved) == 4 && offsetof(odo_terrain, user) == 8 &&
            offsetof(odo_terrain, height) == 16)

@@ -35,7 +35,8 @@
   X(ODO_TYPE_REPORT, odo_report, report, ODO_REPORT_SIZE_MIN)                              \
   X(ODO_TYPE_REFINED, odo_refined, refined, ODO_REFINED_SIZE_MIN)                          \
   X(ODO_TYPE_RELATIVE_POSE, odo_relative_pose, relative_pose, ODO_RELATIVE_POSE_SIZE_MIN)  \
-  X(ODO_TYPE_POINTS, odo_points, points, ODO_POINTS_SIZE_MIN)
+  X(ODO_TYPE_POINTS, odo_points, points, ODO_POINTS_SIZE_MIN)                              \
+  X(ODO_TYPE_SURFACE, odo_surface, surface, ODO_SURFACE_SIZE_MIN)
 
 #define ODO_ATTITUDE_SIZE_MIN 160u
 #define ODO_STEP_SIZE_MIN 96u
@@ -81,6 +82,11 @@
 #define ODO_CONTENT_SERVICE_SIZE_MIN 40u
 #define ODO_POINTS_SIZE_MIN 56u
 #define ODO_POINT_SIZE_MIN 64u
+#define ODO_SURFACE_SIZE_MIN 144u
+#define ODO_VERTEX_SIZE_MIN 8u
+#define ODO_MAP_POINT_SIZE_MIN 48u
+#define ODO_RAY_SIZE_MIN 104u
+#define ODO_HIT_SIZE_MIN 128u
 /* clang-format on */
 
 #endif

@@ -15,6 +15,7 @@
 #include <odograph/anchor.h>
 #include <odograph/plugin_messages.hpp>
 #include <odograph/recording.h>
+#include <odograph/scene.h>
 
 #include <atomic>
 #include <exception>
@@ -48,7 +49,7 @@ class Event {
  public:
   explicit Event(const odo_header* header) : header_(header) {}
   const odo_header& header() const noexcept { return *header_; }
-  /// Returns a copy of the message if it has that type. The elements of an odo_points are not copied: see points().
+  /// Returns a copy of the message if it has that type. Elements are not copied: see points(), ODO_VERTEX_AT.
   template <class Message> std::optional<Message> get() const {
     if (header_->type != type_of<Message>::value) return std::nullopt;
     Message message;
@@ -174,6 +175,24 @@ class Session {
     return ids;
   }
   void remove_anchor(uint64_t id) { check(odo_anchor_remove(c(), id)); }
+
+  /// What a ray hits, nearest first, at most `most`. Empty while the position or the scale is unknown. The size of the ray
+  /// is set.
+  std::vector<odo_hit> hit_test(odo_ray ray, uint32_t most = 8) const {
+    ray.struct_size = sizeof ray;
+    std::vector<odo_hit> hits(most, sized<odo_hit>());
+    uint32_t count = 0;
+    check(odo_session_hit_test(c(), &ray, hits.data(), most, &count));
+    hits.resize(count);
+    return hits;
+  }
+  /// The place of a hit for create_anchor(), in the world of its ray.
+  static odo_anchor_place place_of(const odo_hit& hit, uint32_t world = ODO_WORLD_CORRECTED) {
+    auto place = sized<odo_anchor_place>();
+    place.kind = ODO_ANCHOR_HIT, place.t_ns = hit.t_ns, place.world = world, place.surface = hit.surface;
+    std::memcpy(place.q, hit.q_n, sizeof place.q), std::memcpy(place.p, hit.p_n, sizeof place.p);
+    return place;
+  }
 
   /// Anchors and parameters estimated by plugins, for load() in a later session.
   std::string save() const {

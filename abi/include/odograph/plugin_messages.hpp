@@ -134,6 +134,34 @@ class PointsWriter {
   std::unique_ptr<Storage> storage_;
 };
 
+/// An odo_surface with room for ODO_MOST_VERTICES, for Output::emit().
+class SurfaceWriter {
+ public:
+  /// Starts the message of a surface that is present, without an outline; the caller fills the rest.
+  void begin(int64_t t_ns, uint64_t id) noexcept {
+    storage_.message = odo_surface{};
+    storage_.message.header.type = ODO_TYPE_SURFACE;
+    storage_.message.header.t_ns = t_ns;
+    storage_.message.id = id, storage_.message.state = ODO_SURFACE_PRESENT;
+    storage_.message.stride = sizeof(odo_vertex), storage_.message.offset = offsetof(Storage, vertices);
+    storage_.message.header.struct_size = storage_.message.offset;
+  }
+  /// The next vertex, in the surface's x and y, m, counterclockwise. Those beyond ODO_MOST_VERTICES are not stored.
+  void add(float x, float y) noexcept {
+    if (storage_.message.count == ODO_MOST_VERTICES) return;
+    storage_.vertices[storage_.message.count++] = {{x, y}};
+    storage_.message.header.struct_size += storage_.message.stride;
+  }
+  odo_surface& message() noexcept { return storage_.message; }
+  const odo_surface& message() const noexcept { return storage_.message; }
+
+ private:
+  struct Storage {
+    odo_surface message{};
+    odo_vertex vertices[ODO_MOST_VERTICES];
+  } storage_{};
+};
+
 /// Emits events to the sink and reports to the report service. [process]
 class Output {
  public:
@@ -153,6 +181,7 @@ class Output {
     return emitted(event.header);
   }
   bool emit(const PointsWriter& points) { return emitted(points.message().header); }
+  bool emit(const SurfaceWriter& surface) { return emitted(surface.message().header); }
   /// Requests a call of woken(), for plugins with another source of data. Returns false if the host does not provide
   /// the service, for example to a plugin that is isolated in a process. [any]
   bool wake() const noexcept {

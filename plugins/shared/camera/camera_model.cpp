@@ -5,6 +5,8 @@
 
 #include <opencv2/calib3d.hpp>
 
+#include "sdk/math/lens.hpp"
+
 namespace odograph {
 
 void CameraModel::undistort(const std::vector<cv::Point2f>& pixels, std::vector<cv::Point2d>& normalized) const {
@@ -23,18 +25,12 @@ void CameraModel::undistort(const std::vector<cv::Point2f>& pixels, std::vector<
 }
 
 Eigen::Vector2d CameraModel::project(const Eigen::Vector2d& p) const {
-  const auto k = [&](size_t i) { return i < coefficients.size() ? coefficients[i] : 0.0; };
-  const double r2 = p.squaredNorm();
+  const LensCoefficients k{coefficients.data(), coefficients.size()};
   Eigen::Vector2d d = p;
   if (distortion == Distortion::kannala_brandt) {
-    const double r = std::sqrt(r2), theta = std::atan(r), t2 = theta * theta;
-    const double bent = theta * (1 + t2 * (k(0) + t2 * (k(1) + t2 * (k(2) + t2 * k(3)))));
-    if (r > 1e-12) d *= bent / r;
+    if (const double r = p.norm(); r > 1e-12) d *= kannala_brandt(std::atan(r), k) / r;
   } else {
-    const double radial = (1 + r2 * (k(0) + r2 * (k(1) + r2 * k(4)))) / (1 + r2 * (k(5) + r2 * (k(6) + r2 * k(7))));
-    const double xy = 2 * p.x() * p.y();
-    d = radial * p +
-        Eigen::Vector2d(k(2) * xy + k(3) * (r2 + 2 * p.x() * p.x()), k(2) * (r2 + 2 * p.y() * p.y()) + k(3) * xy);
+    d = radial_tangential(p, k);
   }
   return {fx * d.x() + cx, fy * d.y() + cy};
 }

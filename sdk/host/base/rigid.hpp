@@ -12,6 +12,7 @@ struct Rigid {
   Eigen::Vector3d p = Eigen::Vector3d::Zero();  ///< m
 
   Rigid operator*(const Rigid& inner) const { return {(q * inner.q).normalized(), p + q * inner.p}; }
+  Eigen::Vector3d operator*(const Eigen::Vector3d& point) const { return p + q * point; }
   Rigid inverse() const { return {q.conjugate(), -(q.conjugate() * p)}; }
 };
 

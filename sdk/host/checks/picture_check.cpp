@@ -152,7 +152,7 @@ void PictureCheck::add(const odo_frame& frame) {
   check_frozen(picture == earlier, t_ns);
   const double f_px = (frame.header.flags & ODO_FRAME_INTRINSICS) && frame.fx > 0 ? frame.fx : f_px_;
   const auto shift_px = picture.shift_since(earlier, p_.min_likeness);
-  if (shift_px) waiting_ = Pair{*last_ns, t_ns, *shift_px / f_px, {}};
+  if (shift_px) waiting_ = Pair{*last_ns, t_ns, *shift_px / f_px, Eigen::Vector3d::Zero()};
 }
 
 void PictureCheck::take_waiting() {

@@ -175,6 +175,7 @@ std::optional<Failure> choose_plugins(const Value& v, PluginRegistry& registry, 
                  : spec.name == "step_estimator" ? config.step_estimators
                  : spec.name == "vo_frontend"    ? config.vo_frontends
                  : spec.name == "scale_source"   ? config.scale_sources
+                 : spec.name == "surface_finder" ? config.surface_finders
                                                  : config.fixers;
     for (const Value& item : value.items) {
       kind.push_back(choose(item, spec, v, registry, policy, config.name));
@@ -196,6 +197,11 @@ std::optional<Failure> check_companions(const PipelineConfig& config, const Valu
         ODO_E_CONFIG,
         at(config.name, v["scale_source"].mark,
            "scale_source: nothing to scale; expected a 'vo_frontend' plugin beside it (nearest: 'vo_frontend')")};
+  if (!config.surface_finders.empty() && config.vo_frontends.empty())
+    return Failure{
+        ODO_E_CONFIG,
+        at(config.name, v["surface_finder"].mark,
+           "surface_finder: no landmarks; expected a 'vo_frontend' plugin beside it (nearest: 'vo_frontend')")};
   return std::nullopt;
 }
 
@@ -243,6 +249,8 @@ Result<PipelineConfig> interpret(const YamlNode& root, const std::string& text, 
   config.replay = {v["replay"]["start_at_first_waypoint"].boolean, v["replay"]["align_heading_over"].real};
   if (const auto wrong = choose_plugins(v, registry, policy, config)) return *wrong;
   if (const auto missing = check_companions(config, v)) return *missing;
+  if (v["walker"]["height"].given || !config.step_estimators.empty())
+    config.walker_height_m = v["walker"]["height"].real;
   return config;
 }
 

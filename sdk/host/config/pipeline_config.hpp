@@ -84,7 +84,16 @@ struct PipelineConfig {
   OrderingConfig ordering;
   CouplingConfig coupling;
   ReplayConfig replay;
-  std::vector<PluginChoice> attitudes, step_estimators, vo_frontends, scale_sources, fixers;  // any number of each
+  std::optional<double> walker_height_m;  // if given, or if there is a step estimator
+  // any number of each, numbered in this order
+  std::vector<PluginChoice> attitudes, step_estimators, vo_frontends, scale_sources, fixers, surface_finders;
+
+  /// All plugins, in the order of their numbers.
+  template <class Visit>
+  void visit_plugins(Visit&& each) const {
+    for (const auto* kind : {&attitudes, &step_estimators, &vo_frontends, &scale_sources, &fixers, &surface_finders})
+      for (const PluginChoice& plugin : *kind) each(plugin);
+  }
 };
 
 /// Schema of the whole file; the source of the JSON Schema and the help.

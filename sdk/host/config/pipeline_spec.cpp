@@ -3,6 +3,7 @@
 #include <odograph/attitude.h>
 #include <odograph/scale_source.h>
 #include <odograph/step_estimator.h>
+#include <odograph/surface_finder.h>
 #include <odograph/vo_frontend.h>
 
 #include "sdk/host/config/pipeline_config.hpp"
@@ -153,6 +154,8 @@ const Spec& pipeline_spec() {
             plugin("vo_frontend", ODO_INTERFACE_VO_FRONTEND, "camera motion up to scale"),
             plugin("scale_source", ODO_INTERFACE_SCALE_SOURCE, "scale of the front-end's displacements"),
             plugin("absolute_fixers", ODO_INTERFACE_ABSOLUTE_FIXER, "absolute positions and orientations"),
+            plugin("surface_finder", ODO_INTERFACE_SURFACE_FINDER,
+                   "floor, tables and walls from the front-end's landmarks, for odo_session_hit_test"),
             coupling_section(),
             map("replay", "how `odograph run` aligns a recording's map with n",
                 {

@@ -7,12 +7,12 @@ namespace odograph {
 
 /// Whether any plugin, or its fallback, runs in a process of its own.
 inline bool runs_processes(const PipelineConfig& config) {
-  for (const auto* plugins :
-       {&config.attitudes, &config.step_estimators, &config.vo_frontends, &config.scale_sources, &config.fixers})
-    for (const PluginChoice& chosen : *plugins)
-      for (const PluginChoice* choice = &chosen; choice; choice = choice->fallback.get())
-        if (choice->isolation.kind == Isolation::Kind::process) return true;
-  return false;
+  bool any = false;
+  config.visit_plugins([&](const PluginChoice& chosen) {
+    for (const PluginChoice* choice = &chosen; choice; choice = choice->fallback.get())
+      any = any || choice->isolation.kind == Isolation::Kind::process;
+  });
+  return any;
 }
 
 }  // namespace odograph

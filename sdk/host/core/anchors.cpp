@@ -70,6 +70,19 @@ uint64_t Anchors::add_geodetic(const odo_anchor_place& place) {
   return anchor.id;
 }
 
+uint64_t Anchors::add_on_surface(const odo_anchor_place& place, const Rigid& T_n_a, const Rigid& T_n_s,
+                                 double sigma_m) {
+  const std::lock_guard lock(mutex_);
+  if (anchors_.size() >= p_.max_anchors) return 0;
+  Anchor& anchor = add(place, Reference::surface);
+  anchor.placed = true;
+  anchor.surface = place.surface;
+  anchor.T_n_a = T_n_a;
+  anchor.T_b_a = T_n_s.inverse() * T_n_a;
+  anchor.sigma_m = sigma_m;
+  return anchor.id;
+}
+
 bool Anchors::remove(uint64_t id) {
   const std::lock_guard lock(mutex_);
   const auto found = std::find_if(anchors_.begin(), anchors_.end(), [id](const Anchor& a) { return a.id == id; });
@@ -223,6 +236,11 @@ Anchors::Covariance Anchors::covariance_of(const Anchor& anchor) const {
   by_now << skew(anchor.T_n_a.p - now_.p_n_b), -Matrix3d::Identity();
   const Matrix3d of_view = by_now * now_.now * by_now.transpose();
   const KeptPose* kept = kept_pose(anchor.pose_id);
+  if (anchor.reference == Reference::surface) {
+    const double along_m = p_.surface_drift * (anchor.T_n_a.p - now_.p_n_b).norm();
+    const Matrix3d view = Matrix3d::Identity() * (anchor.sigma_m * anchor.sigma_m + along_m * along_m);
+    return {of_view + view, view, now_.now(2, 2)};
+  }
   if (anchor.reference == Reference::awaiting_pose)  // seen from the present pose
     return {by_now * now_.now * by_now.transpose(), Matrix3d::Zero(), now_.now(2, 2)};
   if (!kept) {
@@ -242,6 +260,7 @@ void Anchors::update(KeptPoses& poses, int64_t t_ns, const Rigid* correction) {
   placed_ = placed_ || poses.is_placed();
   release_unused(poses);
   if (anchors_.empty() || !poses.pose_now(now_)) return;
+  now_ns_ = t_ns;
   for (auto& [id, kept] : poses_)
     if (!poses.kept_pose(id, kept)) id = 0;
   std::erase_if(poses_, [](const auto& kept) { return kept.first == 0; });
@@ -263,10 +282,39 @@ void Anchors::update(KeptPoses& poses, int64_t t_ns, const Rigid* correction) {
       anchor.T_n_a = before;
     if (anchor.reference == Reference::geodetic) georeference(anchor, now_);
     if (anchor.reference == Reference::navigation && placed_) anchor.placed = true, anchor.lost_reason = 0;
-    const Rigid moved = before.inverse() * anchor.T_n_a;
-    if (was_placed && (moved.p.norm() > p_.max_smooth_jump_m || moved.q.vec().norm() > p_.max_smooth_jump_m))
-      anchor.smooth.jumped(std::max(t_ns, queried_ns_), {before.q, before.p}, {anchor.T_n_a.q, anchor.T_n_a.p});
+    if (was_placed) blend(anchor, before, t_ns);
   }
+}
+
+void Anchors::follow_surface(uint64_t id, uint64_t into, const Rigid& T_n_s, double sigma_m) {
+  const std::lock_guard lock(mutex_);
+  for (Anchor& anchor : anchors_) {
+    if (anchor.surface != id) continue;
+    const Rigid before = anchor.T_n_a;
+    if (into != id)
+      anchor.T_b_a = T_n_s.inverse() * before, anchor.surface = into;
+    else
+      anchor.T_n_a = T_n_s * anchor.T_b_a;
+    anchor.sigma_m = sigma_m;
+    blend(anchor, before, now_ns_);
+  }
+}
+
+void Anchors::leave_surface(uint64_t id) {
+  const std::lock_guard lock(mutex_);
+  for (Anchor& anchor : anchors_) {
+    if (anchor.surface != id) continue;
+    anchor.surface = 0, anchor.kind = ODO_ANCHOR_POSE, anchor.sigma_m = 0;
+    anchor.reference = Reference::awaiting_pose, anchor.seen_ns = now_ns_;
+    anchor.T_b_a = Rigid{now_.q_n_b, now_.p_n_b}.inverse() * anchor.T_n_a;
+  }
+}
+
+/// In the smooth world a placed anchor moves from `before` to where it is.
+void Anchors::blend(Anchor& anchor, const Rigid& before, int64_t t_ns) {
+  const Rigid moved = before.inverse() * anchor.T_n_a;
+  if (moved.p.norm() > p_.max_smooth_jump_m || moved.q.vec().norm() > p_.max_smooth_jump_m)
+    anchor.smooth.jumped(std::max(t_ns, queried_ns_), {before.q, before.p}, {anchor.T_n_a.q, anchor.T_n_a.p});
 }
 
 void Anchors::drop_kept_poses() {
@@ -313,7 +361,9 @@ std::vector<uint8_t> Anchors::save() const {
   std::vector<uint8_t> bytes;
   for (const Anchor& anchor : anchors_) {
     Saved saved{};
-    saved.kind = anchor.kind, saved.height_above = anchor.height_above, saved.sigma_m = anchor.sigma_m;
+    // A later session does not have this one's surfaces.
+    saved.kind = anchor.kind == ODO_ANCHOR_HIT ? ODO_ANCHOR_POSE : anchor.kind,
+    saved.height_above = anchor.height_above, saved.sigma_m = anchor.sigma_m;
     anchor.name.copy(saved.name, kLongestName);
     Quaterniond q = anchor.T_n_a.q;
     if (anchor.reference == Reference::geodetic) {

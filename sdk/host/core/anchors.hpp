@@ -26,6 +26,7 @@ class Anchors {
   struct Parameters {
     size_t max_anchors = 1024;        ///< anchors
     double max_smooth_jump_m = 1e-6;  ///< m, smaller changes are not blended
+    double surface_drift = 0.01;      ///< error along a surface by the phone's track, relative to the distance
     SmoothPose::Parameters smooth;
   };
 
@@ -54,6 +55,8 @@ class Anchors {
   /// Returns the id, or 0 if there are too many anchors.
   uint64_t add_local(const odo_anchor_place& place, const Placement& placement);
   uint64_t add_geodetic(const odo_anchor_place& place);
+  /// On a surface of this session.
+  uint64_t add_on_surface(const odo_anchor_place& place, const Rigid& T_n_a, const Rigid& T_n_s, double sigma_m);
   bool remove(uint64_t id);
   std::vector<uint64_t> ids() const;
   /// State at a time, which the blending needs; nothing if the anchor does not exist. `drawn`: a pose of that time is
@@ -65,6 +68,10 @@ class Anchors {
   void set_ground(Ground ground) { ground_ = std::move(ground); }
   /// The track advanced or was corrected. `correction` is null unless a correction was announced.
   void update(KeptPoses& poses, int64_t t_ns, const Rigid* correction);
+  /// A surface was refined; the anchors on `id` move to `into`, which may be another one.
+  void follow_surface(uint64_t id, uint64_t into, const Rigid& T_n_s, double sigma_m);
+  /// There is no such surface any more: its anchors are local ones, where they are.
+  void leave_surface(uint64_t id);
   /// The localizer restarts and keeps no poses any more.
   void drop_kept_poses();
 
@@ -75,7 +82,7 @@ class Anchors {
   bool load(std::span<const uint8_t> blob);
 
  private:
-  enum class Reference { geodetic, pose, track, awaiting_pose, navigation };
+  enum class Reference { geodetic, pose, track, awaiting_pose, navigation, surface };
   struct Anchor {
     uint64_t id = 0;
     uint32_t kind = 0;
@@ -89,6 +96,7 @@ class Anchors {
     int64_t seen_ns = 0;
     Rigid T_b_a;  // in the axes of the kept pose, once there is one
     uint64_t pose_id = 0;
+    uint64_t surface = 0;                                         // T_b_a is then in its axes
     Eigen::Matrix3d offset_covariance = Eigen::Matrix3d::Zero();  // of p in T_b_a, m^2, in the axes of the kept pose
     // geodetic
     std::array<double, 3> geodetic{};
@@ -108,6 +116,7 @@ class Anchors {
   void release_unused(KeptPoses& poses);
   const KeptPose* kept_pose(uint64_t id) const;
   void georeference(Anchor& anchor, const KeptPose& now);
+  void blend(Anchor& anchor, const Rigid& before, int64_t t_ns);
   Covariance covariance_of(const Anchor& anchor) const;
   Eigen::Quaterniond axes_at(const std::array<double, 3>& geodetic) const;
 
@@ -120,6 +129,7 @@ class Anchors {
   mutable size_t found_ = 0;                          // where the last one was found
   bool removed_ = false;                              // an anchor, since the newest update
   KeptPose now_;                                      // the body at the newest update
+  int64_t now_ns_ = INT64_MIN;                        // time of that
   uint64_t last_id_ = 0;
   bool placed_ = false;  // n is placed, by the configured start or by a fix
   mutable int64_t queried_ns_ = INT64_MIN;

@@ -4,6 +4,7 @@
 #include <odograph/anchor.h>
 #include <odograph/layout.h>
 #include <odograph/odograph.h>
+#include <odograph/scene.h>
 
 #include <algorithm>
 #include <cstdio>
@@ -69,6 +70,28 @@ int32_t hand_out(Struct* out, uint32_t min_size, Find&& find) {
     return status;
   });
 }
+
+/// Writes element i of the caller's array, whose elements may be older or newer than the host's.
+template <class Struct>
+void put_element(Struct* array, uint64_t i, uint32_t stride, Struct element) {
+  element.struct_size = std::min<uint32_t>(stride, sizeof element);
+  std::memcpy(reinterpret_cast<char*>(array) + i * stride, &element, element.struct_size);
+}
+
+/// The number of all ids, of which those that fit are written.
+template <class Find>
+int64_t list(Find&& find, uint64_t* ids, uint64_t capacity) {
+  int64_t count = 0;
+  const int32_t status = guarded([&] {
+    const std::vector<uint64_t> all = find();
+    std::copy_n(all.begin(), std::min<uint64_t>(capacity, all.size()), ids);
+    count = static_cast<int64_t>(all.size());
+    return ODO_OK;
+  });
+  return status < 0 ? status : count;
+}
+
+constexpr uint32_t kMostHits = 64;
 
 int32_t get_pose(odo_session* session, uint32_t of, uint32_t world, int64_t t_ns, odo_pose* pose) {
   if (!session || !pose) return ODO_E_ARGUMENT;
@@ -190,7 +213,9 @@ int32_t odo_anchor_create(odo_session* session, const odo_anchor_place* place, u
   if (id) *id = 0;
   if (!session || !place || !id) return ODO_E_ARGUMENT;
   if (place->struct_size < ODO_ANCHOR_PLACE_SIZE_MIN) return ODO_E_STRUCT_SIZE;
-  return guarded([&] { return session->session->world().create_anchor(*place, *id); });
+  odo_anchor_place whole{};
+  std::memcpy(static_cast<void*>(&whole), place, std::min<size_t>(place->struct_size, sizeof whole));
+  return guarded([&] { return session->session->world().create_anchor(whole, *id); });
 }
 
 int32_t odo_anchor_get(odo_session* session, uint64_t id, uint32_t world, int64_t t_ns, odo_anchor* anchor) {
@@ -201,18 +226,54 @@ int32_t odo_anchor_get(odo_session* session, uint64_t id, uint32_t world, int64_
 
 int64_t odo_anchor_list(odo_session* session, uint64_t* ids, uint64_t capacity) {
   if (!session || (capacity > 0 && !ids)) return ODO_E_ARGUMENT;
-  int64_t count = 0;
-  const int32_t status = guarded([&] {
-    const auto all = session->session->world().anchor_ids();
-    std::copy_n(all.begin(), std::min<uint64_t>(capacity, all.size()), ids);
-    count = static_cast<int64_t>(all.size());
-    return ODO_OK;
-  });
-  return status < 0 ? status : count;
+  return list([&] { return session->session->world().anchor_ids(); }, ids, capacity);
 }
 
 int32_t odo_anchor_remove(odo_session* session, uint64_t id) {
   return session ? guarded([&] { return session->session->world().remove_anchor(id); }) : ODO_E_ARGUMENT;
+}
+
+int64_t odo_session_get_points(odo_session* session, uint32_t world, odo_map_point* points, uint64_t capacity) {
+  if (!session || (capacity > 0 && !points)) return ODO_E_ARGUMENT;
+  const uint32_t stride = capacity > 0 ? points->struct_size : sizeof(odo_map_point);
+  if (stride < ODO_MAP_POINT_SIZE_MIN) return ODO_E_STRUCT_SIZE;
+  int64_t count = 0;
+  const int32_t status = guarded([&] {
+    std::vector<odo_map_point> all;
+    all.reserve(std::min<uint64_t>(capacity, ODO_MOST_MAP_POINTS));
+    count = session->session->world().points(
+        world, [&](uint64_t i) { return i < all.capacity() ? &all.emplace_back() : nullptr; });
+    for (size_t i = 0; i < all.size(); ++i) put_element(points, i, stride, all[i]);
+    return count < 0 ? static_cast<int32_t>(count) : ODO_OK;
+  });
+  return status < 0 ? status : count;
+}
+
+int64_t odo_surface_list(odo_session* session, uint64_t* ids, uint64_t capacity) {
+  if (!session || (capacity > 0 && !ids)) return ODO_E_ARGUMENT;
+  return list([&] { return session->session->world().surface_ids(); }, ids, capacity);
+}
+
+int32_t odo_surface_get(odo_session* session, uint64_t id, uint32_t world, odo_surface* surface) {
+  if (!session || !surface) return ODO_E_ARGUMENT;
+  if (surface->header.struct_size < ODO_SURFACE_SIZE_MIN) return ODO_E_STRUCT_SIZE;
+  return guarded([&] { return session->session->world().surface(id, world, *surface); });
+}
+
+int32_t odo_session_hit_test(odo_session* session, const odo_ray* ray, odo_hit* hits, uint32_t capacity,
+                             uint32_t* count) {
+  if (count) *count = 0;
+  if (!session || !ray || !count || (capacity > 0 && !hits)) return ODO_E_ARGUMENT;
+  const uint32_t stride = capacity > 0 ? hits->struct_size : sizeof(odo_hit);
+  if (ray->struct_size < ODO_RAY_SIZE_MIN || stride < ODO_HIT_SIZE_MIN) return ODO_E_STRUCT_SIZE;
+  return guarded([&] {
+    odo_ray whole{};
+    std::memcpy(static_cast<void*>(&whole), ray, std::min<size_t>(ray->struct_size, sizeof whole));
+    odo_hit found[kMostHits];
+    const int32_t status = session->session->world().hit_test(whole, {found, std::min(capacity, kMostHits)}, *count);
+    for (uint32_t i = 0; i < *count; ++i) put_element(hits, i, stride, found[i]);
+    return status;
+  });
 }
 
 const char* odo_version(void) { return odograph::kVersion; }

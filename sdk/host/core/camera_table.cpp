@@ -68,6 +68,11 @@ std::string CameraTable::size_fault(const Camera& camera, const odo_frame& frame
          std::to_string(frame.header.source) + " is for " + size(known.width, known.height);
 }
 
+std::optional<odo_calibration> CameraTable::calibration(uint32_t source) const {
+  const auto camera = find(source);
+  return camera ? std::optional(camera->calibration) : std::nullopt;
+}
+
 std::optional<CameraTable::Mount> CameraTable::mount(uint32_t source) const {
   const auto camera = find(source);
   return camera ? camera->mount : std::nullopt;

@@ -33,6 +33,8 @@ class CameraTable {
   std::string complete(odo_frame& frame) const;
   /// Nothing while it is unknown.
   std::optional<Mount> mount(uint32_t source) const;
+  /// The newest calibration; nothing while there is none.
+  std::optional<odo_calibration> calibration(uint32_t source) const;
 
  private:
   struct Camera {

@@ -55,7 +55,8 @@ class Pipeline {
     Geodesy& geodesy;
     PoseStream& poses;        ///< receives every pose, attitude and state
     Anchors& anchors;         ///< updated with the estimate
-    std::mutex& world_mutex;  ///< held while a correction moves poses and anchors
+    Scene& scene;             ///< the same
+    std::mutex& world_mutex;  ///< held while a correction moves poses, anchors and scene
   };
 
   /// Loads and starts the plugins. `publish` is called for every event, from within process().
@@ -95,6 +96,8 @@ class Pipeline {
   void on_attitude(odo_attitude& attitude, bool used);
   void on_step(const odo_step& step, bool used);
   void on_points(odo_points& points, bool used);
+  void on_surface(odo_surface& surface, bool used);
+  void withdraw_orphans(uint32_t source);
   uint32_t group_of(const odo_header& event, uint32_t group);
   void on_vo_motion(odo_vo_motion& motion);
   void on_fix(odo_fix& fix);
@@ -118,6 +121,8 @@ class Pipeline {
   Geodesy& geodesy_;
   PoseStream& poses_;
   Anchors& anchors_;
+  Scene& scene_;
+  std::mutex& world_mutex_;
   EventQueue events_;
   ImuJoiner joiner_;
   SensorWatch watch_;

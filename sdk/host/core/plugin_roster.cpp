@@ -4,29 +4,37 @@
 #include <algorithm>
 #include <cmath>
 
+#include <odograph/absolute_fixer.h>
+#include <odograph/attitude.h>
+#include <odograph/scale_source.h>
+#include <odograph/step_estimator.h>
+#include <odograph/surface_finder.h>
 #include <odograph/terrain.h>
 #include <odograph/vo_frontend.h>
 
 namespace odograph {
 
 Result<bool> PluginRoster::start(const PipelineConfig& config) {
-  Plugins attitudes, steps, front_ends, fixers;
-  const std::pair<const std::vector<PluginChoice>*, Plugins*> kinds[] = {{&config.attitudes, &attitudes},
-                                                                         {&config.step_estimators, &steps},
-                                                                         {&config.vo_frontends, &front_ends},
-                                                                         {&config.scale_sources, &scale_sources_},
-                                                                         {&config.fixers, &fixers}};
-  for (const auto& [choices, kind] : kinds)
-    for (const PluginChoice& choice : *choices) {
-      const auto number = static_cast<uint32_t>(plugins_.size() + 1);
-      auto made = PluginInstance::make(choice, config.library_check, number, host_);
-      if (!made) return made.failure();
-      kind->push_back(plugins_.emplace_back(std::move(*made)).get());
-    }
-  for (const auto* kind : {&attitudes, &front_ends, &scale_sources_, &steps, &fixers})
-    call_order_.insert(call_order_.end(), kind->begin(), kind->end());
-  has_attitude_ = !attitudes.empty();
-  has_front_end_ = !front_ends.empty();
+  std::optional<Failure> failure;
+  config.visit_plugins([&](const PluginChoice& choice) {
+    if (failure) return;
+    const auto number = static_cast<uint32_t>(plugins_.size() + 1);
+    auto made = PluginInstance::make(choice, config.library_check, number, host_);
+    made ? plugins_.push_back(std::move(*made)) : void(failure = made.failure());
+  });
+  if (failure) return *failure;
+  const auto of_kind = [&](const char* interface_id) {
+    Plugins found;
+    for (const auto& plugin : plugins_)
+      if (plugin->interface_id() == interface_id) found.push_back(plugin.get());
+    return found;
+  };
+  for (const char* kind : {ODO_INTERFACE_ATTITUDE, ODO_INTERFACE_VO_FRONTEND, ODO_INTERFACE_SCALE_SOURCE,
+                           ODO_INTERFACE_STEP_ESTIMATOR, ODO_INTERFACE_ABSOLUTE_FIXER, ODO_INTERFACE_SURFACE_FINDER})
+    for (PluginInstance* plugin : of_kind(kind)) call_order_.push_back(plugin);
+  scale_sources_ = of_kind(ODO_INTERFACE_SCALE_SOURCE);
+  has_attitude_ = !config.attitudes.empty();
+  has_front_end_ = !config.vo_frontends.empty();
   return true;
 }
 

@@ -59,6 +59,7 @@ void PosePublisher::publish_pose(Fusion& fusion, odo_pose pose, bool is_new) {
   {
     const std::lock_guard lock(s_.world_mutex);
     add_to_stream(fusion, pose);
+    if (is_new) s_.scene.see(pose);
     s_.anchors.update(fusion, pose.header.t_ns, nullptr);
   }
   publish_(pose.header);
@@ -73,6 +74,7 @@ void PosePublisher::publish_correction(Fusion& fusion, const Correction& correct
   {  // readers must never combine a corrected phone with uncorrected anchors, or vice versa
     const std::lock_guard lock(s_.world_mutex);
     s_.poses.correct(level);
+    s_.scene.correct(level);
     s_.anchors.update(fusion, t_ns, &level);
   }
   announce(t_ns, level, correction.reason);
@@ -85,6 +87,7 @@ void PosePublisher::publish_restart(Fusion& fusion, const odo_pose& pose) {
   const Rigid correction{q, Vector3d(pose.p_n) - q * Vector3d(before.p_n)};
   {
     const std::lock_guard lock(s_.world_mutex);
+    s_.scene.correct(correction);
     s_.anchors.update(fusion, pose.header.t_ns, &correction);
   }
   announce(pose.header.t_ns, correction, ODO_CORRECTION_RESTART);

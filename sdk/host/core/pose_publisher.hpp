@@ -11,6 +11,7 @@
 #include "sdk/host/core/north_reference.hpp"
 #include "sdk/host/core/plugin_roster.hpp"
 #include "sdk/host/core/pose_stream.hpp"
+#include "sdk/host/core/scene.hpp"
 #include "sdk/host/core/sensor_watch.hpp"
 #include "sdk/host/fusion/fusion.hpp"
 
@@ -33,7 +34,8 @@ class PosePublisher {
     const NorthReference& north;
     PoseStream& poses;        ///< receives every pose and state
     Anchors& anchors;         ///< updated with the estimate
-    std::mutex& world_mutex;  ///< held while a correction moves poses and anchors
+    Scene& scene;             ///< the same
+    std::mutex& world_mutex;  ///< held while a correction moves poses, anchors and scene
   };
   using Send = std::function<void(const odo_header&)>;
 

@@ -22,7 +22,8 @@ Result<std::unique_ptr<Session>> Session::make(PipelineConfig config, std::vecto
   WorldView& world = self.world_;
   if (kPlatform.threads) self.call_watchdog_ = std::make_unique<CallWatchdog>(self.host_);
   auto pipeline = Pipeline::make(
-      self.config_, {self.host_, self.checks_, world.geodesy(), world.poses(), world.anchors(), world.mutex()},
+      self.config_,
+      {self.host_, self.checks_, world.geodesy(), world.poses(), world.anchors(), world.scene(), world.mutex()},
       [&self](const odo_header& event) { self.outbox_.publish(event); });
   if (!pipeline) {
     Failure failure = pipeline.failure();
@@ -53,7 +54,8 @@ Session::Session(PipelineConfig config, std::vector<std::filesystem::path> asset
       checks_(host_),
       world_(
           cameras_, [this] { return pipeline_->camera(); },
-          static_cast<int64_t>(std::max(config_.ordering.max_gap_s, config_.ordering.max_wait_s) * 1e9)),
+          static_cast<int64_t>(std::max(config_.ordering.max_gap_s, config_.ordering.max_wait_s) * 1e9),
+          config_.walker_height_m.value_or(0)),
       intake_(config_, runs_processes(config_) ? &host_.shared_pixels() : nullptr, cameras_, checks_, world_.poses(),
               host_, outbox_, mutex_) {
   host_.on_wake([this] { notify(); });

@@ -6,6 +6,7 @@
 
 #include "sdk/host/messages/bounds.hpp"
 #include "sdk/host/base/pose_frame.hpp"
+#include "sdk/math/lens.hpp"
 #include "sdk/math/rotation.hpp"
 
 namespace odograph {
@@ -72,7 +73,7 @@ int32_t WorldView::tracked_body(int64_t t_ns, odo_pose& out) const {
 }
 
 int32_t WorldView::create_anchor(const odo_anchor_place& place, uint64_t& id) {
-  if (place.kind < ODO_ANCHOR_POSE || place.kind > ODO_ANCHOR_GEODETIC || place.world > ODO_WORLD_SMOOTH)
+  if (place.kind < ODO_ANCHOR_POSE || place.kind > ODO_ANCHOR_HIT || place.world > ODO_WORLD_SMOOTH)
     return ODO_E_ARGUMENT;
   if (place.name.size > Anchors::kLongestName || (place.name.size > 0 && !place.name.data)) return ODO_E_ARGUMENT;
   if (!finite(place.q, 4) || !is_rotation(place.q)) return ODO_E_ARGUMENT;
@@ -100,7 +101,9 @@ int32_t WorldView::create_anchor(const odo_anchor_place& place, uint64_t& id) {
     if (const int32_t status = poses_.at(seen.t_ns, true, smooth); status != ODO_OK) return status;
     seen.T_n_a = rigid(view) * rigid(smooth).inverse() * seen.T_n_a;
   }
-  id = anchors_.add_local(place, seen);
+  const Scene::Surface* surface = place.kind == ODO_ANCHOR_HIT ? scene_.find(place.surface) : nullptr;
+  id = surface ? anchors_.add_on_surface(place, seen.T_n_a, scene_.T_n_m() * surface->T_m_s, surface->sigma_m)
+               : anchors_.add_local(place, seen);
   return id != 0 ? ODO_OK : ODO_E_EXHAUSTED;
 }
 
@@ -144,6 +147,128 @@ int32_t WorldView::anchor(uint64_t id, uint32_t world, int64_t t_ns, odo_anchor&
     out.latitude_rad = (*known->geodetic)[0], out.longitude_rad = (*known->geodetic)[1];
     out.height_m = (*known->geodetic)[2];
   }
+  return ODO_OK;
+}
+
+/// From the corrected n to that of a world, where both poses are known at t.
+Rigid WorldView::to_world(uint32_t world, int64_t t_ns) const {
+  odo_pose corrected{}, smooth{};
+  if (world != ODO_WORLD_SMOOTH || poses_.at(t_ns, false, corrected) != ODO_OK ||
+      poses_.at(t_ns, true, smooth) != ODO_OK)
+    return {};
+  return rigid(smooth) * rigid(corrected).inverse();
+}
+
+int64_t WorldView::points(uint32_t world, const std::function<odo_map_point*(uint64_t)>& element) const {
+  if (world > ODO_WORLD_SMOOTH) return ODO_E_ARGUMENT;
+  const std::lock_guard lock(mutex_);
+  const Rigid T_world_n = to_world(world, ODO_TIME_LATEST);
+  uint64_t count = 0;
+  scene_.visit_points([&](const Vector3d& p_n, double sigma_m, int64_t t_ns) {
+    odo_map_point* out = element(count++);
+    if (!out) return;
+    out->t_ns = t_ns, out->sigma_m = sigma_m;
+    Vector3d::Map(out->p_n) = T_world_n * p_n;
+  });
+  return static_cast<int64_t>(count);
+}
+
+std::vector<uint64_t> WorldView::surface_ids() const {
+  const std::lock_guard lock(mutex_);
+  std::vector<uint64_t> ids;
+  for (const Scene::Surface& surface : scene_.surfaces()) ids.push_back(surface.id);
+  return ids;
+}
+
+int32_t WorldView::surface(uint64_t id, uint32_t world, odo_surface& out) const {
+  if (world > ODO_WORLD_SMOOTH) return ODO_E_ARGUMENT;
+  const std::lock_guard lock(mutex_);
+  const Scene::Surface* found = scene_.find(id);
+  if (!found) return ODO_E_NOT_FOUND;
+  const auto count = static_cast<uint32_t>(found->outline.size());
+  const uint32_t size = sizeof(odo_surface) + count * static_cast<uint32_t>(sizeof(odo_vertex));
+  if (out.header.struct_size < size) return ODO_E_STRUCT_SIZE;
+  out = make_message<odo_surface>(ODO_TYPE_SURFACE, found->t_ns);
+  out.header.struct_size = size, out.header.source = found->source;
+  out.id = found->id, out.kind = found->kind, out.state = ODO_SURFACE_PRESENT;
+  out.count = count, out.stride = sizeof(odo_vertex), out.offset = sizeof(odo_surface);
+  put(to_world(world, ODO_TIME_LATEST) * scene_.T_n_m() * found->T_m_s, out.q_n, out.p_n);
+  out.sigma_m = found->sigma_m, out.tilt_sigma_rad = found->tilt_sigma_rad;
+  auto* vertex = reinterpret_cast<odo_vertex*>(reinterpret_cast<char*>(&out) + out.offset);
+  for (const Eigen::Vector2d& at : found->outline) {
+    *vertex = {};
+    Eigen::Vector2f::Map(vertex++->p) = at.cast<float>();
+  }
+  return ODO_OK;
+}
+
+/// Pose of the camera when it exposed the pixel's row, and the ray there.
+int32_t WorldView::view_through(const odo_ray& pixel, odo_pose& camera, Vector3d& direction_c) const {
+  if (pixel.camera != main_camera_()) return ODO_E_ARGUMENT;
+  const auto lens = cameras_.calibration(pixel.camera);
+  if (!lens) return ODO_E_NOT_FOUND;
+  const auto ray =
+      ray_of({(pixel.pixel[0] - lens->cx) / lens->fx, (pixel.pixel[1] - lens->cy) / lens->fy},
+             lens->model == ODO_CAMERA_KANNALA_BRANDT, {lens->distortion, std::min<size_t>(lens->distortion_count, 8)});
+  if (!ray) return ODO_E_ARGUMENT;
+  direction_c = *ray;
+  const double rows = pixel.pixel[1] - 0.5 * (lens->height - 1.0);
+  if (std::abs(rows) > lens->height) return ODO_E_ARGUMENT;
+  const bool rolls = (lens->header.flags & ODO_CALIBRATION_LINE_TIME) && pixel.t_ns != ODO_TIME_LATEST;
+  const auto row_ns = rolls ? std::llround(rows * static_cast<double>(lens->line_time_ns)) : 0;
+  return pose_of(ODO_OF_CAMERA, ODO_WORLD_CORRECTED, pixel.t_ns + row_ns, camera);
+}
+
+/// A ray of an app in the corrected n, and the phone's pose at its time.
+int32_t WorldView::ray_in_n(const odo_ray& ray, odo_pose& phone, Scene::Ray& out) const {
+  Vector3d origin = Vector3d::Zero(), direction;
+  int32_t status = ODO_OK;
+  if (ray.kind == ODO_RAY_PIXEL) {
+    status = view_through(ray, phone, direction);
+  } else {
+    status = poses_.at(ray.t_ns, false, phone);
+    origin = Vector3d(ray.origin), direction = Vector3d(ray.direction);
+  }
+  if (status != ODO_OK) return status;
+  if ((phone.header.flags & ODO_POSE_POSITION) == 0) return ODO_NOT_READY;
+  const Rigid T = ray.kind == ODO_RAY_WORLD ? to_world(ray.world, ray.t_ns).inverse() : rigid(phone);
+  out.origin_n = T * origin, out.direction_n = (T.q * direction).normalized();
+  return ODO_OK;
+}
+
+int32_t WorldView::hit_test(const odo_ray& ray, std::span<odo_hit> hits, uint32_t& count) const {
+  constexpr uint32_t all = ODO_HIT_SURFACE | ODO_HIT_POINT | ODO_HIT_FLOOR;
+  constexpr size_t kMost = 64;  // as of the C API
+  count = 0;
+  if (ray.kind < ODO_RAY_PIXEL || ray.kind > ODO_RAY_WORLD || ray.world > ODO_WORLD_SMOOTH) return ODO_E_ARGUMENT;
+  if (!finite(ray.pixel, 2) || !finite(ray.origin, 3) || !finite(ray.direction, 3) || !(ray.max_distance_m >= 0))
+    return ODO_E_ARGUMENT;
+  if (ray.kind != ODO_RAY_PIXEL && !(Vector3d(ray.direction).norm() > 0)) return ODO_E_ARGUMENT;
+  const std::lock_guard lock(mutex_);  // poses and scene must belong to the same correction
+  odo_pose phone{};
+  Scene::Ray in_n{};
+  if (const int32_t status = ray_in_n(ray, phone, in_n); status != ODO_OK) return status;
+  if (!scene_.is_metric()) return ODO_NOT_READY;
+  in_n.max_distance_m = ray.max_distance_m > 0 ? ray.max_distance_m : bounds::kPosition_m.high;
+  in_n.wanted = ray.wanted == 0 ? all : ray.wanted;
+  Scene::Hit found[kMost];
+  const size_t number = scene_.cast(in_n, Vector3d(phone.p_n), found, std::min(kMost, hits.size()));
+  const Rigid T_world_n = to_world(ray.world, phone.header.t_ns);
+  for (size_t i = 0; i < number; ++i) {
+    const Scene::Hit& hit = found[i];
+    odo_hit& out = hits[i];
+    out = {};
+    out.what = hit.what, out.t_ns = phone.header.t_ns, out.distance_m = hit.distance_m, out.sigma_m = hit.sigma_m;
+    if (hit.surface) out.surface = hit.surface->id, out.surface_kind = hit.surface->kind;
+    const Vector3d z = T_world_n.q * hit.normal_n, away = T_world_n.q * in_n.direction_n;
+    Vector3d x = away - away.dot(z) * z;
+    if (x.norm() < 1e-6) x = z.unitOrthogonal();
+    Eigen::Matrix3d axes;
+    axes << x.normalized(), z.cross(x.normalized()), z;
+    put({Quaterniond(axes), T_world_n * hit.p_n}, out.q_n, out.p_n);
+    Vector3d::Map(out.normal_n) = z;
+  }
+  count = static_cast<uint32_t>(number);
   return ODO_OK;
 }
 

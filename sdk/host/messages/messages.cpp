@@ -278,6 +278,30 @@ void check_points(FieldCheck& check, const odo_points& m) {
   }
 }
 
+void check_surface(FieldCheck& check, const odo_surface& m) {
+  const bool present = m.state == ODO_SURFACE_PRESENT;
+  const uint64_t end = uint64_t(m.offset) + uint64_t(m.count) * m.stride;
+  check.unit("q_n", m.q_n)
+      .within("p_n", m.p_n, 3, bounds::kPosition_m)
+      .positive("id", static_cast<double>(m.id))
+      .require(m.state >= ODO_SURFACE_PRESENT && m.state <= ODO_SURFACE_WITHDRAWN, "state", m.state,
+               "one of ODO_SURFACE_PRESENT, MERGED, WITHDRAWN")
+      .require(m.kind != 0, "kind", m.kind, "one of ODO_SURFACE_FLOOR, HORIZONTAL, VERTICAL, OTHER")
+      .require(!present || (m.count >= 3 && m.count <= ODO_MOST_VERTICES), "count", m.count, "3 to 32")
+      .require(present || m.count == 0, "count", m.count, "0, as the surface exists no more")
+      .require((m.merged_into != 0) == (m.state == ODO_SURFACE_MERGED), "merged_into",
+               static_cast<double>(m.merged_into), "an id with MERGED alone")
+      .require(m.stride >= ODO_VERTEX_SIZE_MIN && m.stride % 8 == 0, "stride", m.stride, "a multiple of 8, at least 8")
+      .require(m.offset >= ODO_SURFACE_SIZE_MIN && m.offset % 8 == 0, "offset", m.offset,
+               "a multiple of 8, at least 144")
+      .require(end <= m.header.struct_size, "count", m.count, "vertices within struct_size");
+  if (present) check.positive("sigma_m", m.sigma_m).positive("tilt_sigma_rad", m.tilt_sigma_rad);
+  if (!check.fault.empty()) return;
+  for (uint32_t i = 0; i < m.count; ++i)
+    for (const float x : ODO_VERTEX_AT(&m, i)->p)
+      check.within("p of a vertex", static_cast<double>(x), bounds::kPosition_m);
+}
+
 void check_event_fields(FieldCheck& check, const odo_header& header) {
   switch (header.type) {
     case ODO_TYPE_ATTITUDE: {
@@ -306,6 +330,7 @@ void check_event_fields(FieldCheck& check, const odo_header& header) {
     }
     case ODO_TYPE_FIX: check_fix(check, as<odo_fix>(header)); break;
     case ODO_TYPE_POINTS: check_points(check, as<odo_points>(header)); break;
+    case ODO_TYPE_SURFACE: check_surface(check, as<odo_surface>(header)); break;
     case ODO_TYPE_RELATIVE_POSE: {
       const auto& m = as<odo_relative_pose>(header);
       check.require(m.header.t_ns > m.t_from_ns, "t_from_ns", static_cast<double>(m.t_from_ns), "before header.t_ns");

@@ -3,6 +3,7 @@
 #include <odograph/attitude.h>
 #include <odograph/scale_source.h>
 #include <odograph/step_estimator.h>
+#include <odograph/surface_finder.h>
 #include <odograph/vo_frontend.h>
 
 #include "sdk/host/plugin_host/backend.hpp"
@@ -24,6 +25,8 @@ KindTypes kind_types(const std::string& id) {
     return {{ODO_TYPE_GNSS, ODO_TYPE_BAROMETER, ODO_TYPE_WAYPOINT, ODO_TYPE_RANGE, ODO_TYPE_EARTH_FIELD, ODO_TYPE_FRAME,
              ODO_TYPE_CALIBRATION, ODO_TYPE_POSE},
             {ODO_TYPE_FIX, ODO_TYPE_RELATIVE_POSE}};
+  if (id == ODO_INTERFACE_SURFACE_FINDER)
+    return {{ODO_TYPE_POINTS, ODO_TYPE_POSE, ODO_TYPE_CORRECTION}, {ODO_TYPE_SURFACE}};
   return {};
 }
 

@@ -137,7 +137,8 @@ struct Consistency : Benchmark {
 }  // namespace
 
 Benchmarks app_benchmarks() {
-  return {std::make_shared<StreamBenchmark>(), std::make_shared<Anchors>(), std::make_shared<Consistency>()};
+  return {std::make_shared<StreamBenchmark>(), std::make_shared<Anchors>(), std::make_shared<Consistency>(),
+          surfaces_benchmark()};
 }
 
 }  // namespace odograph

@@ -35,9 +35,9 @@ class RowStore {
     if (!config) return config.failure();
     key["config"] = config->text, key["beside"] = fs::absolute(one.run.config).parent_path().string();
     key["assets"] = one.run.asset_path;
-    for (const auto* kind :
-         {&config->attitudes, &config->step_estimators, &config->vo_frontends, &config->scale_sources, &config->fixers})
-      for (const PluginChoice& plugin : *kind) key["plugins"].push_back({plugin.manifest.id, plugin.manifest.sha256});
+    config->visit_plugins([&](const PluginChoice& plugin) {
+      key["plugins"].push_back({plugin.manifest.id, plugin.manifest.sha256});
+    });
     return key;
   }
 

@@ -17,6 +17,7 @@ Benchmarks city_benchmarks();
 Benchmarks fixes_benchmarks();
 Benchmarks papers_benchmarks();
 Benchmarks steps_benchmarks();
+std::shared_ptr<Benchmark> surfaces_benchmark();
 Benchmarks tracks_benchmarks();
 Benchmarks vo_benchmarks();
 std::shared_ptr<Benchmark> walk700_benchmark();

@@ -18,10 +18,9 @@ namespace {
 /// The plugins of a config, with their fallbacks.
 std::vector<const PluginChoice*> plugins_of(const PipelineConfig& config) {
   std::vector<const PluginChoice*> all;
-  for (const auto* kind :
-       {&config.attitudes, &config.step_estimators, &config.vo_frontends, &config.scale_sources, &config.fixers})
-    for (const PluginChoice& choice : *kind)
-      for (const PluginChoice* one = &choice; one; one = one->fallback.get()) all.push_back(one);
+  config.visit_plugins([&](const PluginChoice& choice) {
+    for (const PluginChoice* one = &choice; one; one = one->fallback.get()) all.push_back(one);
+  });
   return all;
 }
 

@@ -70,6 +70,7 @@ struct Collector {
       case ODO_TYPE_CALIBRATION: result.refined.push_back(as<odo_calibration>(event)); break;
       case ODO_TYPE_SCALE: result.scales.push_back(as<odo_scale>(event)); break;
       case ODO_TYPE_FIX: result.fixes.push_back({as<odo_fix>(event), (event.flags & ODO_FLAG_ACCEPTED) != 0}); break;
+      case ODO_TYPE_SURFACE: result.surfaces.push_back(as<odo_surface>(event)); break;
       case ODO_TYPE_CORRECTION: take_correction(as<odo_correction>(event)); break;
       case ODO_TYPE_REPORT: take_report(as<odo_report>(event)); break;
       case ODO_TYPE_STATE:
@@ -192,6 +193,7 @@ void push_all(odo_session* session, const Recording& recording, const RunOptions
       collector.take(work_of([&] { odo_session_push(session, &frame->header); }));
       frame->loan.release(frame->loan.owner);
       if (options.so_far) options.so_far(result);
+      if (options.at_frame) options.at_frame(session, result);
     } else {
       const Work work = work_of([&] { odo_session_push(session, &message.message.header()); });
       collector.take(work);
@@ -218,16 +220,12 @@ void align_tracks(const ReplayConfig& replay, const Recording& recording, RunRes
 
 /// In the order of their instance numbers.
 std::vector<RunResult::Plugin> plugins_of(const PipelineConfig& config) {
-  const std::pair<const char*, const std::vector<PluginChoice>*> kinds[] = {{"attitude", &config.attitudes},
-                                                                            {"step_estimator", &config.step_estimators},
-                                                                            {"vo_frontend", &config.vo_frontends},
-                                                                            {"scale_source", &config.scale_sources},
-                                                                            {"absolute_fixer", &config.fixers}};
   std::vector<RunResult::Plugin> plugins;
-  for (const auto& [kind, choices] : kinds)
-    for (const PluginChoice& choice : *choices)
-      plugins.push_back({static_cast<uint32_t>(plugins.size() + 1), kind, choice.manifest.id, choice.manifest.version,
-                         choice.manifest.sha256});
+  config.visit_plugins([&](const PluginChoice& choice) {
+    const std::string& id = choice.interface_id;  // odo.KIND/1
+    plugins.push_back({static_cast<uint32_t>(plugins.size() + 1), id.substr(4, id.find('/') - 4), choice.manifest.id,
+                       choice.manifest.version, choice.manifest.sha256});
+  });
   return plugins;
 }
 
@@ -239,6 +237,7 @@ void name_unused(RunResult& result) {
   for (const odo_vo_motion& motion : result.motions) add(motion.header);
   for (const odo_scale& scale : result.scales) add(scale.header);
   for (const RunResult::Fix& fix : result.fixes) add(fix.fix.header);
+  for (const odo_surface& surface : result.surfaces) add(surface.header);
   for (const RunResult::Plugin& plugin : result.plugins)
     if (plugin.kind != "attitude" && !gave.contains(plugin.number))
       result.notices.try_emplace(plugin.id + " unused_source", RunResult::Notice{1, "no effect: it has given nothing"});
@@ -269,9 +268,9 @@ Result<RunResult> replay(const Recording& recording, const RunOptions& options) 
   result.loss = recording.loss;
   if (options.keep_session) result.session = shared;
   Collector collector{result, options.collect_poses};
-  std::vector<uint32_t> wanted = {ODO_TYPE_POSE,   ODO_TYPE_VO_MOTION, ODO_TYPE_STEP,  ODO_TYPE_MOTION_MODE,
-                                  ODO_TYPE_SCALE,  ODO_TYPE_FIX,       ODO_TYPE_STATE, ODO_TYPE_CALIBRATION,
-                                  ODO_TYPE_REPORT, ODO_TYPE_CORRECTION};
+  std::vector<uint32_t> wanted = {ODO_TYPE_POSE,   ODO_TYPE_VO_MOTION,  ODO_TYPE_STEP,   ODO_TYPE_MOTION_MODE,
+                                  ODO_TYPE_SCALE,  ODO_TYPE_FIX,        ODO_TYPE_STATE,  ODO_TYPE_CALIBRATION,
+                                  ODO_TYPE_REPORT, ODO_TYPE_CORRECTION, ODO_TYPE_SURFACE};
   if (options.collect_attitudes) wanted.push_back(ODO_TYPE_ATTITUDE);
   odo_session_set_callback(session, wanted.data(), static_cast<uint32_t>(wanted.size()), Collector::on_event,
                            &collector);

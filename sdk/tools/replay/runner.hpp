@@ -44,6 +44,7 @@ struct RunResult {
   std::vector<odo_attitude> attitudes;  // if requested by RunOptions
   std::vector<odo_pose> poses;          // all published poses with covariance; if requested by RunOptions
   odo_statistics statistics{};
+  std::vector<odo_surface> surfaces;    // as published, without outlines
   std::vector<double> frame_ms;         // work between consecutive camera poses
   std::vector<double> frame_thread_ms;  // the same as processor time of the pushing thread
   std::vector<double> imu_us;           // work of each IMU sample alone
@@ -84,7 +85,8 @@ struct RunOptions {
   bool collect_poses = false;
   bool keep_session = false;  // keep it with the result: a plugin that crashes in destruction then loses no results
   std::function<void(size_t done, size_t all)> progress;
-  std::function<void(const RunResult&)> so_far;  // called after each frame with the results so far
+  std::function<void(const RunResult&)> so_far;                  // called after each frame with the results so far
+  std::function<void(odo_session*, const RunResult&)> at_frame;  // the same, to query the session
 };
 
 /// Replays a recording through a session of the C API, deterministically.

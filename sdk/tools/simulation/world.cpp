@@ -73,33 +73,40 @@ Eigen::Isometry3d World::Mover::at(double t) const {
   return T;
 }
 
-std::vector<World::SkylinePoint> World::skyline(const Vector3d& eye_n, size_t count) const {
+std::optional<World::Sight> World::look(const Vector3d& eye_n, const Vector3d& direction_n, double nearest_m) const {
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
-  const auto look = [&](double azimuth, double elevation) {
-    RTCRayHit hit{};
-    hit.ray.org_x = static_cast<float>(eye_n.x()), hit.ray.org_y = static_cast<float>(eye_n.y());
-    hit.ray.org_z = static_cast<float>(eye_n.z());
-    hit.ray.dir_x = static_cast<float>(std::cos(elevation) * std::cos(azimuth));
-    hit.ray.dir_y = static_cast<float>(std::cos(elevation) * std::sin(azimuth));
-    hit.ray.dir_z = static_cast<float>(-std::sin(elevation));
-    hit.ray.tnear = 0.1f, hit.ray.tfar = 1e5f, hit.ray.mask = ~0u;
-    hit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-    rtcIntersect1(scenes_[0], &context, &hit);
-    return hit.hit.geomID == RTC_INVALID_GEOMETRY_ID ? 0.0f : hit.ray.tfar;
+  const Eigen::Vector3f eye = eye_n.cast<float>(), direction = direction_n.cast<float>();
+  RTCRayHit hit{};
+  hit.ray.org_x = eye.x(), hit.ray.org_y = eye.y(), hit.ray.org_z = eye.z();
+  hit.ray.dir_x = direction.x(), hit.ray.dir_y = direction.y(), hit.ray.dir_z = direction.z();
+  hit.ray.tnear = static_cast<float>(nearest_m), hit.ray.tfar = 1e5f, hit.ray.mask = ~0u;
+  hit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+  rtcIntersect1(scenes_[0], &context, &hit);
+  if (hit.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
+  const Eigen::Vector3f normal(hit.hit.Ng_x, hit.hit.Ng_y, hit.hit.Ng_z);
+  return Sight{static_cast<double>(hit.ray.tfar), normal.cast<double>().normalized()};
+}
+
+std::vector<World::SkylinePoint> World::skyline(const Vector3d& eye_n, size_t count) const {
+  const auto look_towards = [&](double azimuth, double elevation) {
+    const Vector3d direction(std::cos(elevation) * std::cos(azimuth), std::cos(elevation) * std::sin(azimuth),
+                             -std::sin(elevation));
+    const auto seen = look(eye_n, direction, 0.1);
+    return seen ? static_cast<float>(seen->distance_m) : 0.0f;
   };
   constexpr double kStep = 1.0 * kPi / 180;
   std::vector<SkylinePoint> line;
   for (size_t k = 0; k < count; ++k) {
     const double azimuth = 2 * kPi * static_cast<double>(k) / static_cast<double>(count);
     double high = 0.5 * kPi - 1e-3, low = high;
-    while (low > 0 && look(azimuth, low) == 0) high = low, low -= kStep;
+    while (low > 0 && look_towards(azimuth, low) == 0) high = low, low -= kStep;
     low = std::max(low, 0.0);
     for (int i = 0; i < 9; ++i) {
       const double middle = 0.5 * (low + high);
-      (look(azimuth, middle) > 0 ? low : high) = middle;
+      (look_towards(azimuth, middle) > 0 ? low : high) = middle;
     }
-    line.push_back({static_cast<float>(low), look(azimuth, low)});
+    line.push_back({static_cast<float>(low), look_towards(azimuth, low)});
   }
   return line;
 }

@@ -73,6 +73,13 @@ class World {
   Eigen::Vector3f sun() const { return sun_; }  ///< direction to the sun, in n
   /// The scenario's route, on the ground of the city model if there is one.
   const Route& route() const { return route_; }
+  /// What a ray meets among the static objects: its distance, m, and the normal there. Nothing in the sky.
+  struct Sight {
+    double distance_m;
+    Eigen::Vector3d normal_n;
+  };
+  std::optional<Sight> look(const Eigen::Vector3d& eye_n, const Eigen::Vector3d& direction_n,
+                            double nearest_m = 0.01) const;
   /// The skyline in `count` directions, from north to east: elevation (rad) and distance (m; 0 where nothing is) of the
   /// highest edge.
   struct SkylinePoint {

@@ -26,7 +26,7 @@ CASE("a reserved type is refused", "odograph.h", "ODO_E_ARGUMENT (type of an eve
 
 CASE("an event's type is refused", "odograph.h", "ODO_E_ARGUMENT (type of an event or reserved type)") {
   app* self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
-  for (uint32_t type = ODO_TYPE_ATTITUDE; type <= ODO_TYPE_POINTS; ++type) refuse(self, type);
+  for (uint32_t type = ODO_TYPE_ATTITUDE; type <= ODO_TYPE_SURFACE; ++type) refuse(self, type);
   refuse(self, 0x1000);
   refuse(self, PROBE_NEWER_EVENT);
   refuse(self, PROBE_EVENT);

@@ -36,12 +36,18 @@ struct landmarks {
   odo_point elements[2];
 };
 
+struct patch {
+  odo_surface message;
+  odo_vertex elements[3];
+};
+
 union message {
   odo_header header;
 #define ROW(number, type, name, min_size) type name;
   ODO_FOR_EACH_MESSAGE(ROW)
 #undef ROW
   struct landmarks landmarks;
+  struct patch patch;
 };
 
 static uint32_t row_of(uint32_t number) {
@@ -58,7 +64,9 @@ static uint32_t row_of(uint32_t number) {
 static double grown_of(const odo_header* message) {
 #ifdef ODO_TEST_GROWN
   const odo_points* points = (const odo_points*)(const void*)message;
+  const odo_surface* surface = (const odo_surface*)(const void*)message;
   if (message->type == ODO_TYPE_POINTS && points->offset < sizeof *points) return -1; /* elements lie there */
+  if (message->type == ODO_TYPE_SURFACE && surface->offset < sizeof *surface) return -1;
   switch (message->type) {
 #define ROW(number, type, name, min_size) \
   case number:                            \
@@ -79,6 +87,15 @@ static void fill_points(struct landmarks* m) {
   m->message.offset = (uint32_t)offsetof(struct landmarks, elements);
   m->message.header.struct_size = sizeof *m;
   for (int i = 0; i < 2; ++i) m->elements[i].id = (uint64_t)(7 + i);
+}
+
+static void fill_surface(struct patch* m) {
+  m->message.id = 5, m->message.kind = ODO_SURFACE_FLOOR, m->message.state = ODO_SURFACE_PRESENT;
+  m->message.count = 3, m->message.stride = sizeof(odo_vertex);
+  m->message.offset = (uint32_t)offsetof(struct patch, elements);
+  m->message.header.struct_size = sizeof *m;
+  m->message.sigma_m = m->message.tilt_sigma_rad = 0.1, unit(m->message.q_n);
+  m->elements[1].p[0] = 7, m->elements[2].p[1] = 8;
 }
 
 static void begin(union message* m, uint32_t number, int64_t t_ns) {
@@ -144,14 +161,24 @@ static void fill(union message* m, uint32_t number, int64_t t_ns) {
       m->relative_pose.covariance[21] = m->relative_pose.covariance[28] = m->relative_pose.covariance[35] = 1;
       break;
     case ODO_TYPE_POINTS: fill_points(&m->landmarks); break;
+    case ODO_TYPE_SURFACE: fill_surface(&m->patch); break;
     default: break;
   }
 }
 
-/* Whether the elements of an odo_points from fill() arrive, by this version's stride or another's. */
-static int has_elements(const odo_points* points) {
-  const odo_point *first = ODO_POINTS_AT(points, 0), *second = ODO_POINTS_AT(points, 1);
-  return first && second && first->id == 7 && second->id == 8 && !ODO_POINTS_AT(points, 2);
+/* Whether the elements of an odo_points or an odo_surface from fill() arrive, by this version's stride or another's. */
+static int has_elements(const odo_header* message) {
+  const odo_points* points = (const odo_points*)(const void*)message;
+  const odo_surface* surface = (const odo_surface*)(const void*)message;
+  if (message->type == ODO_TYPE_POINTS) {
+    const odo_point *first = ODO_POINTS_AT(points, 0), *second = ODO_POINTS_AT(points, 1);
+    return first && second && first->id == 7 && second->id == 8 && !ODO_POINTS_AT(points, 2);
+  }
+  if (message->type == ODO_TYPE_SURFACE) {
+    const odo_vertex *second = ODO_VERTEX_AT(surface, 1), *third = ODO_VERTEX_AT(surface, 2);
+    return second && third && second->p[0] == 7 && third->p[1] == 8 && !ODO_VERTEX_AT(surface, 3);
+  }
+  return 0;
 }
 
 #endif

@@ -74,15 +74,22 @@ def copied(pointer: Any) -> Any:
     message = abi.MESSAGES.get(header.type, abi.odo_header)()
     size = min(header.struct_size, c.sizeof(message))
     c.memmove(c.byref(message), pointer, size)
-    if header.type == abi.ODO_TYPE_POINTS:
-        object.__setattr__(message, "points", elements(message, c.string_at(pointer, header.struct_size)))
+    set_elements(message, c.string_at(pointer, header.struct_size))
     c.cast(c.byref(message), c.POINTER(c.c_uint32))[0] = size
     return message
 
 
-def elements(message: Any, data: bytes) -> Any:
-    """The landmarks of an odo_points, of which `data` are all bytes."""
-    size, stride = c.sizeof(abi.odo_point), message.stride
+def set_elements(message: Any, data: bytes) -> None:
+    """Sets the landmarks of an odo_points or the outline of an odo_surface, of which `data` are all bytes."""
+    lists = {abi.Points: ("points", abi.odo_point), abi.Surface: ("outline", abi.odo_vertex)}
+    if type(message) in lists:
+        name, kind = lists[type(message)]
+        object.__setattr__(message, name, elements(message, kind, data))
+
+
+def elements(message: Any, kind: Any, data: bytes) -> Any:
+    """The elements behind a message, of which `data` are all bytes."""
+    size, stride = c.sizeof(kind), message.stride
     count = min(message.count, max(0, len(data) - message.offset) // stride) if stride >= size else 0
     ends = range(message.offset, message.offset + count * stride, max(stride, 1))
-    return (abi.odo_point * count).from_buffer_copy(b"".join(data[at:at + size] for at in ends))
+    return (kind * count).from_buffer_copy(b"".join(data[at:at + size] for at in ends))

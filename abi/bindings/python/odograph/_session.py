@@ -10,7 +10,7 @@ from typing import Any, Callable, Iterable, Sequence, Union
 import numpy as np
 
 from . import abi
-from ._library import OdographError, check, copied, library, sized, string
+from ._library import OdographError, check, copied, library, set_elements, sized, string
 
 _RETAIN, _RELEASE = c.CFUNCTYPE(c.c_int32, c.c_void_p), c.CFUNCTYPE(None, c.c_void_p)
 _FORMATS = {1: abi.ODO_FORMAT_GREY8, 3: abi.ODO_FORMAT_RGB8, 4: abi.ODO_FORMAT_RGBA8}
@@ -150,6 +150,38 @@ class Session:
 
     def remove_anchor(self, number: int) -> None:
         check(self._odo.odo_anchor_remove(self._open(), number))
+
+    def hit_test(self, kind: int = abi.ODO_RAY_PIXEL, *, t_ns: int = abi.ODO_TIME_LATEST, most: int = 8, **ray: Any) -> list[abi.Hit]:
+        """What a ray hits, nearest first: `kind` is ODO_RAY_*, `ray` are fields of odo_ray, such as pixel=(320, 240). Empty while the position
+        or the scale is unknown."""
+        made, hits, count = sized(abi.Ray), (abi.Hit * most)(), c.c_uint32()
+        made.kind, made.t_ns = kind, t_ns
+        for field, value in ray.items():
+            setattr(made, field, type(getattr(made, field))(*value) if isinstance(getattr(made, field), c.Array) else value)
+        hits[0].struct_size = c.sizeof(abi.Hit)
+        check(self._odo.odo_session_hit_test(self._open(), c.byref(made), hits, most, c.byref(count)))
+        return list(hits)[:count.value]
+
+    def surfaces(self, *, world: int = abi.ODO_WORLD_CORRECTED) -> list[abi.Surface]:
+        """The surfaces found so far, with their `outline`."""
+        ids = (c.c_uint64 * self._odo.odo_surface_list(self._open(), None, 0))()
+        found = []
+        for number in list(ids)[:self._odo.odo_surface_list(self._open(), ids, len(ids))]:
+            data = c.create_string_buffer(abi.ODO_LARGEST_SURFACE)
+            surface = abi.Surface.from_buffer(data)
+            surface.header.struct_size = len(data)
+            if self._odo.odo_surface_get(self._open(), number, world, c.byref(surface)) == abi.ODO_OK:
+                set_elements(surface, data.raw[:surface.header.struct_size])
+                found.append(surface)
+        return found
+
+    def map_points(self, *, world: int = abi.ODO_WORLD_CORRECTED) -> Any:
+        """The landmarks that the library keeps, each an odo_map_point."""
+        points = (abi.MapPoint * abi.ODO_MOST_MAP_POINTS)()
+        points[0].struct_size = c.sizeof(abi.MapPoint)
+        count = self._odo.odo_session_get_points(self._open(), world, points, len(points))
+        check(int(count))
+        return points[:min(count, len(points))]
 
     def statistics(self) -> abi.Statistics:
         made = sized(abi.Statistics)

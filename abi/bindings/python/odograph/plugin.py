@@ -14,7 +14,7 @@ from typing import Any, Callable
 import numpy as np
 
 from . import abi
-from ._library import elements
+from ._library import set_elements
 
 CREATE, CONFIGURE, MESSAGE, RESET, DESTROY = range(1, 6)  # as in plugin_host.c
 _REQUEST, _ANSWER = struct.Struct("=III"), struct.Struct("=iI")
@@ -55,8 +55,7 @@ def _message(data: bytes) -> Any:
     message = kind()
     known = min(size, c.sizeof(kind))
     c.memmove(c.byref(message), data, known)
-    if kind is abi.Points:
-        object.__setattr__(message, "points", elements(message, data[:size]))
+    set_elements(message, data[:size])
     message.header.struct_size = known
     if kind is abi.Frame and len(data) > size:  # the pixels of the first plane follow the frame
         object.__setattr__(message, "pixels", np.frombuffer(data, np.uint8, offset=size).reshape(message.height, message.width, -1))

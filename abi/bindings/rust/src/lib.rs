@@ -69,16 +69,24 @@ impl<'a> Event<'a> {
     pub fn is_input(&self) -> bool {
         self.0.kind >> 12 != 1
     }
-    /// The landmarks of an Points; none of another type.
+    /// The landmarks of a Points; none of another type.
     pub fn points(&self) -> impl Iterator<Item = Point> + 'a {
         let message: Points = self.get().unwrap_or_default();
+        self.elements(message.count, message.stride, message.offset)
+    }
+    /// The outline of a Surface; none of another type.
+    pub fn outline(&self) -> impl Iterator<Item = Vertex> + 'a {
+        let message: Surface = self.get().unwrap_or_default();
+        self.elements(message.count, message.stride, message.offset)
+    }
+    fn elements<E: Copy + 'a>(&self, count: u32, stride: u32, offset: u32) -> impl Iterator<Item = E> + 'a {
         let (base, end) = (self.0 as *const odo_header as *const u8, self.0.struct_size as u64);
-        let (offset, stride) = (message.offset as u64, message.stride as u64);
-        let count = if stride < size_of::<Point>() as u64 { 0 } else { message.count as u64 };
+        let (offset, stride) = (offset as u64, stride as u64);
+        let count = if stride < size_of::<E>() as u64 { 0 } else { count as u64 };
         (0..count)
             .map(move |i| offset + i * stride)
             .take_while(move |at| at + stride <= end)
-            .map(move |at| unsafe { std::ptr::read_unaligned(base.add(at as usize) as *const Point) })
+            .map(move |at| unsafe { std::ptr::read_unaligned(base.add(at as usize) as *const E) })
     }
     /// Returns a copy of the message if it has that type. Fields that the message lacks are zero. Landmarks are not copied: see points().
     pub fn get<M: Message>(&self) -> Option<M> {

@@ -226,6 +226,15 @@ impl Session {
         ids.truncate(count.max(0) as usize);
         ids
     }
+    /// What a ray hits, nearest first, at most `most`. Sets the size of `ray`. Empty while position or scale are unknown.
+    pub fn hit_test(&self, ray: &Ray, most: usize) -> Result<Vec<Hit>> {
+        let ray = Ray { struct_size: size_of::<Ray>() as u32, ..*ray };
+        let mut hits = vec![Hit { struct_size: size_of::<Hit>() as u32, ..Hit::default() }; most];
+        let mut count = 0;
+        check(unsafe { odo_session_hit_test(self.c(), &ray, hits.as_mut_ptr(), most as u32, &mut count) })?;
+        hits.truncate(count as usize);
+        Ok(hits)
+    }
     pub fn remove_anchor(&self, id: u64) -> Result<()> {
         check(unsafe { odo_anchor_remove(self.c(), id) }).map(|_| ())
     }

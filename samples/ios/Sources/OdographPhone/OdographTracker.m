@@ -13,6 +13,7 @@ static const double kReadoutS = 0.010; /* of a picture; no API reports it, the f
 int32_t ODO_CALL odo_plugin_entry_attitude_vqf(const struct odo_host *host, struct odo_plugin *out);
 int32_t ODO_CALL odo_plugin_entry_step_odograph(const struct odo_host *host, struct odo_plugin *out);
 int32_t ODO_CALL odo_plugin_entry_vo_odograph(const struct odo_host *host, struct odo_plugin *out);
+int32_t ODO_CALL odo_plugin_entry_surface_planes(const struct odo_host *host, struct odo_plugin *out);
 
 static NSError *failure(NSString *text) {
   return [NSError errorWithDomain:@"Odograph" code:1 userInfo:@{NSLocalizedDescriptionKey : text}];
@@ -49,7 +50,8 @@ static const void *native_picture(void *owner, const char *id, uint64_t size) {
 }
 
 - (nullable instancetype)initWithConfig:(NSString *)config error:(NSError **)error {
-  const odo_plugin_entry entries[] = {odo_plugin_entry_attitude_vqf, odo_plugin_entry_step_odograph, odo_plugin_entry_vo_odograph};
+  const odo_plugin_entry entries[] = {odo_plugin_entry_attitude_vqf, odo_plugin_entry_step_odograph,
+                                        odo_plugin_entry_vo_odograph, odo_plugin_entry_surface_planes};
   odo_session_options options;
   odo_error reason;
   int32_t status = ODO_OK;

@@ -31,5 +31,18 @@ public final class Event {
         Abi.Points message = new Abi.Points(this);
         return new Abi.Point(this, message.offset() + i * message.stride());
     }
+    /** Number of vertices in the outline of an odo_surface; 0 of another type. */
+    public int vertices() {
+        if (type() != Abi.ODO_TYPE_SURFACE) return 0;
+        Abi.Surface message = new Abi.Surface(this);
+        long behind = (long) head.getInt(0) - message.offset();
+        return message.stride() < Abi.Vertex.SIZE || behind < 0 ? 0 : (int) Math.min(message.count(), behind / message.stride());
+    }
+    /** Copies a vertex of an odo_surface; `i` below vertices(). */
+    public Abi.Vertex vertex(int i) {
+        if (i < 0 || i >= vertices()) throw new IndexOutOfBoundsException("vertex " + i + " of " + vertices());
+        Abi.Surface message = new Abi.Surface(this);
+        return new Abi.Vertex(this, message.offset() + i * message.stride());
+    }
     ByteBuffer memory() { return Native.view(address, head.getInt(0)); }
 }

@@ -128,6 +128,18 @@ public final class Session implements java.io.Closeable {
         OdographException.check(Abi.odo_anchor_get(open(), id, world, t_ns, anchor.address));
         return anchor;
     }
+    /** The nearest thing that a ray hits; null if there is none, or while position or scale are unknown. Set kind, and pixel or origin and
+     * direction. To place something there, pass placeOf(hit) to createAnchor. */
+    public Abi.Hit hitTest(Abi.Ray ray) {
+        Abi.Hit hit = new Abi.Hit();
+        ByteBuffer count = pointer();
+        OdographException.check(Abi.odo_session_hit_test(open(), ray.address, hit.address, 1, Native.address(count)));
+        stays(ray, hit);
+        return count.getInt(0) > 0 ? hit : null;
+    }
+    public static Abi.AnchorPlace placeOf(Abi.Hit hit, int world) {
+        return new Abi.AnchorPlace().kind(Abi.ODO_ANCHOR_HIT).t_ns(hit.t_ns()).world(world).q(hit.q_n()).p(hit.p_n()).surface(hit.surface());
+    }
     public void removeAnchor(long id) { OdographException.check(Abi.odo_anchor_remove(open(), id)); }
 
     @Override

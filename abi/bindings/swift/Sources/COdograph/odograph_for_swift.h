@@ -1,3 +1,4 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include <odograph/anchor.h>
 #include <odograph/recording.h>
+#include <odograph/scene.h>

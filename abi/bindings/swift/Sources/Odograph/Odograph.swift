@@ -41,11 +41,20 @@ public struct Event {
 
     /// The landmarks of an odo_points; none of another type.
     public func points() -> [odo_point] {
-        guard let message = get(odo_points.self), message.stride >= UInt32(MemoryLayout<odo_point>.size) else { return [] }
+        guard let message = get(odo_points.self) else { return [] }
+        return elements(message.count, message.stride, message.offset)
+    }
+    /// The outline of an odo_surface; none of another type.
+    public func outline() -> [odo_vertex] {
+        guard let message = get(odo_surface.self) else { return [] }
+        return elements(message.count, message.stride, message.offset)
+    }
+    private func elements<E>(_ count: UInt32, _ stride: UInt32, _ offset: UInt32) -> [E] {
+        if stride < UInt32(MemoryLayout<E>.size) { return [] }
         let base = UnsafeRawPointer(header), end = Int(header.pointee.struct_size)
-        return (0..<Int(message.count)).map { Int(message.offset) + $0 * Int(message.stride) }
-            .prefix { $0 + Int(message.stride) <= end }
-            .map { base.loadUnaligned(fromByteOffset: $0, as: odo_point.self) }
+        return (0..<Int(count)).map { Int(offset) + $0 * Int(stride) }
+            .prefix { $0 + Int(stride) <= end }
+            .map { base.loadUnaligned(fromByteOffset: $0, as: E.self) }
     }
 
     /// Returns a copy of the message if it has that type. Landmarks are not copied: see points().
@@ -137,6 +146,14 @@ public final class Session: @unchecked Sendable {
             try OdographError.check(odo_anchor_create(session, &place, &id))
         }
         return id
+    }
+    /// The nearest thing that a ray hits; nil if there is none, or while position or scale are unknown.
+    public func hitTest(_ ray: odo_ray) throws -> odo_hit? {
+        var ray = ray, hit = odo_hit(), count: UInt32 = 0
+        ray.struct_size = UInt32(MemoryLayout<odo_ray>.size)
+        hit.struct_size = UInt32(MemoryLayout<odo_hit>.size)
+        try OdographError.check(odo_session_hit_test(session, &ray, &hit, 1, &count))
+        return count > 0 ? hit : nil
     }
     public func anchor(_ id: UInt64, world: UInt32 = ODO_WORLD_CORRECTED, at t_ns: Int64 = Int64.min) throws -> odo_anchor {
         var anchor = odo_anchor()

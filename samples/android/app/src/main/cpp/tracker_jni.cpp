@@ -15,6 +15,7 @@ extern "C" {
 int32_t ODO_CALL odo_plugin_entry_attitude_vqf(const struct odo_host* host, struct odo_plugin* out);
 int32_t ODO_CALL odo_plugin_entry_step_odograph(const struct odo_host* host, struct odo_plugin* out);
 int32_t ODO_CALL odo_plugin_entry_vo_odograph(const struct odo_host* host, struct odo_plugin* out);
+int32_t ODO_CALL odo_plugin_entry_surface_planes(const struct odo_host* host, struct odo_plugin* out);
 }
 
 namespace {
@@ -36,8 +37,8 @@ std::unique_ptr<Tracker> tracker;
 std::string start(const std::string& config) {
   odo_error error = {};
   error.struct_size = sizeof error;
-  for (const odo_plugin_entry entry :
-       {odo_plugin_entry_attitude_vqf, odo_plugin_entry_step_odograph, odo_plugin_entry_vo_odograph})
+  for (const odo_plugin_entry entry : {odo_plugin_entry_attitude_vqf, odo_plugin_entry_step_odograph,
+                                       odo_plugin_entry_vo_odograph, odo_plugin_entry_surface_planes})
     if (odo_register_plugin(entry, &error) != ODO_OK) return error.message;
   odo_session_options options = {};
   options.struct_size = sizeof options;

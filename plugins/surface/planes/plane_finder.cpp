@@ -1,0 +1,389 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "plugins/surface/planes/plane_finder.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <utility>
+
+#include <Eigen/Eigenvalues>
+
+#include "sdk/math/time.hpp"
+
+namespace odograph::planes {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+constexpr size_t kMostVertices = 32;
+
+double cross(const Vector2d& a, const Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
+
+/// Convex hull, counterclockwise (Andrew 1979), of at most kMostVertices: those that add least are left out.
+std::vector<Vector2d> hull_of(std::vector<Vector2d> points) {
+  std::sort(points.begin(), points.end(),
+            [](const Vector2d& a, const Vector2d& b) { return std::pair(a.x(), a.y()) < std::pair(b.x(), b.y()); });
+  std::vector<Vector2d> hull;
+  for (const bool back : {false, true}) {
+    const size_t start = hull.size();
+    for (const Vector2d& p : points) {
+      while (hull.size() > start + 1 && cross(hull.back() - hull[hull.size() - 2], p - hull.back()) <= 1e-12)
+        hull.pop_back();
+      hull.push_back(p);
+    }
+    hull.pop_back();
+    if (!back) std::reverse(points.begin(), points.end());
+  }
+  while (hull.size() > kMostVertices) {
+    size_t least = 0;
+    double least_area = 1e300;
+    for (size_t i = 0; i < hull.size(); ++i) {
+      const Vector2d &a = hull[(i + hull.size() - 1) % hull.size()], &b = hull[i], &c = hull[(i + 1) % hull.size()];
+      if (const double area = cross(b - a, c - b); area < least_area) least_area = area, least = i;
+    }
+    hull.erase(hull.begin() + static_cast<ptrdiff_t>(least));
+  }
+  return hull;
+}
+
+/// Distance outside of a convex outline, m; 0 inside.
+double outside(const std::vector<Vector2d>& outline, const Vector2d& p) {
+  double farthest = 0;
+  for (size_t i = 0; i < outline.size(); ++i) {
+    const Vector2d side = outline[(i + 1) % outline.size()] - outline[i];
+    if (const double length = side.norm(); length > 0)
+      farthest = std::max(farthest, -cross(side, p - outline[i]) / length);
+  }
+  return farthest;
+}
+
+double area_of(const std::vector<Vector2d>& outline) {
+  double twice = 0;
+  for (size_t i = 0; i < outline.size(); ++i) twice += cross(outline[i], outline[(i + 1) % outline.size()]);
+  return 0.5 * twice;
+}
+
+bool is_horizontal(const Vector3d& normal) { return std::abs(normal.z()) > 0.7; }
+
+/// Two axes in a plane: for a horizontal one along m's x and y, for a vertical one along it and upwards.
+Matrix3d axes_of(const Vector3d& normal) {
+  const Vector3d along = is_horizontal(normal) ? Vector3d(1, 0, 0) : Vector3d(-normal.y(), normal.x(), 0);
+  Matrix3d axes;
+  axes.col(2) = normal;
+  axes.col(0) = (along - along.dot(normal) * normal).normalized();
+  axes.col(1) = normal.cross(axes.col(0));
+  return axes;
+}
+
+}  // namespace
+
+void PlaneFinder::add(const MapPoint& point, const Vector3d& eye) {
+  if (point.sigma_m() < std::min(p_.max_sigma_m, p_.max_sigma * (point.p - eye).norm())) map_.add(point);
+}
+
+double PlaneFinder::tolerance(const Landmark& landmark, const Vector3d& normal) const {
+  const double variance = normal.dot(landmark.covariance * normal) + squared(p_.roughness_m);
+  return p_.tolerance * std::sqrt(variance);
+}
+
+void PlaneFinder::gather(int64_t t_ns, const Vector3d& phone) {
+  landmarks_.clear(), free_.clear();
+  map_.visit([&](const MapPoint& point) {
+    if (seconds(t_ns - point.t_ns) > p_.memory_s || (point.p - phone).squaredNorm() > squared(p_.reach_m)) return;
+    landmarks_.push_back({point.p, point.covariance.cast<double>(), false});
+  });
+}
+
+/// Number of free landmarks near the seed that agree with the plane through it.
+size_t PlaneFinder::agreeing(size_t seed, const Vector3d& normal) const {
+  const Vector3d& through = landmarks_[seed].p;
+  size_t count = 0;
+  for (const size_t i : free_) {
+    const Vector3d to = landmarks_[i].p - through;
+    const double off = std::abs(normal.dot(to));
+    if (off > p_.max_tolerance_m || to.squaredNorm() > squared(p_.near_m)) continue;
+    if (off < tolerance(landmarks_[i], normal)) ++count;
+  }
+  return count;
+}
+
+/// The connected patch of landmarks on a plane: the one of the seed, of the known plane, or the largest.
+std::optional<PlaneFinder::Patch> PlaneFinder::patch_at(const Vector3d& normal, const Vector3d& through,
+                                                        const Vector3d* seed, const Plane* known) const {
+  const Matrix3d axes = axes_of(normal);
+  const auto on_plane = [&](const Vector3d& p) -> Vector2d { return (axes.transpose() * (p - through)).head<2>(); };
+  using Cell = std::pair<int, int>;
+  const auto cell_of = [&](const Vector2d& p) {
+    return Cell(static_cast<int>(std::floor(p.x() / p_.cell_m)), static_cast<int>(std::floor(p.y() / p_.cell_m)));
+  };
+  struct Cells {
+    std::vector<size_t> on;
+    size_t beside = 0;
+    bool reached = false;
+  };
+  std::map<Cell, Cells> cells;
+  constexpr double kBeside = 4;  // tolerances: three times as much room as on the plane
+  for (size_t i = 0; i < landmarks_.size(); ++i) {
+    const Landmark& landmark = landmarks_[i];
+    if (landmark.taken && !known) continue;
+    const double off = std::abs(normal.dot(landmark.p - through)), within = tolerance(landmark, normal);
+    if (within > p_.max_tolerance_m || off > kBeside * within) continue;
+    if (known && outside(known->outline, known->project(landmark.p)) > p_.cell_m) continue;
+    Cells& cell = cells[cell_of(on_plane(landmark.p))];
+    off < within ? cell.on.push_back(i) : void(++cell.beside);
+  }
+  const auto grow = [&](const Cell& from) {
+    Patch patch{normal, through, {}, 0, 0, 0};
+    size_t beside = 0;
+    std::vector<Cell> edge{from};
+    cells[from].reached = true;
+    while (!edge.empty()) {
+      const Cell at = edge.back();
+      edge.pop_back();
+      Cells& cell = cells[at];
+      patch.on.insert(patch.on.end(), cell.on.begin(), cell.on.end());
+      beside += cell.beside;
+      for (int dx = -1; dx <= 1; ++dx)
+        for (int dy = -1; dy <= 1; ++dy) {
+          const auto next = cells.find({at.first + dx, at.second + dy});
+          if (next == cells.end() || next->second.reached || next->second.on.empty()) continue;
+          next->second.reached = true;
+          edge.push_back(next->first);
+        }
+    }
+    const auto on = static_cast<double>(patch.on.size());
+    patch.contrast = on > 0 ? 1 - static_cast<double>(beside) / (kBeside - 1) / on : 0;
+    return patch;
+  };
+  if (seed) {
+    if (cells.find(cell_of(on_plane(*seed))) == cells.end()) return std::nullopt;
+    return grow(cell_of(on_plane(*seed)));
+  }
+  std::optional<Patch> largest;
+  std::vector<Cell> all;
+  for (const auto& [at, cell] : cells) all.push_back(at);
+  for (const Cell& at : all) {
+    if (cells[at].reached || cells[at].on.empty()) continue;
+    if (Patch patch = grow(at); !largest || patch.on.size() > largest->on.size()) largest = std::move(patch);
+  }
+  return largest;
+}
+
+/// Weighted least squares: the height, or direction and offset of a vertical plane.
+void PlaneFinder::fit(Patch& patch) const {
+  constexpr int kIterations = 3;
+  for (int iteration = 0; iteration < kIterations; ++iteration) {
+    double weights = 0, chi2 = 0;
+    Vector3d middle = Vector3d::Zero();
+    std::vector<double> weight(patch.on.size());
+    for (size_t k = 0; k < patch.on.size(); ++k) {
+      const Landmark& landmark = landmarks_[patch.on[k]];
+      weight[k] = squared(p_.tolerance / tolerance(landmark, patch.normal));
+      weights += weight[k], middle += weight[k] * landmark.p;
+    }
+    patch.middle = middle / weights;
+    Eigen::Matrix2d spread = Eigen::Matrix2d::Zero();
+    for (size_t k = 0; k < patch.on.size(); ++k) {
+      const Vector2d off = (landmarks_[patch.on[k]].p - patch.middle).head<2>();
+      spread += weight[k] * off * off.transpose();
+    }
+    double along = 0;  // weighted spread along a wall
+    if (!is_horizontal(patch.normal)) {
+      Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver;
+      solver.computeDirect(spread);
+      const Vector2d across = solver.eigenvectors().col(0);
+      const Vector3d normal(across.x(), across.y(), 0);
+      patch.normal = normal.dot(patch.normal) < 0 ? Vector3d(-normal) : normal;
+      along = solver.eigenvalues()[1];
+    }
+    for (size_t k = 0; k < patch.on.size(); ++k)
+      chi2 += weight[k] * squared(patch.normal.dot(landmarks_[patch.on[k]].p - patch.middle));
+    const double inflation = std::max(1.0, chi2 / static_cast<double>(std::max<size_t>(1, patch.on.size() - 2)));
+    // Landmarks of the same frames have errors in common: as many are independent as there are cells.
+    constexpr double kCommon = 4;
+    patch.sigma_m = std::sqrt(kCommon * inflation / weights + squared(0.5 * p_.roughness_m));
+    patch.tilt_sigma_rad = std::hypot(p_.gravity_sigma_rad, along > 0 ? std::sqrt(kCommon * inflation / along) : 0.0);
+  }
+}
+
+bool PlaneFinder::is_wide_enough(const Patch& patch) const {
+  const Matrix3d axes = axes_of(patch.normal);
+  std::vector<Vector2d> all;
+  for (const size_t i : patch.on) all.push_back((axes.transpose() * (landmarks_[i].p - patch.middle)).head<2>());
+  const auto hull = hull_of(std::move(all));
+  double narrowest = 1e300;
+  for (size_t i = 0; i < hull.size(); ++i) {
+    const Vector2d side = (hull[(i + 1) % hull.size()] - hull[i]).normalized();
+    double widest = 0;
+    for (const Vector2d& p : hull) widest = std::max(widest, cross(side, p - hull[i]));
+    narrowest = std::min(narrowest, widest);
+  }
+  double variance = 0;
+  for (const size_t i : patch.on) variance += landmarks_[i].covariance.trace() / static_cast<double>(patch.on.size());
+  const double least_m = is_horizontal(patch.normal) ? p_.min_extent_m : p_.min_wall_m;
+  return hull.size() >= 3 && narrowest >= std::max(least_m, p_.min_extent * std::sqrt(variance));
+}
+
+std::optional<PlaneFinder::Patch> PlaneFinder::best_patch() {
+  size_t best = 0, best_seed = 0;
+  Vector3d best_normal = Vector3d::UnitZ();
+  for (int k = 0; k < p_.hypotheses; ++k) {
+    const size_t seed = free_[random() % free_.size()];
+    Vector3d normal = Vector3d::UnitZ();
+    if (k % 2 == 1) {
+      const Vector3d to = landmarks_[free_[random() % free_.size()]].p - landmarks_[seed].p;
+      const double apart_m = to.head<2>().norm();
+      if (apart_m < p_.min_extent_m || apart_m > p_.near_m) continue;
+      normal = Vector3d(-to.y(), to.x(), 0) / apart_m;
+    }
+    if (tolerance(landmarks_[seed], normal) > p_.max_tolerance_m) continue;
+    if (const size_t count = agreeing(seed, normal); count > best) best = count, best_seed = seed, best_normal = normal;
+  }
+  if (best < p_.min_points) return std::nullopt;
+  const Vector3d seed = landmarks_[best_seed].p;
+  auto patch = patch_at(best_normal, seed, &seed, nullptr);
+  for (int again = 0; again < 2 && patch && patch->on.size() >= p_.min_points; ++again) {
+    fit(*patch);
+    patch = patch_at(patch->normal, patch->middle, nullptr, nullptr);
+  }
+  if (!patch || patch->on.size() < p_.min_points) return std::nullopt;
+  fit(*patch);
+  return patch;
+}
+
+/// The plane follows its landmarks, its axes turn as little as possible; the outline grows.
+void PlaneFinder::take_patch(Plane& plane, const Patch& patch) const {
+  const Vector3d normal = plane.normal_m().dot(patch.normal) < 0 ? Vector3d(-patch.normal) : patch.normal;
+  plane.q_m_s = (Eigen::Quaterniond::FromTwoVectors(plane.normal_m(), normal) * plane.q_m_s).normalized();
+  plane.p_m += normal * normal.dot(patch.middle - plane.p_m);
+  plane.sigma_m = patch.sigma_m, plane.tilt_sigma_rad = patch.tilt_sigma_rad;
+  plane.support = patch.on.size();
+  std::vector<Vector2d> all = plane.outline;
+  for (const size_t i : patch.on) all.push_back(plane.project(landmarks_[i].p));
+  plane.outline = hull_of(std::move(all));
+}
+
+/// Fits a known plane to its landmarks again. False if it is withdrawn.
+bool PlaneFinder::refine(Plane& plane) {
+  auto patch = patch_at(plane.normal_m(), plane.p_m, nullptr, &plane);
+  if (!patch || patch->on.size() < p_.min_points / 2) return true;  // out of view, or forgotten
+  for (const size_t i : patch->on) landmarks_[i].taken = true;
+  plane.doubts = patch->contrast < p_.doubtful ? plane.doubts + 1 : 0;
+  constexpr int kDoubts = 3;
+  if (plane.doubts >= kDoubts) return false;
+  if (plane.doubts > 0 || patch->on.size() < std::max(p_.min_points, plane.support / 2)) return true;
+  fit(*patch);
+  take_patch(plane, *patch);
+  return true;
+}
+
+void PlaneFinder::find_new(const Vector3d& phone, std::vector<Change>& changes) {
+  for (size_t i = 0; i < landmarks_.size(); ++i)
+    if (!landmarks_[i].taken) free_.push_back(i);
+  while (free_.size() >= p_.min_points && planes_.size() < p_.max_planes) {
+    const auto patch = best_patch();
+    if (!patch) break;
+    for (const size_t i : patch->on) landmarks_[i].taken = true;
+    std::erase_if(free_, [&](size_t i) { return landmarks_[i].taken; });
+    if (patch->contrast < p_.min_contrast || !is_wide_enough(*patch)) continue;
+    Plane plane;
+    plane.id = ++last_id_;
+    plane.kind = is_horizontal(patch->normal) ? Kind::horizontal : Kind::vertical;
+    const Vector3d normal = patch->normal.dot(phone - patch->middle) < 0 ? Vector3d(-patch->normal) : patch->normal;
+    plane.q_m_s = Eigen::Quaterniond(axes_of(normal)).normalized();
+    plane.p_m = patch->middle;
+    take_patch(plane, *patch);
+    planes_.push_back(plane);
+    changes.push_back({Change::What::present, plane});
+  }
+}
+
+/// Two planes that turn out to be one: the older one remains.
+void PlaneFinder::merge(std::vector<Change>& changes) {
+  const auto apart_m = [](const Plane& a, const Plane& b) {  // how far b's nearest vertex lies outside of a
+    double nearest = 1e300;
+    for (const Vector2d& vertex : b.outline)
+      nearest = std::min(nearest, outside(a.outline, a.project(b.p_m + b.q_m_s * Vector3d(vertex.x(), vertex.y(), 0))));
+    return nearest;
+  };
+  for (size_t i = 0; i < planes_.size(); ++i)
+    for (size_t k = i + 1; k < planes_.size();) {
+      Plane &older = planes_[i], &younger = planes_[k];
+      Vector2d middle = Vector2d::Zero();
+      for (const Vector2d& vertex : younger.outline) middle += vertex / static_cast<double>(younger.outline.size());
+      const Vector3d there = younger.p_m + younger.q_m_s * Vector3d(middle.x(), middle.y(), 0);
+      const double off_m = std::max(2 * p_.roughness_m, 3 * std::hypot(older.sigma_m, younger.sigma_m));
+      const bool same = older.normal_m().dot(younger.normal_m()) > std::cos(p_.same_rad) &&
+                        std::abs(older.distance(there)) < off_m &&
+                        std::min(apart_m(older, younger), apart_m(younger, older)) < p_.cell_m;
+      if (!same) {
+        ++k;
+        continue;
+      }
+      std::vector<Vector2d> all = older.outline;
+      for (const Vector2d& vertex : younger.outline)
+        all.push_back(older.project(younger.p_m + younger.q_m_s * Vector3d(vertex.x(), vertex.y(), 0)));
+      older.outline = hull_of(std::move(all));
+      changes.push_back({Change::What::merged, younger, older.id});
+      planes_.erase(planes_.begin() + static_cast<ptrdiff_t>(k));
+    }
+}
+
+/// The floor: the largest horizontal plane around the phone's foot, as far below it as a hand is held.
+void PlaneFinder::name_floor(const Vector3d& phone, std::vector<Change>& changes) {
+  Plane* floor = nullptr;
+  for (Plane& plane : planes_) {
+    if (plane.kind == Kind::vertical || plane.normal_m().z() > 0) continue;  // z points down: it is seen from above
+    const double below_m = plane.p_m.z() - phone.z();
+    if (below_m < p_.min_floor_m || below_m > p_.max_floor_m) continue;
+    if (outside(plane.outline, plane.project(phone)) > p_.near_m) continue;
+    if (!floor || area_of(plane.outline) > area_of(floor->outline)) floor = &plane;
+  }
+  if (!floor) return;
+  for (Plane& plane : planes_) {
+    const Kind kind = &plane == floor ? Kind::floor : Kind::horizontal;
+    if (plane.kind == Kind::vertical || plane.kind == kind) continue;
+    plane.kind = kind;
+    changes.push_back({Change::What::present, plane});
+  }
+}
+
+std::vector<Change> PlaneFinder::search(int64_t t_ns, const Vector3d& phone) {
+  std::vector<Change> changes;
+  if (searched_ns_ && seconds(t_ns - *searched_ns_) < p_.interval_s) return changes;
+  searched_ns_ = t_ns;
+  gather(t_ns, phone);
+  constexpr double kMoved = 0.5, kGrown = 1.05;  // sigmas, area: less is not worth an event
+  std::erase_if(planes_, [&](Plane& plane) {
+    const Plane before = plane;
+    if (!refine(plane)) {
+      changes.push_back({Change::What::withdrawn, plane});
+      return true;
+    }
+    const bool moved = std::abs(plane.distance(before.p_m)) > kMoved * plane.sigma_m ||
+                       plane.normal_m().dot(before.normal_m()) < std::cos(kMoved * plane.tilt_sigma_rad) ||
+                       plane.sigma_m < 0.8 * before.sigma_m || plane.sigma_m > 1.25 * before.sigma_m;
+    if (moved || area_of(plane.outline) > kGrown * area_of(before.outline))
+      changes.push_back({Change::What::present, plane});
+    return false;
+  });
+  find_new(phone, changes);
+  merge(changes);
+  name_floor(phone, changes);
+  // The newest state of each plane, once; what was found and merged at once has never been there.
+  std::vector<Change> last;
+  for (Change& change : changes) {
+    const auto same = [&](const Change& other) { return other.plane.id == change.plane.id; };
+    const auto found = std::find_if(last.begin(), last.end(), same);
+    found != last.end() ? void(*found = std::move(change)) : last.push_back(std::move(change));
+  }
+  for (Change& change : last)
+    if (change.what == Change::What::present)
+      for (const Plane& plane : planes_)
+        if (plane.id == change.plane.id) change.plane = plane;
+  return last;
+}
+
+}  // namespace odograph::planes

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <vector>
+
+#include <odograph/plugin.hpp>
+#include <odograph/surface_finder.h>
+
+#include "plugins/surface/planes/plane_finder.hpp"
+#include "sdk/math/rotation.hpp"
+
+namespace {
+
+using namespace odograph::planes;
+using Eigen::Quaterniond;
+using Eigen::Vector3d;
+
+class Planes {
+ public:
+  double reach = PlaneFinder::Parameters().reach_m, interval = PlaneFinder::Parameters().interval_s;
+
+  static constexpr odo::Description description{"surface/planes", "1.0.0",
+                                                "Floor, tables and walls: horizontal and vertical planes of landmarks",
+                                                ODO_INTERFACE_SURFACE_FINDER};
+  static std::vector<odo::Parameter<Planes>> parameters() {
+    return {odo::real("reach", "m", 1, 100, &Planes::reach, "landmarks farther away than this are not used"),
+            odo::real("interval", "s", 0.05, 10, &Planes::interval, "between two searches")};
+  }
+  void configured() {
+    PlaneFinder::Parameters parameters;
+    parameters.reach_m = reach, parameters.interval_s = interval;
+    finder_ = PlaneFinder(parameters);
+  }
+
+  /// Waits for the pose of its frame, in whose scale group it is.
+  void on(const odo_points& points, odo::Output&) {
+    waiting_.clear();
+    waiting_ns_ = points.header.t_ns;
+    for (const odo_point& point : odo::Points(points))
+      if ((point.flags & ODO_POINT_UNCERTAIN) == 0 && point.age >= kMinAge) waiting_.push_back(point);
+  }
+
+  void on(const odo_correction& correction, odo::Output&) {
+    const Quaterniond q = odograph::quaternion(correction.q_n);
+    p_n_m_ = q * p_n_m_ + Vector3d(correction.p_n);
+    q_n_m_ = (q * q_n_m_).normalized();
+  }
+
+  void on(const odo_pose& pose, odo::Output& output) {
+    constexpr uint32_t needed = ODO_POSE_POSITION | ODO_POSE_ORIENTATION | ODO_POSE_METRIC | ODO_POSE_CAMERA;
+    if (pose.header.t_ns != waiting_ns_ || (pose.header.flags & needed) != needed || !(pose.scale > 0)) return;
+    if (pose.scale_sigma > kKnownScale * pose.scale) return waiting_.clear();
+    const Vector3d phone = q_n_m_.conjugate() * (Vector3d(pose.p_n) - p_n_m_);
+    const Quaterniond q_m_c = q_n_m_.conjugate() * odograph::quaternion(pose.q_n);
+    const Eigen::Matrix3f R_m_c = q_m_c.toRotationMatrix().cast<float>();
+    const auto scale = static_cast<float>(pose.scale);
+    for (const odo_point& point : waiting_) {
+      const float* c = point.covariance;
+      Eigen::Matrix3f covariance;
+      covariance << c[0], c[1], c[2], c[1], c[3], c[4], c[2], c[4], c[5];
+      const Vector3d p_m = phone + q_m_c * (scale * Eigen::Vector3f(point.p_c)).cast<double>();
+      finder_.add({p_m, scale * scale * R_m_c * covariance * R_m_c.transpose(), pose.header.t_ns}, phone);
+    }
+    waiting_.clear();
+    for (const Change& change : finder_.search(pose.header.t_ns, phone)) emit(pose.header.t_ns, change, output);
+  }
+
+ private:
+  static constexpr uint32_t kMinAge = 3;  // frames; two rays fit any wrong match
+  /// Relative sigma of the scale: landmarks with another scale would be ghosts beside those that follow.
+  static constexpr double kKnownScale = 0.03;
+
+  void emit(int64_t t_ns, const Change& change, odo::Output& output) {
+    const Plane& plane = change.plane;
+    writer_.begin(t_ns, plane.id);
+    odo_surface& surface = writer_.message();
+    surface.kind = plane.kind == Kind::floor        ? ODO_SURFACE_FLOOR
+                   : plane.kind == Kind::horizontal ? ODO_SURFACE_HORIZONTAL
+                                                    : ODO_SURFACE_VERTICAL;
+    odograph::put_quaternion((q_n_m_ * plane.q_m_s).normalized(), surface.q_n);
+    Vector3d::Map(surface.p_n) = q_n_m_ * plane.p_m + p_n_m_;
+    surface.sigma_m = plane.sigma_m, surface.tilt_sigma_rad = plane.tilt_sigma_rad;
+    if (change.what == Change::What::present)
+      for (const Eigen::Vector2d& vertex : plane.outline)
+        writer_.add(static_cast<float>(vertex.x()), static_cast<float>(vertex.y()));
+    else
+      surface.state = change.what == Change::What::merged ? ODO_SURFACE_MERGED : ODO_SURFACE_WITHDRAWN;
+    surface.merged_into = change.into;
+    output.emit(writer_);
+  }
+
+  PlaneFinder finder_;
+  Quaterniond q_n_m_ = Quaterniond::Identity();  // from m to n: what corrections have moved so far
+  Vector3d p_n_m_ = Vector3d::Zero();
+  std::vector<odo_point> waiting_;
+  int64_t waiting_ns_ = INT64_MIN;
+  odo::SurfaceWriter writer_;
+};
+
+}  // namespace
+
+ODO_PLUGIN(Planes)

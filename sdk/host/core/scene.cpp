@@ -1,0 +1,183 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sdk/host/core/scene.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "sdk/math/rotation.hpp"
+
+namespace odograph {
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+/// Whether a point lies within a convex outline, whose interior is on the left.
+bool contains(const std::vector<Vector2d>& outline, const Vector2d& p) {
+  for (size_t i = 0; i < outline.size(); ++i) {
+    const Vector2d side = outline[(i + 1) % outline.size()] - outline[i], to = p - outline[i];
+    if (side.x() * to.y() - side.y() * to.x() < 0) return false;
+  }
+  return !outline.empty();
+}
+
+/// Distance along a ray to a plane; nothing behind its origin or beyond `max_m`.
+std::optional<double> distance_to_plane(const Scene::Ray& ray, const Vector3d& p_n, const Vector3d& normal_n) {
+  const double approach = normal_n.dot(ray.direction_n);
+  if (std::abs(approach) < 1e-9) return std::nullopt;
+  const double distance_m = normal_n.dot(p_n - ray.origin_n) / approach;
+  if (!(distance_m > 0 && distance_m < ray.max_distance_m)) return std::nullopt;
+  return distance_m;
+}
+
+}  // namespace
+
+void Scene::hold(const odo_points& points) {
+  pending_count_ = 0, pending_ns_ = points.header.t_ns;
+  for (uint32_t i = 0; i < points.count && pending_count_ < pending_.size(); ++i) {
+    const odo_point* point = ODO_POINTS_AT(&points, i);
+    if (!point) break;
+    if ((point->flags & ODO_POINT_UNCERTAIN) || point->age < p_.min_age) continue;
+    pending_[pending_count_++] = *point;
+  }
+}
+
+void Scene::see(const odo_pose& pose) {
+  constexpr uint32_t needed = ODO_POSE_POSITION | ODO_POSE_ORIENTATION | ODO_POSE_METRIC;
+  if ((pose.header.flags & needed) != needed || !(pose.scale > 0)) return;
+  scale_sigma_ = pose.scale_sigma / pose.scale;
+  const size_t count = std::exchange(pending_count_, 0);
+  if (*scale_sigma_ > p_.known_scale || pose.header.t_ns != pending_ns_ || (pose.header.flags & ODO_POSE_CAMERA) == 0)
+    return;
+  const Rigid T_m_c = T_n_m_.inverse() * Rigid{quaternion(pose.q_n), Vector3d(pose.p_n)};
+  const Eigen::Matrix3f R_m_c = T_m_c.q.toRotationMatrix().cast<float>();
+  const auto scale = static_cast<float>(pose.scale);
+  for (size_t i = 0; i < count; ++i) {
+    const Eigen::Vector3f p_c = scale * Eigen::Vector3f(pending_[i].p_c);
+    const float* c = pending_[i].covariance;
+    Eigen::Matrix3f covariance;
+    covariance << c[0], c[1], c[2], c[1], c[3], c[4], c[2], c[4], c[5];
+    covariance *= scale * scale;
+    if (!(static_cast<double>(covariance.trace()) < std::pow(p_.max_sigma * static_cast<double>(p_c.norm()), 2)))
+      continue;
+    points_.add({T_m_c * p_c.cast<double>().eval(), R_m_c * covariance * R_m_c.transpose(), pose.header.t_ns});
+  }
+}
+
+const Scene::Surface* Scene::take(odo_surface& message, uint32_t resets) {
+  const auto of_finder = [&](uint64_t own_id) {
+    return std::find_if(surfaces_.begin(), surfaces_.end(), [&](const Surface& s) {
+      return s.source == message.header.source && s.resets == resets && s.own_id == own_id;
+    });
+  };
+  auto found = of_finder(message.id);
+  const auto into = message.state == ODO_SURFACE_MERGED ? of_finder(message.merged_into) : surfaces_.end();
+  message.merged_into = into != surfaces_.end() ? into->id : 0;
+  if (message.state != ODO_SURFACE_PRESENT) {
+    if (into == surfaces_.end()) message.state = ODO_SURFACE_WITHDRAWN;  // nothing to be part of
+    message.id = found != surfaces_.end() ? found->id : 0;
+    if (found != surfaces_.end()) remove(static_cast<size_t>(found - surfaces_.begin()));
+    return nullptr;
+  }
+  if (found == surfaces_.end()) {
+    if (surfaces_.size() >= p_.max_surfaces) return message.id = 0, nullptr;
+    surfaces_.emplace_back();
+    found = surfaces_.end() - 1;
+    found->id = ++last_id_, found->source = message.header.source, found->resets = resets, found->own_id = message.id;
+  }
+  Surface& surface = *found;
+  surface.kind = message.kind, surface.t_ns = message.header.t_ns;
+  surface.sigma_m = message.sigma_m, surface.tilt_sigma_rad = message.tilt_sigma_rad;
+  surface.T_m_s = T_n_m_.inverse() * Rigid{quaternion(message.q_n), Vector3d(message.p_n)};
+  surface.outline.clear();
+  for (uint32_t i = 0; i < message.count; ++i)
+    if (const odo_vertex* vertex = ODO_VERTEX_AT(&message, i))
+      surface.outline.emplace_back(static_cast<double>(vertex->p[0]), static_cast<double>(vertex->p[1]));
+  message.id = surface.id;
+  return &surface;
+}
+
+std::vector<Scene::Surface> Scene::take_orphans(uint32_t source, uint32_t resets) {
+  std::vector<Surface> orphans;
+  for (size_t i = surfaces_.size(); i-- > 0;) {
+    if (surfaces_[i].source != source || surfaces_[i].resets == resets) continue;
+    orphans.push_back(std::move(surfaces_[i]));
+    remove(i);
+  }
+  return orphans;
+}
+
+const Scene::Surface* Scene::find(uint64_t id) const {
+  const auto found = std::find_if(surfaces_.begin(), surfaces_.end(), [id](const Surface& s) { return s.id == id; });
+  return found != surfaces_.end() ? &*found : nullptr;
+}
+
+size_t Scene::cast(const Ray& ray, const Vector3d& phone_n, Hit* hits, size_t capacity) const {
+  if (!is_metric()) return 0;
+  size_t count = 0;
+  const auto add = [&](Hit hit, double sigma_m) {
+    hit.sigma_m = std::hypot(sigma_m, std::hypot(p_.drift, *scale_sigma_) * (hit.p_n - phone_n).norm());
+    size_t at = count;
+    while (at > 0 && hits[at - 1].distance_m > hit.distance_m) --at;
+    if (at == capacity) return;
+    count = std::min(count + 1, capacity);
+    std::move_backward(hits + at, hits + count - 1, hits + count);
+    hits[at] = hit;
+  };
+  // Beyond what was seen of it; before it is found, below a walker's hand.
+  Vector3d floor_n(phone_n.x(), phone_n.y(), phone_n.z() + p_.hand * walker_m_), up_n = -Vector3d::UnitZ();
+  const Surface* floor = nullptr;
+  Hit nearest;  // of the surfaces
+  const auto plane_sigma = [&](const Surface& surface, const Vector3d& p_n, const Vector3d& normal_n) {
+    const double across_m = std::hypot(surface.sigma_m, surface.tilt_sigma_rad * (p_n - phone_n).norm());
+    return across_m / std::abs(normal_n.dot(ray.direction_n));
+  };
+  for (const Surface& surface : surfaces_) {
+    const Rigid T_n_s = T_n_m_ * surface.T_m_s;
+    const Vector3d normal_n = T_n_s.q * Vector3d::UnitZ();
+    if (surface.kind == ODO_SURFACE_FLOOR) floor = &surface, floor_n = T_n_s.p, up_n = normal_n;
+    const auto distance_m = distance_to_plane(ray, T_n_s.p, normal_n);
+    if (!distance_m) continue;
+    const Vector3d p_n = ray.origin_n + *distance_m * ray.direction_n, p_s = T_n_s.inverse() * p_n;
+    if (!contains(surface.outline, p_s.head<2>())) continue;
+    const Hit hit{ODO_HIT_SURFACE, &surface, p_n, normal_n, *distance_m, plane_sigma(surface, p_n, normal_n)};
+    if (nearest.what == 0 || hit.distance_m < nearest.distance_m) nearest = hit;
+    if (ray.wanted & ODO_HIT_SURFACE) add(hit, hit.sigma_m);
+  }
+  if (ray.wanted & ODO_HIT_POINT) {
+    const Rigid T_m_n = T_n_m_.inverse();
+    const Vector3d origin_m = T_m_n * ray.origin_n, direction_m = T_m_n.q * ray.direction_n;
+    const double widest = std::pow(std::tan(p_.hit_cone_rad), 2);
+    double best = widest;
+    const MapPoint* found = nullptr;
+    points_.visit([&](const MapPoint& point) {
+      const Vector3d to = point.p - origin_m;
+      const double along_m = to.dot(direction_m);
+      if (!(along_m > 0)) return;
+      const double off = to.squaredNorm() / (along_m * along_m) - 1;  // squared tangent of the angle
+      if (off < best) best = off, found = &point;
+    });
+    if (found) {
+      const double along_m = (found->p - origin_m).dot(direction_m);
+      const double sigma_m = std::hypot(std::sqrt(direction_m.dot(found->covariance.cast<double>() * direction_m)),
+                                        std::sqrt(best) * along_m);
+      const double apart_m = std::abs(along_m - nearest.distance_m);
+      const bool is_part = nearest.what != 0 && apart_m < p_.explained * std::hypot(sigma_m, nearest.sigma_m);
+      if (!is_part && along_m < ray.max_distance_m)
+        add({ODO_HIT_POINT, nullptr, ray.origin_n + along_m * ray.direction_n, -ray.direction_n, along_m, 0}, sigma_m);
+    }
+  }
+  if ((ray.wanted & ODO_HIT_FLOOR) && (floor || walker_m_ > 0)) {
+    const auto distance_m = distance_to_plane(ray, floor_n, up_n);
+    const bool is_seen = floor && nearest.surface == floor;
+    if (distance_m && !is_seen) {
+      const Vector3d p_n = ray.origin_n + *distance_m * ray.direction_n;
+      add({ODO_HIT_FLOOR, floor, p_n, up_n, *distance_m, 0},
+          floor ? plane_sigma(*floor, p_n, up_n) : p_.hand_sigma * walker_m_ / std::abs(ray.direction_n.z()));
+    }
+  }
+  return count;
+}
+
+}  // namespace odograph
