@@ -48,6 +48,11 @@ AnyMessage good(uint32_t type) {
     auto& m = reinterpret_cast<odo_calibration&>(made.header());
     m.width = m.height = 1, m.model = ODO_CAMERA_PINHOLE;
   }
+  if (type == ODO_TYPE_SURFACE) {  // without an outline
+    auto& m = reinterpret_cast<odo_surface&>(made.header());
+    m.id = 1, m.kind = ODO_SURFACE_FLOOR, m.state = ODO_SURFACE_WITHDRAWN;
+    m.stride = sizeof(odo_vertex), m.offset = sizeof m;
+  }
   if (type == ODO_TYPE_STEP) reinterpret_cast<odo_step&>(made.header()).t_end_ns = 1;
   return made;
 }
@@ -278,7 +283,7 @@ TEST_CASE("an odo_surface is refused unless its outline is within it, and its st
   CHECK(fault([](odo_surface& s) { s.count = 33; }).starts_with("count = 33"));
   CHECK(fault([](odo_surface& s) { s.stride = 12; }).starts_with("stride = 12"));
   CHECK(fault([](odo_surface& s) { s.offset = 136; }).starts_with("offset = 136"));
-  CHECK(fault([](odo_surface& s) { s.sigma_m = 0; }).starts_with("sigma_m = 0"));
+  CHECK(fault([](odo_surface& s) { s.sigma_m = 0; }).starts_with("sigma_m, tilt_sigma_rad = 0"));
   CHECK(fault([](odo_surface& s) { s.q_n[0] = 2; }).starts_with("q_n has the norm 2"));
   CHECK(fault([](odo_surface& s) { s.p_n[1] = 1e8; }).starts_with("p_n[1] = 1e+08"));
   CHECK(fault([](odo_surface& s) { s.merged_into = 6; }).starts_with("merged_into = 6"));

@@ -81,7 +81,7 @@ TEST_CASE("a landmark is kept if it is known to 5 %, seen three times and in met
   CHECK(count() == 0);
   show(scene, {0, 0, 2}, 1e-4f, 20, 2);
   CHECK(count() == 0);
-  show(scene, {0, 0, 1}, 2.5e-5f, 30, 5, 2);  // of a front-end whose unit is 2 m
+  show(scene, {0, 0, 1}, 2.5e-5f, 30, 5, 2);  // of a front-end with a scale of 2
   CHECK(count() == 1);
   const auto hits = cast(scene, {1, 0.008, 0});
   REQUIRE(hits.size() == 1);

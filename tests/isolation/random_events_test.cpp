@@ -87,12 +87,12 @@ TEST_CASE("if the localizer's state becomes non-finite, no such pose is publishe
   WorldView world(
       cameras, [] { return 0u; }, 1'000'000'000, 1.7);
   size_t poses = 0, broken = 0;
-  auto pipeline =
-      Pipeline::make(*config, {host, checks, world.geodesy(), world.poses(), world.anchors(), world.scene(), world.mutex()},
-                     [&](const odo_header& event) {
-                       if (event.type != ODO_TYPE_POSE) return;
-                       ++poses, broken += whole(as<odo_pose>(event)) ? 0 : 1;
-                     });
+  auto pipeline = Pipeline::make(
+      *config, {host, checks, world.geodesy(), world.poses(), world.anchors(), world.scene(), world.mutex()},
+      [&](const odo_header& event) {
+        if (event.type != ODO_TYPE_POSE) return;
+        ++poses, broken += whole(as<odo_pose>(event)) ? 0 : 1;
+      });
   REQUIRE(pipeline.ok());
   int64_t t_ns = 1'000'000'000;
   const auto see = [&](double mounted_m) {  // without the session, which would reject a non-finite mount

@@ -21,11 +21,21 @@ class Room {
   explicit Room(unsigned seed = 1) : random_(seed) {}
   /// Landmarks on a rectangle, with noise of that sigma, which is stated.
   void add(const Vector3d& corner, const Vector3d& u, const Vector3d& v, int count, double sigma_m = 0.01) {
-    for (int i = 0; i < count; ++i) add(corner + uniform() * u + uniform() * v, sigma_m);
+    for (int i = 0; i < count; ++i) {
+      const Vector3d along = uniform() * u;
+      add(corner + along + uniform() * v, sigma_m);
+    }
+  }
+  /// A landmark anywhere in a box.
+  void fill(const Vector3d& corner, const Vector3d& size, double sigma_m) {
+    Vector3d p = corner;
+    for (int k = 0; k < 3; ++k) p[k] += uniform() * size[k];
+    add(p, sigma_m);
   }
   void add(const Vector3d& p, double sigma_m) {
     odograph::MapPoint point;
-    point.p = p + sigma_m * Vector3d(normal_(random_), normal_(random_), normal_(random_));
+    point.p = p;
+    for (double& x : point.p) x += sigma_m * normal_(random_);
     point.covariance = Eigen::Matrix3f::Identity() * static_cast<float>(sigma_m * sigma_m);
     point.t_ns = now_ns;
     finder.add(point, phone);
@@ -85,8 +95,7 @@ TEST_CASE("where landmarks fill a room or lie on a line there is no plane") {
   for (unsigned seed = 1; seed <= 5; ++seed) {
     CAPTURE(seed);
     Room room(seed);
-    for (int i = 0; i < 600; ++i)
-      room.add(Vector3d(4 * room.uniform() - 1, 4 * room.uniform() - 2, -3 * room.uniform()), 0.02);
+    for (int i = 0; i < 600; ++i) room.fill({-1, -2, -3}, {4, 4, 3}, 0.02);
     room.add({2, -2, -1}, {0, 4, 0}, {0, 0, 0}, 60, 0.03);  // a window sill
     room.search();
     CHECK(room.finder.planes().empty());
@@ -132,7 +141,7 @@ TEST_CASE("a plane whose landmarks turn out to fill its surroundings is withdraw
   room.search();
   REQUIRE(room.finder.planes().size() == 2);
   for (int i = 0; i < 400; ++i)  // a bush
-    room.add(Vector3d(1 + room.uniform(), -1 + room.uniform(), -0.45 - 0.5 * room.uniform()), 0.01);
+    room.fill({1, -1, -0.95}, {1, 1, 0.5}, 0.01);
   bool withdrawn = false;
   for (int i = 0; i < 5; ++i)
     for (const Change& change : room.search()) withdrawn = withdrawn || change.what == Change::What::withdrawn;

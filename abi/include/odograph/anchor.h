@@ -47,7 +47,7 @@ typedef struct odo_anchor_place {
   double geoid_height_m; /* with ODO_HEIGHT_GEOID */
   double sigma_m;        /* GEODETIC: standard deviation of the given position, in each axis */
   odo_string name;       /* UTF-8, at most 63 bytes */
-  uint64_t surface;      /* HIT: id of the surface that was hit, 0: another hit. Since 1.1 */
+  uint64_t surface;      /* HIT, which needs it: id of the surface that was hit, 0: another hit. Since 1.1 */
 } odo_anchor_place;
 
 #define ODO_ANCHOR_PLACED 1u    /* q_n, p_n and their sigmas are valid */

@@ -37,13 +37,13 @@ std::vector<Vector2d> hull_of(std::vector<Vector2d> points) {
     if (!back) std::reverse(points.begin(), points.end());
   }
   while (hull.size() > kMostVertices) {
-    size_t least = 0;
-    double least_area = 1e300;
+    size_t worst = 0;
+    double min_area = 1e300;
     for (size_t i = 0; i < hull.size(); ++i) {
       const Vector2d &a = hull[(i + hull.size() - 1) % hull.size()], &b = hull[i], &c = hull[(i + 1) % hull.size()];
-      if (const double area = cross(b - a, c - b); area < least_area) least_area = area, least = i;
+      if (const double area = cross(b - a, c - b); area < min_area) min_area = area, worst = i;
     }
-    hull.erase(hull.begin() + static_cast<ptrdiff_t>(least));
+    hull.erase(hull.begin() + static_cast<ptrdiff_t>(worst));
   }
   return hull;
 }
@@ -222,8 +222,8 @@ bool PlaneFinder::is_wide_enough(const Patch& patch) const {
   }
   double variance = 0;
   for (const size_t i : patch.on) variance += landmarks_[i].covariance.trace() / static_cast<double>(patch.on.size());
-  const double least_m = is_horizontal(patch.normal) ? p_.min_extent_m : p_.min_wall_m;
-  return hull.size() >= 3 && narrowest >= std::max(least_m, p_.min_extent * std::sqrt(variance));
+  const double min_m = is_horizontal(patch.normal) ? p_.min_extent_m : p_.min_wall_m;
+  return hull.size() >= 3 && narrowest >= std::max(min_m, p_.min_extent * std::sqrt(variance));
 }
 
 std::optional<PlaneFinder::Patch> PlaneFinder::best_patch() {

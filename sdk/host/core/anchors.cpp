@@ -8,7 +8,7 @@
 
 #include <Eigen/Eigenvalues>
 
-#include "sdk/host/messages/bounds.hpp"
+#include "sdk/host/core/saved_anchor.hpp"
 #include "sdk/math/rotation.hpp"
 
 namespace odograph {
@@ -34,6 +34,21 @@ double largest_variance(const Matrix3d& covariance) {
 std::array<double, 3> array(const Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 Vector3d vector(const std::array<double, 3>& a) { return Vector3d(a[0], a[1], a[2]); }
 
+/// North-East-Down axes at that point, expressed in n: over a walk the meridians converge by less than a millirad.
+Quaterniond axes_at(const std::array<double, 3>& geodetic, const Geodesy& geodesy) {
+  constexpr double kNorthwards_rad = 1e-6;  // 6 m
+  auto north = geodetic, down = geodetic;
+  north[0] += kNorthwards_rad * (geodetic[0] > 0 ? -1 : 1);  // never across a pole
+  down[2] -= 1.0;
+  const Vector3d here = vector(geodesy.from_geodetic(geodetic));
+  const Vector3d z = (vector(geodesy.from_geodetic(down)) - here).normalized();
+  const Vector3d towards = (geodetic[0] > 0 ? -1 : 1) * (vector(geodesy.from_geodetic(north)) - here);
+  const Vector3d y = z.cross(towards).normalized();
+  Matrix3d axes;
+  axes << y.cross(z), y, z;
+  return Quaterniond(axes);
+}
+
 }  // namespace
 
 Anchors::Anchor& Anchors::add(const odo_anchor_place& place, Reference reference) {
@@ -50,11 +65,12 @@ Anchors::Anchor& Anchors::add(const odo_anchor_place& place, Reference reference
 uint64_t Anchors::add_local(const odo_anchor_place& place, const Placement& placement) {
   const std::lock_guard lock(mutex_);
   if (anchors_.size() >= p_.max_anchors) return 0;
-  Anchor& anchor = add(place, Reference::awaiting_pose);
+  Anchor& anchor = add(place, placement.on_surface ? Reference::surface : Reference::awaiting_pose);
   anchor.placed = true;
+  anchor.surface = placement.on_surface ? place.surface : 0;
   anchor.T_n_a = placement.T_n_a;
   anchor.T_b_a = placement.T_n_b.inverse() * placement.T_n_a;
-  anchor.seen_ns = placement.t_ns;
+  anchor.seen_ns = placement.t_ns, anchor.sigma_m = placement.sigma_m;
   return anchor.id;
 }
 
@@ -67,19 +83,6 @@ uint64_t Anchors::add_geodetic(const odo_anchor_place& place) {
   anchor.height_above = place.height_above;
   anchor.sigma_m = place.sigma_m;
   anchor.lost_reason = ODO_REASON_NO_FIX;
-  return anchor.id;
-}
-
-uint64_t Anchors::add_on_surface(const odo_anchor_place& place, const Rigid& T_n_a, const Rigid& T_n_s,
-                                 double sigma_m) {
-  const std::lock_guard lock(mutex_);
-  if (anchors_.size() >= p_.max_anchors) return 0;
-  Anchor& anchor = add(place, Reference::surface);
-  anchor.placed = true;
-  anchor.surface = place.surface;
-  anchor.T_n_a = T_n_a;
-  anchor.T_b_a = T_n_s.inverse() * T_n_a;
-  anchor.sigma_m = sigma_m;
   return anchor.id;
 }
 
@@ -125,21 +128,6 @@ std::optional<Anchors::State> Anchors::get(uint64_t id, int64_t t_ns, bool drawn
   return state;
 }
 
-/// North-East-Down axes at that point, expressed in n: over a walk the meridians converge by less than a millirad.
-Quaterniond Anchors::axes_at(const std::array<double, 3>& geodetic) const {
-  constexpr double kNorthwards_rad = 1e-6;  // 6 m
-  auto north = geodetic, down = geodetic;
-  north[0] += kNorthwards_rad * (geodetic[0] > 0 ? -1 : 1);  // never across a pole
-  down[2] -= 1.0;
-  const Vector3d here = vector(geodesy_.from_geodetic(geodetic));
-  const Vector3d z = (vector(geodesy_.from_geodetic(down)) - here).normalized();
-  const Vector3d towards = (geodetic[0] > 0 ? -1 : 1) * (vector(geodesy_.from_geodetic(north)) - here);
-  const Vector3d y = z.cross(towards).normalized();
-  Matrix3d axes;
-  axes << y.cross(z), y, z;
-  return Quaterniond(axes);
-}
-
 void Anchors::georeference(Anchor& anchor, const KeptPose& now) {
   if (anchor.placed) return;
   anchor.lost_reason = !placed_ ? ODO_REASON_NO_FIX : ODO_REASON_NO_ORIGIN;
@@ -155,7 +143,7 @@ void Anchors::georeference(Anchor& anchor, const KeptPose& now) {
     if (!down_m) return;
     p_n.z() = *down_m - anchor.geodetic[2];
   }
-  anchor.T_n_a = {(axes_at(place) * anchor.q).normalized(), p_n};
+  anchor.T_n_a = {(axes_at(place, geodesy_) * anchor.q).normalized(), p_n};
   anchor.smooth.reset();
   anchor.placed = true;
   anchor.lost_reason = 0;
@@ -330,37 +318,11 @@ void Anchors::drop_kept_poses() {
   }
 }
 
-namespace {
-
-/// An anchor as it is saved: geodetic where n was georeferenced, otherwise in n.
-struct Saved {
-  uint32_t kind, reference, height_above, reserved;
-  double geodetic[3], q[4], p[3], sigma_m;
-  char name[64];
-};
-static_assert(sizeof(Saved) == 168);
-constexpr uint32_t kSavedGeodetic = 1, kSavedNavigation = 2;
-
-bool is_valid(const Saved& saved) {
-  const auto finite = [](const double* x, int n) {
-    return std::all_of(x, x + n, [](double v) { return std::isfinite(v); });
-  };
-  if (!finite(saved.geodetic, 3) || !finite(saved.q, 4) || !finite(saved.p, 3) || !std::isfinite(saved.sigma_m))
-    return false;
-  const double norm = Eigen::Vector4d(saved.q).norm();
-  return norm > 0.9 && norm < 1.1 && bounds::kLatitude_rad.holds(saved.geodetic[0]) &&
-         bounds::kLongitude_rad.holds(saved.geodetic[1]) &&
-         (saved.reference == kSavedGeodetic || saved.reference == kSavedNavigation) &&
-         saved.name[sizeof saved.name - 1] == 0;
-}
-
-}  // namespace
-
 std::vector<uint8_t> Anchors::save() const {
   const std::lock_guard lock(mutex_);
   std::vector<uint8_t> bytes;
   for (const Anchor& anchor : anchors_) {
-    Saved saved{};
+    SavedAnchor saved{};
     // A later session does not have this one's surfaces.
     saved.kind = anchor.kind == ODO_ANCHOR_HIT ? ODO_ANCHOR_POSE : anchor.kind,
     saved.height_above = anchor.height_above, saved.sigma_m = anchor.sigma_m;
@@ -376,7 +338,7 @@ std::vector<uint8_t> Anchors::save() const {
       saved.reference = kSavedGeodetic;
       const auto geodetic = geodesy_.to_geodetic(array(anchor.T_n_a.p));
       std::copy(geodetic.begin(), geodetic.end(), saved.geodetic);
-      q = axes_at(geodetic).conjugate() * q;
+      q = axes_at(geodetic, geodesy_).conjugate() * q;
       saved.sigma_m = std::sqrt(largest_variance(covariance_of(anchor).place));
     } else {
       saved.reference = kSavedNavigation;
@@ -391,12 +353,12 @@ std::vector<uint8_t> Anchors::save() const {
 }
 
 bool Anchors::load(std::span<const uint8_t> blob) {
-  if (blob.size() % sizeof(Saved) != 0) return false;
-  std::vector<Saved> all(blob.size() / sizeof(Saved));
+  if (blob.size() % sizeof(SavedAnchor) != 0) return false;
+  std::vector<SavedAnchor> all(blob.size() / sizeof(SavedAnchor));
   if (!blob.empty()) std::memcpy(all.data(), blob.data(), blob.size());
   const std::lock_guard lock(mutex_);
   if (!std::all_of(all.begin(), all.end(), is_valid) || anchors_.size() + all.size() > p_.max_anchors) return false;
-  for (const Saved& saved : all) {
+  for (const SavedAnchor& saved : all) {
     odo_anchor_place place{};
     place.kind = saved.kind;
     place.name = {saved.name, std::strlen(saved.name)};

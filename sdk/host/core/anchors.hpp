@@ -33,10 +33,12 @@ class Anchors {
   /// Height of the ground at a point of n, m downwards, given the height nearby; nothing if no model covers it.
   using Ground = std::function<std::optional<double>(double north_m, double east_m, double near_down_m)>;
 
-  /// A local anchor and the body pose from which it was placed, both in the corrected world.
+  /// A local anchor and the body pose or the surface (with its sigma) on which it was placed, in the corrected world.
   struct Placement {
     int64_t t_ns = 0;
     Rigid T_n_b, T_n_a;
+    bool on_surface = false;
+    double sigma_m = 0;
   };
 
   /// State of an anchor, apart from the phone's pose.
@@ -55,8 +57,6 @@ class Anchors {
   /// Returns the id, or 0 if there are too many anchors.
   uint64_t add_local(const odo_anchor_place& place, const Placement& placement);
   uint64_t add_geodetic(const odo_anchor_place& place);
-  /// On a surface of this session.
-  uint64_t add_on_surface(const odo_anchor_place& place, const Rigid& T_n_a, const Rigid& T_n_s, double sigma_m);
   bool remove(uint64_t id);
   std::vector<uint64_t> ids() const;
   /// State at a time, which the blending needs; nothing if the anchor does not exist. `drawn`: a pose of that time is
@@ -118,7 +118,6 @@ class Anchors {
   void georeference(Anchor& anchor, const KeptPose& now);
   void blend(Anchor& anchor, const Rigid& before, int64_t t_ns);
   Covariance covariance_of(const Anchor& anchor) const;
-  Eigen::Quaterniond axes_at(const std::array<double, 3>& geodetic) const;
 
   Parameters p_;
   Geodesy& geodesy_;

@@ -213,6 +213,7 @@ int32_t odo_anchor_create(odo_session* session, const odo_anchor_place* place, u
   if (id) *id = 0;
   if (!session || !place || !id) return ODO_E_ARGUMENT;
   if (place->struct_size < ODO_ANCHOR_PLACE_SIZE_MIN) return ODO_E_STRUCT_SIZE;
+  if (place->kind == ODO_ANCHOR_HIT && !ODO_HAS(place, surface)) return ODO_E_ARGUMENT;  // unknown to its writer
   odo_anchor_place whole{};
   std::memcpy(static_cast<void*>(&whole), place, std::min<size_t>(place->struct_size, sizeof whole));
   return guarded([&] { return session->session->world().create_anchor(whole, *id); });

@@ -207,37 +207,10 @@ void Pipeline::on_points(odo_points& points, bool used) {
 
 /// Surfaces of the first finder are kept: they get ids of the session, and anchors follow them.
 void Pipeline::on_surface(odo_surface& surface, bool used) {
-  if (!used) return publish_(surface.header);
-  withdraw_orphans(surface.header.source);
-  {
-    const std::lock_guard lock(world_mutex_);
-    const Scene::Surface* kept = scene_.take(surface, roster_.resets(surface.header.source));
-    if (!kept && surface.merged_into != 0) kept = scene_.find(surface.merged_into);
-    if (kept)
-      anchors_.follow_surface(surface.id, kept->id, scene_.T_n_m() * kept->T_m_s, kept->sigma_m);
-    else if (surface.id != 0)
-      anchors_.leave_surface(surface.id);
-  }
-  if (surface.id == 0) return;  // never kept
+  const uint32_t resets = roster_.resets(surface.header.source);
+  if (used && !surfaces_.take(surface, resets, publish_)) return;
   publish_(surface.header);
-  roster_.forward_event(surface.header);
-}
-
-/// A finder that was reset cannot withdraw what it found before.
-void Pipeline::withdraw_orphans(uint32_t source) {
-  std::vector<Scene::Surface> orphans;
-  {
-    const std::lock_guard lock(world_mutex_);
-    orphans = scene_.take_orphans(source, roster_.resets(source));
-    for (const Scene::Surface& orphan : orphans) anchors_.leave_surface(orphan.id);
-  }
-  for (const Scene::Surface& orphan : orphans) {
-    auto event = make_message<odo_surface>(ODO_TYPE_SURFACE, watch_.now_ns());
-    event.header.source = source;
-    event.id = orphan.id, event.kind = orphan.kind, event.state = ODO_SURFACE_WITHDRAWN;
-    event.stride = sizeof(odo_vertex), event.offset = sizeof event, event.q_n[0] = 1;
-    publish_(event.header);
-  }
+  if (used) roster_.forward_event(surface.header);
 }
 
 /// A scale group's number in this pipeline, which has several front-ends and resets.
@@ -347,14 +320,14 @@ Pipeline::Pipeline(const PipelineConfig& config, const Surroundings& surrounding
       poses_(surroundings.poses),
       anchors_(surroundings.anchors),
       scene_(surroundings.scene),
-      world_mutex_(surroundings.world_mutex),
+      surfaces_(scene_, anchors_, surroundings.world_mutex),
       events_(kParameters.events_per_sample),
       watch_(config.ordering.max_gap_s),
       publish_(std::move(publish)),
       sources_(roster_, surroundings.host),
       scale_join_(config.scale_sources.size()),
       north_(config.declination_rad, config.start.heading_given),
-      publisher_({roster_, watch_, checks_, north_, poses_, anchors_, scene_, world_mutex_}, publish_,
+      publisher_({roster_, watch_, checks_, north_, poses_, anchors_, scene_, surroundings.world_mutex}, publish_,
                  [this](const odo_header& event) {
                    if (event.type == ODO_TYPE_POSE ? plugins_want_poses_ : plugins_want_corrections_)
                      enqueue(AnyMessage(event));

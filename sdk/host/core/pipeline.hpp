@@ -20,6 +20,7 @@
 #include "sdk/host/core/scale_join.hpp"
 #include "sdk/host/core/sensor_watch.hpp"
 #include "sdk/host/core/source_watch.hpp"
+#include "sdk/host/core/surface_updates.hpp"
 #include "sdk/host/fusion/paper_fusion.hpp"
 #include "sdk/host/messages/imu_joiner.hpp"
 
@@ -97,7 +98,6 @@ class Pipeline {
   void on_step(const odo_step& step, bool used);
   void on_points(odo_points& points, bool used);
   void on_surface(odo_surface& surface, bool used);
-  void withdraw_orphans(uint32_t source);
   uint32_t group_of(const odo_header& event, uint32_t group);
   void on_vo_motion(odo_vo_motion& motion);
   void on_fix(odo_fix& fix);
@@ -122,7 +122,7 @@ class Pipeline {
   PoseStream& poses_;
   Anchors& anchors_;
   Scene& scene_;
-  std::mutex& world_mutex_;
+  SurfaceUpdates surfaces_;
   EventQueue events_;
   ImuJoiner joiner_;
   SensorWatch watch_;

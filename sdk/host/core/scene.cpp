@@ -113,11 +113,54 @@ const Scene::Surface* Scene::find(uint64_t id) const {
   return found != surfaces_.end() ? &*found : nullptr;
 }
 
+/// Where a ray meets a surface's plane; within its outline, or also `beyond` it.
+std::optional<Scene::Hit> Scene::hit_surface(const Ray& ray, const Surface& surface, const Vector3d& phone_n,
+                                             bool beyond) const {
+  const Rigid T_n_s = T_n_m_ * surface.T_m_s;
+  const Vector3d normal_n = T_n_s.q * Vector3d::UnitZ();
+  const auto distance_m = distance_to_plane(ray, T_n_s.p, normal_n);
+  if (!distance_m) return std::nullopt;
+  const Vector3d p_n = ray.origin_n + *distance_m * ray.direction_n;
+  if (!beyond && !contains(surface.outline, (T_n_s.inverse() * p_n).head<2>())) return std::nullopt;
+  const double across_m = std::hypot(surface.sigma_m, surface.tilt_sigma_rad * (p_n - phone_n).norm());
+  return Hit{beyond ? ODO_HIT_FLOOR : ODO_HIT_SURFACE,          &surface, p_n, normal_n, *distance_m,
+             across_m / std::abs(normal_n.dot(ray.direction_n))};
+}
+
+/// The landmark nearest to the ray, within the cone.
+std::optional<Scene::Hit> Scene::hit_point(const Ray& ray) const {
+  const Rigid T_m_n = T_n_m_.inverse();
+  const Vector3d origin_m = T_m_n * ray.origin_n, direction_m = T_m_n.q * ray.direction_n;
+  double best = std::pow(std::tan(p_.hit_cone_rad), 2);
+  const MapPoint* found = nullptr;
+  points_.visit([&](const MapPoint& point) {
+    const Vector3d to = point.p - origin_m;
+    const double along_m = to.dot(direction_m);
+    if (!(along_m > 0 && along_m < ray.max_distance_m)) return;
+    const double off = to.squaredNorm() / (along_m * along_m) - 1;  // squared tangent of the angle
+    if (off < best) best = off, found = &point;
+  });
+  if (!found) return std::nullopt;
+  const double along_m = (found->p - origin_m).dot(direction_m);
+  const double own_m = std::sqrt(direction_m.dot(found->covariance.cast<double>() * direction_m));
+  return Hit{ODO_HIT_POINT,    nullptr, ray.origin_n + along_m * ray.direction_n,
+             -ray.direction_n, along_m, std::hypot(own_m, std::sqrt(std::max(0.0, best)) * along_m)};
+}
+
+/// The floor that is assumed below a walker's hand.
+std::optional<Scene::Hit> Scene::hit_assumed_floor(const Ray& ray, const Vector3d& phone_n) const {
+  const Vector3d below_n(phone_n.x(), phone_n.y(), phone_n.z() + p_.hand * walker_m_), up_n = -Vector3d::UnitZ();
+  const auto distance_m = walker_m_ > 0 ? distance_to_plane(ray, below_n, up_n) : std::nullopt;
+  if (!distance_m) return std::nullopt;
+  return Hit{ODO_HIT_FLOOR, nullptr,     ray.origin_n + *distance_m * ray.direction_n,
+             up_n,          *distance_m, p_.hand_sigma * walker_m_ / std::abs(ray.direction_n.z())};
+}
+
 size_t Scene::cast(const Ray& ray, const Vector3d& phone_n, Hit* hits, size_t capacity) const {
   if (!is_metric()) return 0;
   size_t count = 0;
-  const auto add = [&](Hit hit, double sigma_m) {
-    hit.sigma_m = std::hypot(sigma_m, std::hypot(p_.drift, *scale_sigma_) * (hit.p_n - phone_n).norm());
+  const auto add = [&](Hit hit) {
+    hit.sigma_m = std::hypot(hit.sigma_m, std::hypot(p_.drift, *scale_sigma_) * (hit.p_n - phone_n).norm());
     size_t at = count;
     while (at > 0 && hits[at - 1].distance_m > hit.distance_m) --at;
     if (at == capacity) return;
@@ -125,57 +168,23 @@ size_t Scene::cast(const Ray& ray, const Vector3d& phone_n, Hit* hits, size_t ca
     std::move_backward(hits + at, hits + count - 1, hits + count);
     hits[at] = hit;
   };
-  // Beyond what was seen of it; before it is found, below a walker's hand.
-  Vector3d floor_n(phone_n.x(), phone_n.y(), phone_n.z() + p_.hand * walker_m_), up_n = -Vector3d::UnitZ();
   const Surface* floor = nullptr;
-  Hit nearest;  // of the surfaces
-  const auto plane_sigma = [&](const Surface& surface, const Vector3d& p_n, const Vector3d& normal_n) {
-    const double across_m = std::hypot(surface.sigma_m, surface.tilt_sigma_rad * (p_n - phone_n).norm());
-    return across_m / std::abs(normal_n.dot(ray.direction_n));
-  };
+  std::optional<Hit> nearest;  // of the surfaces
   for (const Surface& surface : surfaces_) {
-    const Rigid T_n_s = T_n_m_ * surface.T_m_s;
-    const Vector3d normal_n = T_n_s.q * Vector3d::UnitZ();
-    if (surface.kind == ODO_SURFACE_FLOOR) floor = &surface, floor_n = T_n_s.p, up_n = normal_n;
-    const auto distance_m = distance_to_plane(ray, T_n_s.p, normal_n);
-    if (!distance_m) continue;
-    const Vector3d p_n = ray.origin_n + *distance_m * ray.direction_n, p_s = T_n_s.inverse() * p_n;
-    if (!contains(surface.outline, p_s.head<2>())) continue;
-    const Hit hit{ODO_HIT_SURFACE, &surface, p_n, normal_n, *distance_m, plane_sigma(surface, p_n, normal_n)};
-    if (nearest.what == 0 || hit.distance_m < nearest.distance_m) nearest = hit;
-    if (ray.wanted & ODO_HIT_SURFACE) add(hit, hit.sigma_m);
+    if (surface.kind == ODO_SURFACE_FLOOR) floor = &surface;
+    const auto hit = hit_surface(ray, surface, phone_n, false);
+    if (!hit) continue;
+    if (!nearest || hit->distance_m < nearest->distance_m) nearest = hit;
+    if (ray.wanted & ODO_HIT_SURFACE) add(*hit);
   }
-  if (ray.wanted & ODO_HIT_POINT) {
-    const Rigid T_m_n = T_n_m_.inverse();
-    const Vector3d origin_m = T_m_n * ray.origin_n, direction_m = T_m_n.q * ray.direction_n;
-    const double widest = std::pow(std::tan(p_.hit_cone_rad), 2);
-    double best = widest;
-    const MapPoint* found = nullptr;
-    points_.visit([&](const MapPoint& point) {
-      const Vector3d to = point.p - origin_m;
-      const double along_m = to.dot(direction_m);
-      if (!(along_m > 0)) return;
-      const double off = to.squaredNorm() / (along_m * along_m) - 1;  // squared tangent of the angle
-      if (off < best) best = off, found = &point;
-    });
-    if (found) {
-      const double along_m = (found->p - origin_m).dot(direction_m);
-      const double sigma_m = std::hypot(std::sqrt(direction_m.dot(found->covariance.cast<double>() * direction_m)),
-                                        std::sqrt(best) * along_m);
-      const double apart_m = std::abs(along_m - nearest.distance_m);
-      const bool is_part = nearest.what != 0 && apart_m < p_.explained * std::hypot(sigma_m, nearest.sigma_m);
-      if (!is_part && along_m < ray.max_distance_m)
-        add({ODO_HIT_POINT, nullptr, ray.origin_n + along_m * ray.direction_n, -ray.direction_n, along_m, 0}, sigma_m);
-    }
+  if (const auto point = ray.wanted & ODO_HIT_POINT ? hit_point(ray) : std::nullopt) {
+    const bool is_part = nearest && std::abs(point->distance_m - nearest->distance_m) <
+                                        p_.explained * std::hypot(point->sigma_m, nearest->sigma_m);
+    if (!is_part) add(*point);
   }
-  if ((ray.wanted & ODO_HIT_FLOOR) && (floor || walker_m_ > 0)) {
-    const auto distance_m = distance_to_plane(ray, floor_n, up_n);
-    const bool is_seen = floor && nearest.surface == floor;
-    if (distance_m && !is_seen) {
-      const Vector3d p_n = ray.origin_n + *distance_m * ray.direction_n;
-      add({ODO_HIT_FLOOR, floor, p_n, up_n, *distance_m, 0},
-          floor ? plane_sigma(*floor, p_n, up_n) : p_.hand_sigma * walker_m_ / std::abs(ray.direction_n.z()));
-    }
+  if (ray.wanted & ODO_HIT_FLOOR) {
+    const auto hit = floor ? hit_surface(ray, *floor, phone_n, true) : hit_assumed_floor(ray, phone_n);
+    if (hit && !(nearest && nearest->surface == floor)) add(*hit);
   }
   return count;
 }

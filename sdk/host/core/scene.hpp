@@ -46,7 +46,7 @@ class Scene {
   struct Hit {
     uint32_t what = 0;
     const Surface* surface = nullptr;
-    Eigen::Vector3d p_n, normal_n;
+    Eigen::Vector3d p_n = Eigen::Vector3d::Zero(), normal_n = Eigen::Vector3d::Zero();
     double distance_m = 0, sigma_m = 0;
   };
   struct Ray {
@@ -86,6 +86,10 @@ class Scene {
 
  private:
   static constexpr size_t kSets = ODO_MOST_MAP_POINTS / 8;
+  std::optional<Hit> hit_surface(const Ray& ray, const Surface& surface, const Eigen::Vector3d& phone_n,
+                                 bool beyond) const;
+  std::optional<Hit> hit_point(const Ray& ray) const;
+  std::optional<Hit> hit_assumed_floor(const Ray& ray, const Eigen::Vector3d& phone_n) const;
   void remove(size_t i) { surfaces_.erase(surfaces_.begin() + static_cast<ptrdiff_t>(i)); }
 
   Parameters p_;

@@ -102,8 +102,8 @@ int32_t WorldView::create_anchor(const odo_anchor_place& place, uint64_t& id) {
     seen.T_n_a = rigid(view) * rigid(smooth).inverse() * seen.T_n_a;
   }
   const Scene::Surface* surface = place.kind == ODO_ANCHOR_HIT ? scene_.find(place.surface) : nullptr;
-  id = surface ? anchors_.add_on_surface(place, seen.T_n_a, scene_.T_n_m() * surface->T_m_s, surface->sigma_m)
-               : anchors_.add_local(place, seen);
+  if (surface) seen.T_n_b = scene_.T_n_m() * surface->T_m_s, seen.on_surface = true, seen.sigma_m = surface->sigma_m;
+  id = anchors_.add_local(place, seen);
   return id != 0 ? ODO_OK : ODO_E_EXHAUSTED;
 }
 

@@ -284,22 +284,20 @@ void check_surface(FieldCheck& check, const odo_surface& m) {
   check.unit("q_n", m.q_n)
       .within("p_n", m.p_n, 3, bounds::kPosition_m)
       .positive("id", static_cast<double>(m.id))
-      .require(m.state >= ODO_SURFACE_PRESENT && m.state <= ODO_SURFACE_WITHDRAWN, "state", m.state,
-               "one of ODO_SURFACE_PRESENT, MERGED, WITHDRAWN")
+      .not_negative("sigma_m", m.sigma_m)
+      .not_negative("tilt_sigma_rad", m.tilt_sigma_rad)
+      .require(!present || (m.sigma_m > 0 && m.tilt_sigma_rad > 0), "sigma_m, tilt_sigma_rad", m.sigma_m, "above 0")
+      .require(m.state >= ODO_SURFACE_PRESENT && m.state <= ODO_SURFACE_WITHDRAWN, "state", m.state, "1 to 3")
       .require(m.kind != 0, "kind", m.kind, "one of ODO_SURFACE_FLOOR, HORIZONTAL, VERTICAL, OTHER")
-      .require(!present || (m.count >= 3 && m.count <= ODO_MOST_VERTICES), "count", m.count, "3 to 32")
-      .require(present || m.count == 0, "count", m.count, "0, as the surface exists no more")
-      .require((m.merged_into != 0) == (m.state == ODO_SURFACE_MERGED), "merged_into",
-               static_cast<double>(m.merged_into), "an id with MERGED alone")
+      .require(present ? m.count >= 3 && m.count <= ODO_MOST_VERTICES : m.count == 0, "count", m.count,
+               present ? "3 to 32" : "0, as the surface exists no more")
+      .require((m.merged_into != 0) == (m.state == ODO_SURFACE_MERGED), "merged_into", double(m.merged_into),
+               "an id with MERGED alone")
       .require(m.stride >= ODO_VERTEX_SIZE_MIN && m.stride % 8 == 0, "stride", m.stride, "a multiple of 8, at least 8")
-      .require(m.offset >= ODO_SURFACE_SIZE_MIN && m.offset % 8 == 0, "offset", m.offset,
-               "a multiple of 8, at least 144")
+      .require(m.offset >= ODO_SURFACE_SIZE_MIN && m.offset % 8 == 0, "offset", m.offset, "a multiple of 8 from 144 on")
       .require(end <= m.header.struct_size, "count", m.count, "vertices within struct_size");
-  if (present) check.positive("sigma_m", m.sigma_m).positive("tilt_sigma_rad", m.tilt_sigma_rad);
-  if (!check.fault.empty()) return;
-  for (uint32_t i = 0; i < m.count; ++i)
-    for (const float x : ODO_VERTEX_AT(&m, i)->p)
-      check.within("p of a vertex", static_cast<double>(x), bounds::kPosition_m);
+  for (uint32_t i = 0; check.fault.empty() && i < m.count; ++i)
+    for (const float x : ODO_VERTEX_AT(&m, i)->p) check.within("p of a vertex", double(x), bounds::kPosition_m);
 }
 
 void check_event_fields(FieldCheck& check, const odo_header& header) {

@@ -123,6 +123,10 @@ inline constexpr MessageField kMessageFields[] = {
     ODO_FIELD(ODO_TYPE_RELATIVE_POSE, odo_relative_pose, q_b0_b1, unit, ODO_RELATIVE_POSE_ROTATION),
     ODO_FIELD(ODO_TYPE_RELATIVE_POSE, odo_relative_pose, p_b0_b1, finite, ODO_RELATIVE_POSE_TRANSLATION),
     ODO_FIELD(ODO_TYPE_RELATIVE_POSE, odo_relative_pose, covariance, matrix, 0),
+    ODO_FIELD(ODO_TYPE_SURFACE, odo_surface, q_n, unit, 0),
+    ODO_FIELD(ODO_TYPE_SURFACE, odo_surface, p_n, place, 0),
+    ODO_FIELD(ODO_TYPE_SURFACE, odo_surface, sigma_m, natural, 0),
+    ODO_FIELD(ODO_TYPE_SURFACE, odo_surface, tilt_sigma_rad, natural, 0),
 };
 #undef ODO_FIELD
 

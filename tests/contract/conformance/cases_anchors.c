@@ -86,7 +86,7 @@ CASE("bad places are refused", "anchor.h",
     odo_anchor_place place = place_of(which < 4 || which > 9 ? ODO_ANCHOR_POSE : ODO_ANCHOR_GEODETIC);
     int32_t status;
     if (which == 0) place.kind = 0;
-    if (which == 1) place.kind = 4;
+    if (which == 1) place.kind = 99;
     if (which == 2) place.p[1] = (double)NAN;
     if (which == 3) place.q[0] = 3;
     if (which == 4) place.latitude_rad = 1.6;

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+
+#include <Eigen/Core>
+
+#include "sdk/host/messages/bounds.hpp"
+
+namespace odograph {
+
+/// An anchor as it is saved: geodetic where n was georeferenced, otherwise in n.
+struct SavedAnchor {
+  uint32_t kind, reference, height_above, reserved;
+  double geodetic[3], q[4], p[3], sigma_m;
+  char name[64];
+};
+static_assert(sizeof(SavedAnchor) == 168);
+inline constexpr uint32_t kSavedGeodetic = 1, kSavedNavigation = 2;
+
+inline bool is_valid(const SavedAnchor& saved) {
+  const auto finite = [](const double* x, int n) {
+    return std::all_of(x, x + n, [](double v) { return std::isfinite(v); });
+  };
+  if (!finite(saved.geodetic, 3) || !finite(saved.q, 4) || !finite(saved.p, 3) || !std::isfinite(saved.sigma_m))
+    return false;
+  const double norm = Eigen::Map<const Eigen::Vector4d>(saved.q).norm();
+  return norm > 0.9 && norm < 1.1 && bounds::kLatitude_rad.holds(saved.geodetic[0]) &&
+         bounds::kLongitude_rad.holds(saved.geodetic[1]) &&
+         (saved.reference == kSavedGeodetic || saved.reference == kSavedNavigation) &&
+         saved.name[sizeof saved.name - 1] == 0;
+}
+
+}  // namespace odograph
