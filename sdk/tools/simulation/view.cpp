@@ -132,10 +132,15 @@ void View::look_along_row() {
       continue;
     }
     RTCRayHit& hit = hits_[x];
-    hit.hit = hits_[x - 1].hit;
-    const auto& face = world_.meshes()[0].surface(hit.hit.primID);
+    const auto& face = world_.meshes()[0].surface(hits_[x - 1].hit.primID);
     const Vector3f origin(hit.ray.org_x, hit.ray.org_y, hit.ray.org_z);
-    hit.ray.tfar = face.normal.dot(face.origin - origin) / face.normal.dot(direction(hit.ray));
+    const float distance = face.normal.dot(face.origin - origin) / face.normal.dot(direction(hit.ray));
+    if (!(distance > 0 && distance < kFar)) {  // along the face
+      undecided_.push_back(&hit);
+      continue;
+    }
+    hit.hit = hits_[x - 1].hit;
+    hit.ray.tfar = distance;
   }
   if (!undecided_.empty())
     rtcIntersect1Mp(scene_, &context, undecided_.data(), static_cast<unsigned>(undecided_.size()));
