@@ -105,11 +105,6 @@ class Looks {
     if (odo_session_hit_test(session, &ray, &first, 1, &count) != ODO_OK || count == 0) return;
     const double error_m = std::abs(first.distance_m - seen.distance_m);
     Hits& hits = first.what == ODO_HIT_SURFACE ? surfaces_ : points_;
-    if (getenv("DBG") && error_m > 3 * first.sigma_m)
-      std::fprintf(stderr,
-                   "out t %.1f what %u kind %u id %d err %.3f sigma %.3f d %.2f true %.2f normal %.2f known %d\n",
-                   passed_s_, first.what, first.surface_kind, (int)first.surface, error_m, first.sigma_m,
-                   first.distance_m, seen.distance_m, first.normal_n[2], known);
     if (known)
       hits.add(error_m, seen.distance_m, first.sigma_m);
     else
@@ -145,15 +140,7 @@ class Looks {
       test(middle);
       for (uint32_t i = 0; i < 4; ++i) test(0.5 * (middle + vertex(surface, i * surface.count / 4)));
       const double far_m = (Vector3d(surface.p_n) - Vector3d(pose.p_n)).norm();
-      if (2 * on < places && far_m < kFarthest_m / 3 && false_.insert(id).second && getenv("DBG")) {
-        std::fprintf(stderr,
-                     "false id %d kind %u t %.1f on %d of %d far %.1f sigma %.3f tilt %.3f count %u below %.2f\n",
-                     (int)id, surface.kind, passed_s_, on, places, far_m, surface.sigma_m, surface.tilt_sigma_rad,
-                     surface.count, surface.p_n[2] - pose.p_n[2]);
-        for (uint32_t i = 0; i < surface.count; ++i)
-          std::fprintf(stderr, "  %.2f %.2f", vertex(surface, i).x(), vertex(surface, i).y());
-        std::fprintf(stderr, "\n");
-      }
+      if (2 * on < places && far_m < kFarthest_m / 3) false_.insert(id);
     }
   }
 
