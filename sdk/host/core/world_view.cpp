@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "sdk/host/messages/bounds.hpp"
+#include "sdk/host/messages/messages.hpp"
 #include "sdk/host/base/pose_frame.hpp"
 #include "sdk/math/lens.hpp"
 #include "sdk/math/rotation.hpp"
