@@ -6,6 +6,7 @@
 #include <map>
 
 #include <odograph/absolute_fixer.h>
+#include <odograph/surface_finder.h>
 #include <odograph/scale_source.h>
 
 #include "sdk/tools/validator/case_fixture.hpp"
@@ -53,8 +54,9 @@ CASE(event, "process.status", "returns status codes of the ABI", 20, 5, .any_inp
 CASE(event, "events.some", "emits events in a walk of 10 s", 20, 10) {
   const auto driver = fixture.walked_instance();
   if (!driver->events.empty()) return "";
-  if (fixture.serves(ODO_INTERFACE_ABSOLUTE_FIXER) || fixture.serves(ODO_INTERFACE_SCALE_SOURCE))
-    return not_applicable("a fix plugin or a scale source need not emit anything here");
+  if (fixture.serves(ODO_INTERFACE_ABSOLUTE_FIXER) || fixture.serves(ODO_INTERFACE_SCALE_SOURCE) ||
+      fixture.serves(ODO_INTERFACE_SURFACE_FINDER))
+    return not_applicable("a fix plugin, a scale source or a surface finder need not emit anything here");
   return "it emits nothing in a walk of 10 s";
 }
 
