@@ -65,7 +65,7 @@ class PlaneFinder {
     double doubtful = 0.35;      ///< the same, below which a plane is doubted; three times in a row: withdrawn
     double gravity_sigma_rad = 0.009;             ///< half a degree: the front-end's inclination
     double same_rad = 0.14;                       ///< 8 degrees, between planes that may be one
-    double min_floor_m = 0.5, max_floor_m = 2.1;  ///< below the phone: a child's hand, a tall man's eyes
+    double min_floor_m = 0.9, max_floor_m = 2.1;  ///< below the phone: 0.74 of a child of 1.2 m, a tall man's eyes
     size_t max_planes = 64;
   };
 
