@@ -48,7 +48,7 @@ class Planes {
   void on(const odo_pose& pose, odo::Output& output) {
     constexpr uint32_t needed = ODO_POSE_POSITION | ODO_POSE_ORIENTATION | ODO_POSE_METRIC | ODO_POSE_CAMERA;
     if (pose.header.t_ns != waiting_ns_ || (pose.header.flags & needed) != needed || !(pose.scale > 0)) return;
-    if (pose.scale_sigma > kKnownScale * pose.scale) return waiting_.clear();
+    if (!(pose.scale_sigma > 0 && pose.scale_sigma < kKnownScale * pose.scale)) return waiting_.clear();  // 0: unknown
     const Vector3d phone = q_n_m_.conjugate() * (Vector3d(pose.p_n) - p_n_m_);
     const Quaterniond q_m_c = q_n_m_.conjugate() * odograph::quaternion(pose.q_n);
     const Eigen::Matrix3f R_m_c = q_m_c.toRotationMatrix().cast<float>();

@@ -45,7 +45,7 @@ void Scene::hold(const odo_points& points) {
 
 void Scene::see(const odo_pose& pose) {
   constexpr uint32_t needed = ODO_POSE_POSITION | ODO_POSE_ORIENTATION | ODO_POSE_METRIC;
-  if ((pose.header.flags & needed) != needed || !(pose.scale > 0)) return;
+  if ((pose.header.flags & needed) != needed || !(pose.scale > 0 && pose.scale_sigma > 0)) return;  // 0: unknown
   scale_sigma_ = pose.scale_sigma / pose.scale;
   const size_t count = std::exchange(pending_count_, 0);
   if (*scale_sigma_ > p_.known_scale || pose.header.t_ns != pending_ns_ || (pose.header.flags & ODO_POSE_CAMERA) == 0)

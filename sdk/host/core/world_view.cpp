@@ -7,6 +7,7 @@
 #include "sdk/host/messages/bounds.hpp"
 #include "sdk/host/messages/messages.hpp"
 #include "sdk/host/base/pose_frame.hpp"
+#include "sdk/host/base/saturating.hpp"
 #include "sdk/math/lens.hpp"
 #include "sdk/math/rotation.hpp"
 
@@ -216,8 +217,8 @@ int32_t WorldView::view_through(const odo_ray& pixel, odo_pose& camera, Vector3d
   const double rows = pixel.pixel[1] - 0.5 * (lens->height - 1.0);
   if (std::abs(rows) > lens->height) return ODO_E_ARGUMENT;
   const bool rolls = (lens->header.flags & ODO_CALIBRATION_LINE_TIME) && pixel.t_ns != ODO_TIME_LATEST;
-  const auto row_ns = rolls ? std::llround(rows * static_cast<double>(lens->line_time_ns)) : 0;
-  return pose_of(ODO_OF_CAMERA, ODO_WORLD_CORRECTED, pixel.t_ns + row_ns, camera);
+  const int64_t row_ns = rolls ? std::llround(rows * static_cast<double>(lens->line_time_ns)) : 0;
+  return pose_of(ODO_OF_CAMERA, ODO_WORLD_CORRECTED, saturating_sum(pixel.t_ns, row_ns), camera);
 }
 
 /// A ray of an app in the corrected n, and the phone's pose at its time.
