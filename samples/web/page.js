@@ -175,11 +175,13 @@ function draw() {
   });
 }
 
-/** The distance of a mark from the one before it, with its standard deviation: a measuring tape. */
+/** The distance of a mark from the one before it, with its standard deviation: a measuring tape. The scale's error is
+ * common to both marks. */
 function tape(before, mark) {
-  if (!before?.sigma_m || !mark.sigma_m) return '';
-  const sigma_cm = 100 * Math.hypot(before.sigma_m, mark.sigma_m);
-  return ` · ${Math.hypot(...subtract(mark.p_n, before.p_n)).toFixed(2)} m ± ${sigma_cm.toFixed(0)} cm from ${before.id}`;
+  if (!before?.own_sigma_m || !mark.own_sigma_m) return '';
+  const length_m = Math.hypot(...subtract(mark.p_n, before.p_n));
+  const sigma_cm = 100 * Math.hypot(before.own_sigma_m, mark.own_sigma_m, mark.scale_sigma * length_m);
+  return ` · ${length_m.toFixed(2)} m ± ${sigma_cm.toFixed(0)} cm from ${before.id}`;
 }
 
 /** A mark where a touch meets a surface, a landmark or the floor. */

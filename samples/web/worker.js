@@ -103,7 +103,7 @@ class Run {
   mark(t_ns, direction) {
     const hit = this.session.hitTest({kind: ODO_RAY_VIEW, t_ns, direction});
     const id = this.session.createAnchor(hit ? placeOf(hit) : {kind: ODO_ANCHOR_VIEW, t_ns, p: direction.map(x => x * MARK_AHEAD_M)});
-    this.hits.set(id, hit ? {what: nameOf(hit), sigma_m: hit.sigma_m} : {what: 'ahead', sigma_m: 0});
+    this.hits.set(id, hit ? {what: nameOf(hit), own_sigma_m: ownSigma(hit), scale_sigma: hit.scale_sigma} : {what: 'ahead', own_sigma_m: 0});
   }
 
   end() {
@@ -116,6 +116,9 @@ class Run {
 
 const nameOf = ({what, surface, surface_kind}) => what === ODO_HIT_POINT ? 'point' : what === ODO_HIT_FLOOR && !surface ? 'assumed floor'
   : surface_kind === ODO_SURFACE_FLOOR ? 'floor' : surface_kind === ODO_SURFACE_VERTICAL ? 'wall' : 'surface';
+
+/** Standard deviation of a distance without that of the scale. */
+const ownSigma = ({sigma_m, scale_sigma, distance_m}) => Math.sqrt(Math.max(0, sigma_m ** 2 - (scale_sigma * distance_m) ** 2));
 
 const later = ms => new Promise(done => setTimeout(done, ms));
 

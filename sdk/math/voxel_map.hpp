@@ -14,11 +14,19 @@ namespace odograph {
 struct MapPoint {
   Eigen::Vector3d p = Eigen::Vector3d::Zero();
   Eigen::Matrix3f covariance = Eigen::Matrix3f::Zero();
+  float scale_sigma = 1;  ///< relative, of the metre in which p is: an error that it shares with others of its time
   int64_t t_ns = std::numeric_limits<int64_t>::min();  ///< of the newest frame that saw it; the least value: no point
 
   bool any() const { return t_ns != std::numeric_limits<int64_t>::min(); }
   double sigma_m() const { return std::sqrt(static_cast<double>(covariance.trace())); }
 };
+
+/// Whether something that was measured with a scale of that relative sigma is still worth keeping, now that it is known
+/// to `now`: else it is a ghost beside what is seen again.
+inline bool scale_is_current(double then, double now) {
+  constexpr double kWorse = 2;
+  return then <= kWorse * now;
+}
 
 /// At most 8 * sets landmarks, one in each cube, in memory that is allocated once. Where eight cubes of one hash value
 /// are taken, the point that was seen last of all gives way.

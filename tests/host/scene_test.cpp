@@ -96,6 +96,21 @@ TEST_CASE("a landmark is kept if it is known to 5 %, seen three times and in met
   CHECK(cast(scene, {0, 1, 0})[0].distance_m == doctest::Approx(3));
 }
 
+TEST_CASE("beside landmarks at other distances a landmark's sigma is that of the edge, and old scales give way") {
+  Scene scene;
+  show(scene, {0, 0, 2}, 1e-4f, 10);
+  const double alone = cast(scene, {1, 0.006, 0})[0].sigma_m;
+  show(scene, {0.06, 0, 4}, 1e-4f, 20);  // 0.86 degrees beside it
+  const auto hits = cast(scene, {1, 0.006, 0});
+  REQUIRE(hits.size() == 1);
+  CHECK(hits[0].distance_m == doctest::Approx(2).epsilon(1e-3));
+  const double slope = std::sqrt((4 + std::pow(2 / 0.015, 2)) / 2);  // m/rad, with the 45 degrees of one alone
+  CHECK(hits[0].sigma_m == doctest::Approx(std::hypot(0.006 * slope, alone)).epsilon(0.03));
+  CHECK(hits[0].scale_sigma == doctest::Approx(0.01));
+  scene.see(camera_at(Vector3d::Zero(), 30, 0.004));  // more than twice as well known
+  CHECK(cast(scene, {1, 0.006, 0}).empty());
+}
+
 TEST_CASE("a ray hits surfaces within their outlines, nearest first, and landmarks that are not part of them") {
   Scene scene;
   scene.see(camera_at(Vector3d::Zero(), 1));

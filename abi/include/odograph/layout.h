@@ -254,11 +254,12 @@ ODO_LAYOUT(odo_ray, sizeof(odo_ray) == 104 && offsetof(odo_ray, struct_size) == 
            offsetof(odo_ray, pixel) == 24 && offsetof(odo_ray, origin) == 40 && offsetof(odo_ray, direction) == 64 &&
            offsetof(odo_ray, max_distance_m) == 88 && offsetof(odo_ray, wanted) == 96 &&
            offsetof(odo_ray, reserved) == 100)
-ODO_LAYOUT(odo_hit, sizeof(odo_hit) == 128 && offsetof(odo_hit, struct_size) == 0 && offsetof(odo_hit, what) == 4 &&
+ODO_LAYOUT(odo_hit, sizeof(odo_hit) == 136 && offsetof(odo_hit, struct_size) == 0 && offsetof(odo_hit, what) == 4 &&
            offsetof(odo_hit, surface) == 8 && offsetof(odo_hit, t_ns) == 16 &&
            offsetof(odo_hit, surface_kind) == 24 && offsetof(odo_hit, reserved) == 28 &&
            offsetof(odo_hit, q_n) == 32 && offsetof(odo_hit, p_n) == 64 && offsetof(odo_hit, normal_n) == 88 &&
-           offsetof(odo_hit, distance_m) == 112 && offsetof(odo_hit, sigma_m) == 120)
+           offsetof(odo_hit, distance_m) == 112 && offsetof(odo_hit, sigma_m) == 120 &&
+           offsetof(odo_hit, scale_sigma) == 128)
 ODO_LAYOUT(odo_terrain, sizeof(odo_terrain) == 24 && offsetof(odo_terrain, struct_size) == 0 &&
            offsetof(odo_terrain, reserved) == 4 && offsetof(odo_terrain, user) == 8 &&
            offsetof(odo_terrain, height) == 16)

@@ -86,7 +86,7 @@
 #define ODO_VERTEX_SIZE_MIN 8u
 #define ODO_MAP_POINT_SIZE_MIN 48u
 #define ODO_RAY_SIZE_MIN 104u
-#define ODO_HIT_SIZE_MIN 128u
+#define ODO_HIT_SIZE_MIN 136u
 /* clang-format on */
 
 #endif

@@ -80,7 +80,9 @@ typedef struct odo_hit {
   double p_n[3];         /* position in n, m */
   double normal_n[3];    /* of length 1 */
   double distance_m;     /* from the origin of the ray */
-  double sigma_m;        /* standard deviation of the distance */
+  double sigma_m;        /* standard deviation of the distance, with that of the scale */
+  double scale_sigma;    /* relative standard deviation of the scale, which all lengths have in common: its share of
+                          * sigma_m is scale_sigma * distance_m, and of a length between two hits scale_sigma * length */
 } odo_hit;
 
 /* [any] Intersects a ray with surfaces, landmarks and the floor: writes the nearest `capacity` hits, at most 64, nearest

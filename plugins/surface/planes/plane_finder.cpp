@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <utility>
 
@@ -79,8 +80,15 @@ Matrix3d axes_of(const Vector3d& normal) {
 
 }  // namespace
 
-void PlaneFinder::add(const MapPoint& point, const Vector3d& eye) {
-  if (point.sigma_m() < std::min(p_.max_sigma_m, p_.max_sigma * (point.p - eye).norm())) map_.add(point);
+/// How far a patch in so many connected cells is explained by chance, with which `by_chance` landmarks are expected in
+/// as many cells anywhere. Each of these has one at least, else it would not be connected; but chance connects no cells
+/// where hardly one in twelve has a landmark.
+void PlaneFinder::weigh(Patch& patch, double by_chance, double cells) const {
+  const auto on = static_cast<double>(patch.on.size());
+  patch.contrast = on > 0 ? 1 - by_chance / on : 0;
+  const double in_each = by_chance / cells, expected = by_chance / -std::expm1(-in_each);
+  patch.significance =
+      in_each < p_.sparse ? std::numeric_limits<double>::infinity() : (on - expected) / std::sqrt(expected);
 }
 
 double PlaneFinder::tolerance(const Landmark& landmark, const Vector3d& normal) const {
@@ -92,6 +100,7 @@ void PlaneFinder::gather(int64_t t_ns, const Vector3d& phone) {
   landmarks_.clear(), free_.clear();
   map_.visit([&](const MapPoint& point) {
     if (seconds(t_ns - point.t_ns) > p_.memory_s || (point.p - phone).squaredNorm() > squared(p_.reach_m)) return;
+    if (!scale_is_current(static_cast<double>(point.scale_sigma), scale_sigma_)) return;
     landmarks_.push_back({point.p, point.covariance.cast<double>(), false});
   });
 }
@@ -135,8 +144,8 @@ std::optional<PlaneFinder::Patch> PlaneFinder::patch_at(const Vector3d& normal, 
     off < within ? cell.on.push_back(i) : void(++cell.beside);
   }
   const auto grow = [&](const Cell& from) {
-    Patch patch{normal, through, {}, 0, 0, 0};
-    size_t beside = 0;
+    Patch patch{normal, through, {}, 0, 0, 0, 0};
+    size_t beside = 0, number = 0;
     std::vector<Cell> edge{from};
     cells[from].reached = true;
     while (!edge.empty()) {
@@ -144,7 +153,7 @@ std::optional<PlaneFinder::Patch> PlaneFinder::patch_at(const Vector3d& normal, 
       edge.pop_back();
       Cells& cell = cells[at];
       patch.on.insert(patch.on.end(), cell.on.begin(), cell.on.end());
-      beside += cell.beside;
+      beside += cell.beside, ++number;
       for (int dx = -1; dx <= 1; ++dx)
         for (int dy = -1; dy <= 1; ++dy) {
           const auto next = cells.find({at.first + dx, at.second + dy});
@@ -153,8 +162,7 @@ std::optional<PlaneFinder::Patch> PlaneFinder::patch_at(const Vector3d& normal, 
           edge.push_back(next->first);
         }
     }
-    const auto on = static_cast<double>(patch.on.size());
-    patch.contrast = on > 0 ? 1 - static_cast<double>(beside) / (kBeside - 1) / on : 0;
+    weigh(patch, static_cast<double>(beside) / (kBeside - 1), static_cast<double>(number));
     return patch;
   };
   if (seed) {
@@ -259,16 +267,24 @@ void PlaneFinder::take_patch(Plane& plane, const Patch& patch) const {
   plane.q_m_s = (Eigen::Quaterniond::FromTwoVectors(plane.normal_m(), normal) * plane.q_m_s).normalized();
   plane.p_m += normal * normal.dot(patch.middle - plane.p_m);
   plane.sigma_m = patch.sigma_m, plane.tilt_sigma_rad = patch.tilt_sigma_rad;
-  plane.support = patch.on.size();
+  plane.support = patch.on.size(), plane.scale_sigma = scale_sigma_;
   std::vector<Vector2d> all = plane.outline;
-  for (const size_t i : patch.on) all.push_back(plane.project(landmarks_[i].p));
+  const Vector2d middle = plane.project(patch.middle);
+  for (const size_t i : patch.on) {
+    const Vector2d off = plane.project(landmarks_[i].p) - middle;
+    const double off_m = std::max(off.norm(), 1e-9);
+    const Vector3d outwards = plane.q_m_s * Vector3d(off.x(), off.y(), 0) / off_m;
+    const double sigma_m = std::sqrt(outwards.dot(landmarks_[i].covariance * outwards));
+    all.push_back(middle + std::max(0.0, 1 - p_.inside * sigma_m / off_m) * off);
+  }
   plane.outline = hull_of(std::move(all));
 }
 
 /// Fits a known plane to its landmarks again. False if it is withdrawn.
 bool PlaneFinder::refine(Plane& plane) {
   auto patch = patch_at(plane.normal_m(), plane.p_m, nullptr, &plane);
-  if (!patch || patch->on.size() < p_.min_points / 2) return true;  // out of view, or forgotten
+  if (!patch || patch->on.size() < p_.min_points / 2)  // out of view, or forgotten
+    return scale_is_current(plane.scale_sigma, scale_sigma_);
   for (const size_t i : patch->on) landmarks_[i].taken = true;
   plane.doubts = patch->contrast < p_.doubtful ? plane.doubts + 1 : 0;
   constexpr int kDoubts = 3;
@@ -287,7 +303,8 @@ void PlaneFinder::find_new(const Vector3d& phone, std::vector<Change>& changes) 
     if (!patch) break;
     for (const size_t i : patch->on) landmarks_[i].taken = true;
     std::erase_if(free_, [&](size_t i) { return landmarks_[i].taken; });
-    if (patch->contrast < p_.min_contrast || !is_wide_enough(*patch)) continue;
+    if (patch->contrast < p_.min_contrast || patch->significance < p_.min_significance || !is_wide_enough(*patch))
+      continue;
     Plane plane;
     plane.id = ++last_id_;
     plane.kind = is_horizontal(patch->normal) ? Kind::horizontal : Kind::vertical;
@@ -350,10 +367,10 @@ void PlaneFinder::name_floor(const Vector3d& phone, std::vector<Change>& changes
   }
 }
 
-std::vector<Change> PlaneFinder::search(int64_t t_ns, const Vector3d& phone) {
+std::vector<Change> PlaneFinder::search(int64_t t_ns, const Vector3d& phone, double scale_sigma) {
   std::vector<Change> changes;
   if (searched_ns_ && seconds(t_ns - *searched_ns_) < p_.interval_s) return changes;
-  searched_ns_ = t_ns;
+  searched_ns_ = t_ns, scale_sigma_ = scale_sigma;
   gather(t_ns, phone);
   constexpr double kMoved = 0.5, kGrown = 1.05;  // sigmas, area: less is not worth an event
   std::erase_if(planes_, [&](Plane& plane) {
@@ -364,7 +381,8 @@ std::vector<Change> PlaneFinder::search(int64_t t_ns, const Vector3d& phone) {
     }
     const bool moved = std::abs(plane.distance(before.p_m)) > kMoved * plane.sigma_m ||
                        plane.normal_m().dot(before.normal_m()) < std::cos(kMoved * plane.tilt_sigma_rad) ||
-                       plane.sigma_m < 0.8 * before.sigma_m || plane.sigma_m > 1.25 * before.sigma_m;
+                       plane.sigma_m < 0.8 * before.sigma_m || plane.sigma_m > 1.25 * before.sigma_m ||
+                       plane.scale_sigma < 0.8 * before.scale_sigma;
     if (moved || area_of(plane.outline) > kGrown * area_of(before.outline))
       changes.push_back({Change::What::present, plane});
     return false;

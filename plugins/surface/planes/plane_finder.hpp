@@ -21,6 +21,7 @@ struct Plane {
   Eigen::Quaterniond q_m_s = Eigen::Quaterniond::Identity();  ///< z: the normal, on the side that was seen
   Eigen::Vector3d p_m = Eigen::Vector3d::Zero();              ///< origin of the axes
   double sigma_m = 0, tilt_sigma_rad = 0;
+  double scale_sigma = 0;                ///< relative, of the metre when it was fitted
   std::vector<Eigen::Vector2d> outline;  ///< convex, counterclockwise, in the surface's axes
   size_t support = 0;                    ///< points
   int doubts = 0;                        ///< searches in a row that contradicted it
@@ -49,7 +50,6 @@ class PlaneFinder {
     double memory_s = 20;           ///< landmarks that were seen longer ago have drifted away from newer ones
     double reach_m = 10;            ///< from the phone; beyond it a landmark is worse known than a table is high
     double cube_m = 0.1;            ///< one landmark in each
-    double max_sigma = 0.05;        ///< of a landmark, relative to its distance
     double max_sigma_m = 0.10;      ///< of a landmark: of a worse one only the direction is known
     double roughness_m = 0.01;      ///< sigma of what lies on a plane: paving, plaster
     double tolerance = 2.5;         ///< sigmas from the plane
@@ -61,8 +61,11 @@ class PlaneFinder {
     double min_extent_m = 0.25;     ///< of a horizontal patch, along its narrower side
     double min_wall_m = 0.6;        ///< of a vertical patch, along its narrower side
     double min_extent = 6;          ///< the same in sigmas of its landmarks: a line of noisy ones is no plane
-    double min_contrast = 0.65;  ///< share of the landmarks on the plane that their number beside it does not explain
-    double doubtful = 0.35;      ///< the same, below which a plane is doubted; three times in a row: withdrawn
+    double inside = 2;              ///< sigmas of its landmarks by which an outline stays inside: of many, some are off
+    double min_contrast = 0.65;   ///< share of the landmarks on the plane that their number beside it does not explain
+    double min_significance = 4;  ///< sigmas: one of some hundred hypotheses a second may have three by chance
+    double sparse = 0.08;         ///< landmarks in a cell by chance, below which chance does not connect cells
+    double doubtful = 0.35;       ///< the same, below which a plane is doubted; three times in a row: withdrawn
     double gravity_sigma_rad = 0.009;             ///< half a degree: the front-end's inclination
     double same_rad = 0.14;                       ///< 8 degrees, between planes that may be one
     double min_floor_m = 0.9, max_floor_m = 2.1;  ///< below the phone: 0.74 of a child of 1.2 m, a tall man's eyes
@@ -72,10 +75,11 @@ class PlaneFinder {
   PlaneFinder() : map_(512, p_.cube_m) {}
   explicit PlaneFinder(const Parameters& parameters) : p_(parameters), map_(512, p_.cube_m) {}
 
-  /// A landmark with its covariance, seen at t from `eye`.
-  void add(const MapPoint& point, const Eigen::Vector3d& eye);
-  /// Searches if it is time to. `phone`: where it is now.
-  std::vector<Change> search(int64_t t_ns, const Eigen::Vector3d& phone);
+  void add(const MapPoint& landmark) {
+    if (landmark.sigma_m() < p_.max_sigma_m) map_.add(landmark);
+  }
+  /// Searches if it is time to. `phone`: where it is now; `scale_sigma`: of the metre, relative.
+  std::vector<Change> search(int64_t t_ns, const Eigen::Vector3d& phone, double scale_sigma);
 
   const std::vector<Plane>& planes() const { return planes_; }
 
@@ -89,9 +93,10 @@ class PlaneFinder {
   struct Patch {
     Eigen::Vector3d normal, middle;
     std::vector<size_t> on;  ///< indices of its landmarks
-    double contrast = 0, sigma_m = 0, tilt_sigma_rad = 0;
+    double contrast = 0, significance = 0, sigma_m = 0, tilt_sigma_rad = 0;
   };
 
+  void weigh(Patch& patch, double by_chance, double cells) const;
   double tolerance(const Landmark& landmark, const Eigen::Vector3d& normal) const;
   void gather(int64_t t_ns, const Eigen::Vector3d& phone);
   std::optional<Patch> best_patch();
@@ -113,6 +118,7 @@ class PlaneFinder {
   std::vector<size_t> free_;         // indices of those that belong to no plane
   std::vector<Plane> planes_;
   std::optional<int64_t> searched_ns_;
+  double scale_sigma_ = 1;  // now
   uint64_t last_id_ = 0, state_ = 1;
 };
 

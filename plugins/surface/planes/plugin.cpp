@@ -6,6 +6,7 @@
 #include <odograph/surface_finder.h>
 
 #include "plugins/surface/planes/plane_finder.hpp"
+#include "sdk/math/frame_landmarks.hpp"
 #include "sdk/math/rotation.hpp"
 
 namespace {
@@ -31,13 +32,8 @@ class Planes {
     finder_ = PlaneFinder(parameters);
   }
 
-  /// Waits for the pose of its frame, in whose scale group it is.
-  void on(const odo_points& points, odo::Output&) {
-    waiting_.clear();
-    waiting_ns_ = points.header.t_ns;
-    for (const odo_point& point : odo::Points(points))
-      if ((point.flags & ODO_POINT_UNCERTAIN) == 0 && point.age >= kMinAge) waiting_.push_back(point);
-  }
+  /// They wait for the pose of their frame.
+  void on(const odo_points& points, odo::Output&) { frame_.hold(points); }
 
   void on(const odo_correction& correction, odo::Output&) {
     const Quaterniond q = odograph::quaternion(correction.q_n);
@@ -46,29 +42,16 @@ class Planes {
   }
 
   void on(const odo_pose& pose, odo::Output& output) {
-    constexpr uint32_t needed = ODO_POSE_POSITION | ODO_POSE_ORIENTATION | ODO_POSE_METRIC | ODO_POSE_CAMERA;
-    if (pose.header.t_ns != waiting_ns_ || (pose.header.flags & needed) != needed || !(pose.scale > 0)) return;
-    if (!(pose.scale_sigma > 0 && pose.scale_sigma < kKnownScale * pose.scale)) return waiting_.clear();  // 0: unknown
     const Vector3d phone = q_n_m_.conjugate() * (Vector3d(pose.p_n) - p_n_m_);
     const Quaterniond q_m_c = q_n_m_.conjugate() * odograph::quaternion(pose.q_n);
-    const Eigen::Matrix3f R_m_c = q_m_c.toRotationMatrix().cast<float>();
-    const auto scale = static_cast<float>(pose.scale);
-    for (const odo_point& point : waiting_) {
-      const float* c = point.covariance;
-      Eigen::Matrix3f covariance;
-      covariance << c[0], c[1], c[2], c[1], c[3], c[4], c[2], c[4], c[5];
-      const Vector3d p_m = phone + q_m_c * (scale * Eigen::Vector3f(point.p_c)).cast<double>();
-      finder_.add({p_m, scale * scale * R_m_c * covariance * R_m_c.transpose(), pose.header.t_ns}, phone);
-    }
-    waiting_.clear();
-    for (const Change& change : finder_.search(pose.header.t_ns, phone)) emit(pose.header.t_ns, change, output);
+    const auto add = [&](const odograph::MapPoint& point) { finder_.add(point); };
+    if (!frame_.place(pose, q_m_c, phone, add)) return;
+    const double scale_sigma = odograph::FrameLandmarks::scale_sigma(pose);
+    for (const Change& change : finder_.search(pose.header.t_ns, phone, scale_sigma))
+      emit(pose.header.t_ns, change, output);
   }
 
  private:
-  static constexpr uint32_t kMinAge = 3;  // frames; two rays fit any wrong match
-  /// Relative sigma of the scale: landmarks with another scale would be ghosts beside those that follow.
-  static constexpr double kKnownScale = 0.03;
-
   void emit(int64_t t_ns, const Change& change, odo::Output& output) {
     const Plane& plane = change.plane;
     writer_.begin(t_ns, plane.id);
@@ -91,8 +74,7 @@ class Planes {
   PlaneFinder finder_;
   Quaterniond q_n_m_ = Quaterniond::Identity();  // from m to n: what corrections have moved so far
   Vector3d p_n_m_ = Vector3d::Zero();
-  std::vector<odo_point> waiting_;
-  int64_t waiting_ns_ = INT64_MIN;
+  odograph::FrameLandmarks frame_;
   odo::SurfaceWriter writer_;
 };
 

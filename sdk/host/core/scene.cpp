@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "sdk/math/rotation.hpp"
+#include "sdk/math/scalar.hpp"
 
 namespace odograph {
 namespace {
@@ -33,36 +34,12 @@ std::optional<double> distance_to_plane(const Scene::Ray& ray, const Vector3d& p
 
 }  // namespace
 
-void Scene::hold(const odo_points& points) {
-  pending_count_ = 0, pending_ns_ = points.header.t_ns;
-  for (uint32_t i = 0; i < points.count && pending_count_ < pending_.size(); ++i) {
-    const odo_point* point = ODO_POINTS_AT(&points, i);
-    if (!point) break;
-    if ((point->flags & ODO_POINT_UNCERTAIN) || point->age < p_.min_age) continue;
-    pending_[pending_count_++] = *point;
-  }
-}
-
 void Scene::see(const odo_pose& pose) {
   constexpr uint32_t needed = ODO_POSE_POSITION | ODO_POSE_ORIENTATION | ODO_POSE_METRIC;
   if ((pose.header.flags & needed) != needed || !(pose.scale > 0 && pose.scale_sigma > 0)) return;  // 0: unknown
-  scale_sigma_ = pose.scale_sigma / pose.scale;
-  const size_t count = std::exchange(pending_count_, 0);
-  if (*scale_sigma_ > p_.known_scale || pose.header.t_ns != pending_ns_ || (pose.header.flags & ODO_POSE_CAMERA) == 0)
-    return;
+  scale_sigma_ = FrameLandmarks::scale_sigma(pose);
   const Rigid T_m_c = T_n_m_.inverse() * Rigid{quaternion(pose.q_n), Vector3d(pose.p_n)};
-  const Eigen::Matrix3f R_m_c = T_m_c.q.toRotationMatrix().cast<float>();
-  const auto scale = static_cast<float>(pose.scale);
-  for (size_t i = 0; i < count; ++i) {
-    const Eigen::Vector3f p_c = scale * Eigen::Vector3f(pending_[i].p_c);
-    const float* c = pending_[i].covariance;
-    Eigen::Matrix3f covariance;
-    covariance << c[0], c[1], c[2], c[1], c[3], c[4], c[2], c[4], c[5];
-    covariance *= scale * scale;
-    if (!(static_cast<double>(covariance.trace()) < std::pow(p_.max_sigma * static_cast<double>(p_c.norm()), 2)))
-      continue;
-    points_.add({T_m_c * p_c.cast<double>().eval(), R_m_c * covariance * R_m_c.transpose(), pose.header.t_ns});
-  }
+  frame_.place(pose, T_m_c.q, T_m_c.p, [this](const MapPoint& point) { points_.add(point); });
 }
 
 const Scene::Surface* Scene::take(odo_surface& message, uint32_t resets) {
@@ -89,6 +66,7 @@ const Scene::Surface* Scene::take(odo_surface& message, uint32_t resets) {
   Surface& surface = *found;
   surface.kind = message.kind, surface.t_ns = message.header.t_ns;
   surface.sigma_m = message.sigma_m, surface.tilt_sigma_rad = message.tilt_sigma_rad;
+  surface.scale_sigma = scale_sigma_.value_or(0);
   surface.T_m_s = T_n_m_.inverse() * Rigid{quaternion(message.q_n), Vector3d(message.p_n)};
   surface.outline.clear();
   for (uint32_t i = 0; i < message.count; ++i)
@@ -127,24 +105,40 @@ std::optional<Scene::Hit> Scene::hit_surface(const Ray& ray, const Surface& surf
              across_m / std::abs(normal_n.dot(ray.direction_n))};
 }
 
+/// How much farther or nearer the landmarks around one are, per radian; as at 45 degrees where there are none.
+double Scene::slope_beside(const MapPoint& landmark, const Vector3d& origin_m) const {
+  const Vector3d to = landmark.p - origin_m;
+  const double distance_m = to.norm(), min_rad = 0.5 * p_.hit_cone_rad, min_cos = std::cos(p_.beside_rad);
+  double sum = squared(distance_m), count = 1;
+  visit_current([&](const MapPoint& other) {
+    const Vector3d to_other = other.p - origin_m;
+    const double other_m = to_other.norm(), cos = to.dot(to_other) / (distance_m * other_m);
+    if (!(cos > min_cos) || &other == &landmark) return;
+    const double apart_rad = std::max(min_rad, std::acos(std::min(1.0, cos)));
+    sum += squared((other_m - distance_m) / apart_rad), ++count;
+  });
+  return std::sqrt(sum / count);
+}
+
 /// The landmark nearest to the ray, within the cone.
 std::optional<Scene::Hit> Scene::hit_point(const Ray& ray) const {
   const Rigid T_m_n = T_n_m_.inverse();
   const Vector3d origin_m = T_m_n * ray.origin_n, direction_m = T_m_n.q * ray.direction_n;
-  double best = std::pow(std::tan(p_.hit_cone_rad), 2);
+  double best = squared(std::tan(p_.hit_cone_rad));
   const MapPoint* found = nullptr;
-  points_.visit([&](const MapPoint& point) {
+  visit_current([&](const MapPoint& point) {
     const Vector3d to = point.p - origin_m;
     const double along_m = to.dot(direction_m);
     if (!(along_m > 0 && along_m < ray.max_distance_m)) return;
-    const double off = to.squaredNorm() / (along_m * along_m) - 1;  // squared tangent of the angle
+    const double off = to.squaredNorm() / squared(along_m) - 1;  // squared tangent of the angle
     if (off < best) best = off, found = &point;
   });
   if (!found) return std::nullopt;
   const double along_m = (found->p - origin_m).dot(direction_m);
   const double own_m = std::sqrt(direction_m.dot(found->covariance.cast<double>() * direction_m));
+  const double beside_m = std::sqrt(std::max(0.0, best)) * slope_beside(*found, origin_m);
   return Hit{ODO_HIT_POINT,    nullptr, ray.origin_n + along_m * ray.direction_n,
-             -ray.direction_n, along_m, std::hypot(own_m, std::sqrt(std::max(0.0, best)) * along_m)};
+             -ray.direction_n, along_m, std::hypot(own_m, beside_m)};
 }
 
 /// The floor that is assumed below a walker's hand.
@@ -160,7 +154,8 @@ size_t Scene::cast(const Ray& ray, const Vector3d& phone_n, Hit* hits, size_t ca
   if (!is_metric()) return 0;
   size_t count = 0;
   const auto add = [&](Hit hit) {
-    hit.sigma_m = std::hypot(hit.sigma_m, std::hypot(p_.drift, *scale_sigma_) * (hit.p_n - phone_n).norm());
+    hit.scale_sigma = std::max(*scale_sigma_, hit.surface ? hit.surface->scale_sigma : 0);
+    hit.sigma_m = std::hypot(hit.sigma_m, std::hypot(p_.drift, hit.scale_sigma) * (hit.p_n - phone_n).norm());
     size_t at = count;
     while (at > 0 && hits[at - 1].distance_m > hit.distance_m) --at;
     if (at == capacity) return;

@@ -8,6 +8,7 @@
 #include <odograph/scene.h>
 
 #include "sdk/host/base/rigid.hpp"
+#include "sdk/math/frame_landmarks.hpp"
 #include "sdk/math/voxel_map.hpp"
 
 namespace odograph {
@@ -19,10 +20,8 @@ class Scene {
  public:
   struct Parameters {
     double cube_m = 0.1;           ///< one landmark in each; a hand's breadth
-    double max_sigma = 0.05;       ///< of a landmark's distance, relative: a worse one is not kept
-    uint32_t min_age = 3;          ///< frames; two rays fit any wrong match
-    double known_scale = 0.03;     ///< relative sigma: landmarks with another scale would be ghosts beside later ones
     double hit_cone_rad = 0.0087;  ///< half a degree: about a finger tip on a phone at arm's length
+    double beside_rad = 0.035;     ///< 2 degrees around a landmark: how its surroundings lie
     double hand = 0.80;            ///< height of the hand over the walker's; 0.9 in Antigny et al. 2019, Table 1, 0.74
                                    ///< in the hall of phone_walks (docs/simulator.md)
     double hand_sigma = 0.08;      ///< the same: half of the difference
@@ -37,6 +36,7 @@ class Scene {
     uint32_t kind = 0;
     Rigid T_m_s;
     double sigma_m = 0, tilt_sigma_rad = 0;
+    double scale_sigma = 0;  ///< relative, when it was measured
     int64_t t_ns = 0;
     std::vector<Eigen::Vector2d> outline;
     uint32_t source = 0, resets = 0;  ///< of the finder
@@ -47,7 +47,7 @@ class Scene {
     uint32_t what = 0;
     const Surface* surface = nullptr;
     Eigen::Vector3d p_n = Eigen::Vector3d::Zero(), normal_n = Eigen::Vector3d::Zero();
-    double distance_m = 0, sigma_m = 0;
+    double distance_m = 0, sigma_m = 0, scale_sigma = 0;  ///< as of odo_hit
   };
   struct Ray {
     Eigen::Vector3d origin_n, direction_n;  ///< of length 1
@@ -56,10 +56,10 @@ class Scene {
   };
 
   /// `walker_m`: height of the walker; 0: none, and no floor is assumed.
-  explicit Scene(double walker_m = 0) : walker_m_(walker_m), points_(kSets, p_.cube_m), pending_(ODO_MOST_POINTS) {}
+  explicit Scene(double walker_m = 0) : walker_m_(walker_m), points_(kSets, p_.cube_m) {}
 
   /// Landmarks of the frame whose pose follows.
-  void hold(const odo_points& points);
+  void hold(const odo_points& points) { frame_.hold(points); }
   /// A new pose: of the frame whose landmarks wait.
   void see(const odo_pose& pose);
   /// A point x in the old n is at `correction` * x.
@@ -70,7 +70,7 @@ class Scene {
   /// Takes the surfaces that a finder, which has been reset, cannot withdraw any more.
   std::vector<Surface> take_orphans(uint32_t source, uint32_t resets);
   /// The clock was set back.
-  void forget_pending() { pending_count_ = 0; }
+  void forget_pending() { frame_.forget(); }
 
   const Rigid& T_n_m() const { return T_n_m_; }
   bool is_metric() const { return scale_sigma_.has_value(); }
@@ -79,16 +79,23 @@ class Scene {
   /// Calls each(p_n, sigma_m, t_ns).
   template <class Visit>
   void visit_points(Visit&& each) const {
-    points_.visit([&](const MapPoint& point) { each(T_n_m_ * point.p, point.sigma_m(), point.t_ns); });
+    visit_current([&](const MapPoint& point) { each(T_n_m_ * point.p, point.sigma_m(), point.t_ns); });
   }
   /// Writes the nearest hits, nearest first, and returns their number. `phone_n`: of that time.
   size_t cast(const Ray& ray, const Eigen::Vector3d& phone_n, Hit* hits, size_t capacity) const;
 
  private:
   static constexpr size_t kSets = ODO_MOST_MAP_POINTS / 8;
+  template <class Visit>
+  void visit_current(Visit&& each) const {
+    points_.visit([&](const MapPoint& point) {
+      if (scale_is_current(static_cast<double>(point.scale_sigma), scale_sigma_.value_or(1))) each(point);
+    });
+  }
   std::optional<Hit> hit_surface(const Ray& ray, const Surface& surface, const Eigen::Vector3d& phone_n,
                                  bool beyond) const;
   std::optional<Hit> hit_point(const Ray& ray) const;
+  double slope_beside(const MapPoint& landmark, const Eigen::Vector3d& origin_m) const;
   std::optional<Hit> hit_assumed_floor(const Ray& ray, const Eigen::Vector3d& phone_n) const;
   void remove(size_t i) { surfaces_.erase(surfaces_.begin() + static_cast<ptrdiff_t>(i)); }
 
@@ -96,9 +103,7 @@ class Scene {
   double walker_m_;
   Rigid T_n_m_;
   VoxelMap points_;
-  std::vector<odo_point> pending_;
-  size_t pending_count_ = 0;
-  int64_t pending_ns_ = 0;
+  FrameLandmarks frame_;
   std::optional<double> scale_sigma_;  // relative, once the scale is known
   std::vector<Surface> surfaces_;
   uint64_t last_id_ = 0;

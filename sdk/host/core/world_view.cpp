@@ -260,7 +260,8 @@ int32_t WorldView::hit_test(const odo_ray& ray, std::span<odo_hit> hits, uint32_
     const Scene::Hit& hit = found[i];
     odo_hit& out = hits[i];
     out = {};
-    out.what = hit.what, out.t_ns = phone.header.t_ns, out.distance_m = hit.distance_m, out.sigma_m = hit.sigma_m;
+    out.what = hit.what, out.t_ns = phone.header.t_ns, out.distance_m = hit.distance_m;
+    out.sigma_m = hit.sigma_m, out.scale_sigma = hit.scale_sigma;
     if (hit.surface) out.surface = hit.surface->id, out.surface_kind = hit.surface->kind;
     const Vector3d z = T_world_n.q * hit.normal_n, away = T_world_n.q * in_n.direction_n;
     Vector3d x = away - away.dot(z) * z;

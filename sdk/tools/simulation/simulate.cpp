@@ -2,6 +2,7 @@
 #include "sdk/tools/simulation/simulate.hpp"
 
 #include <chrono>
+#include <algorithm>
 #include <cmath>
 
 #include "sdk/host/base/geodesy.hpp"
@@ -195,7 +196,8 @@ class Simulation {
 
   /// The camera as stated in the recording: the nominal lens.
   odo_calibration calibration() const {
-    auto m = make_message<odo_calibration>(ODO_TYPE_CALIBRATION, start_ns_);
+    const int64_t first_ns = frames_.empty() ? start_ns_ : clock_ns(frames_.front().stamp_s);  // by the camera's clock
+    auto m = make_message<odo_calibration>(ODO_TYPE_CALIBRATION, std::min(start_ns_, first_ns));
     m.header.flags = ODO_CALIBRATION_EXTRINSICS | ODO_CALIBRATION_TIME_OFFSET;
     m.model = c_.camera.model == "kannala_brandt" ? ODO_CAMERA_KANNALA_BRANDT : ODO_CAMERA_PINHOLE;
     m.width = static_cast<uint32_t>(c_.camera.width), m.height = static_cast<uint32_t>(c_.camera.height);
