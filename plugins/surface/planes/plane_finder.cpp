@@ -9,6 +9,7 @@
 
 #include <Eigen/Eigenvalues>
 
+#include "plugins/surface/planes/outline.hpp"
 #include "sdk/math/time.hpp"
 
 namespace odograph::planes {
@@ -17,54 +18,6 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
-
-constexpr size_t kMostVertices = 32;
-
-double cross(const Vector2d& a, const Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
-
-/// Convex hull, counterclockwise (Andrew 1979), of at most kMostVertices: those that add least are left out.
-std::vector<Vector2d> hull_of(std::vector<Vector2d> points) {
-  std::sort(points.begin(), points.end(),
-            [](const Vector2d& a, const Vector2d& b) { return std::pair(a.x(), a.y()) < std::pair(b.x(), b.y()); });
-  std::vector<Vector2d> hull;
-  for (const bool back : {false, true}) {
-    const size_t start = hull.size();
-    for (const Vector2d& p : points) {
-      while (hull.size() > start + 1 && cross(hull.back() - hull[hull.size() - 2], p - hull.back()) <= 1e-12)
-        hull.pop_back();
-      hull.push_back(p);
-    }
-    hull.pop_back();
-    if (!back) std::reverse(points.begin(), points.end());
-  }
-  while (hull.size() > kMostVertices) {
-    size_t worst = 0;
-    double min_area = 1e300;
-    for (size_t i = 0; i < hull.size(); ++i) {
-      const Vector2d &a = hull[(i + hull.size() - 1) % hull.size()], &b = hull[i], &c = hull[(i + 1) % hull.size()];
-      if (const double area = cross(b - a, c - b); area < min_area) min_area = area, worst = i;
-    }
-    hull.erase(hull.begin() + static_cast<ptrdiff_t>(worst));
-  }
-  return hull;
-}
-
-/// Distance outside of a convex outline, m; 0 inside.
-double outside(const std::vector<Vector2d>& outline, const Vector2d& p) {
-  double farthest = 0;
-  for (size_t i = 0; i < outline.size(); ++i) {
-    const Vector2d side = outline[(i + 1) % outline.size()] - outline[i];
-    if (const double length = side.norm(); length > 0)
-      farthest = std::max(farthest, -cross(side, p - outline[i]) / length);
-  }
-  return farthest;
-}
-
-double area_of(const std::vector<Vector2d>& outline) {
-  double twice = 0;
-  for (size_t i = 0; i < outline.size(); ++i) twice += cross(outline[i], outline[(i + 1) % outline.size()]);
-  return 0.5 * twice;
-}
 
 bool is_horizontal(const Vector3d& normal) { return std::abs(normal.z()) > 0.7; }
 
@@ -221,17 +174,10 @@ bool PlaneFinder::is_wide_enough(const Patch& patch) const {
   std::vector<Vector2d> all;
   for (const size_t i : patch.on) all.push_back((axes.transpose() * (landmarks_[i].p - patch.middle)).head<2>());
   const auto hull = hull_of(std::move(all));
-  double narrowest = 1e300;
-  for (size_t i = 0; i < hull.size(); ++i) {
-    const Vector2d side = (hull[(i + 1) % hull.size()] - hull[i]).normalized();
-    double widest = 0;
-    for (const Vector2d& p : hull) widest = std::max(widest, cross(side, p - hull[i]));
-    narrowest = std::min(narrowest, widest);
-  }
   double variance = 0;
   for (const size_t i : patch.on) variance += landmarks_[i].covariance.trace() / static_cast<double>(patch.on.size());
   const double min_m = is_horizontal(patch.normal) ? p_.min_extent_m : p_.min_wall_m;
-  return hull.size() >= 3 && narrowest >= std::max(min_m, p_.min_extent * std::sqrt(variance));
+  return hull.size() >= 3 && width_of(hull) >= std::max(min_m, p_.min_extent * std::sqrt(variance));
 }
 
 std::optional<PlaneFinder::Patch> PlaneFinder::best_patch() {
