@@ -159,6 +159,27 @@ void Mistakes::cameras() {
   with_camera("half the focal length", "focal_length", "picture size").calibration = [](odo_calibration& c) {
     c.fx /= 2, c.fy /= 2;
   };
+  for (const double factor : {1.5, 1 / 1.5})
+    with_camera(factor > 1 ? "a focal length half as long again" : "two thirds of the focal length", "focal_length",
+                "picture size")
+        .calibration = [factor](odo_calibration& c) { c.fx *= factor, c.fy *= factor; };
+  with_camera("a head-up display in the pictures", "picture_overlay", "drawn over").frame =
+      [](std::vector<uint8_t>& pixels, odo_frame&) {
+        for (int v = 0; v < 12; ++v)  // a status bar with letters
+          for (int u = 0; u < Pictures::kWidth; ++u)
+            pixels[size_t(v) * Pictures::kWidth + size_t(u)] = (u / 3 * 5 + v / 3 * 7) % 11 < 4 ? 240 : 40;
+      };
+  with_camera("frames 0.15 s late", "picture_time", "time_offset").frame = [](std::vector<uint8_t>&, odo_frame& f) {
+    f.header.t_ns -= 150'000'000;
+  };
+  for (const double rate : {1.02, 0.98}) {
+    auto& input = with_camera(rate > 1 ? "an IMU whose clock runs 2 % fast" : "an IMU whose clock runs 2 % slow",
+                              "picture_time", "fast or slow");
+    input.motion.swing_rad = 0.3;
+    input.imu = [rate](odo_imu& m) {
+      m.header.t_ns = kStart_ns + static_cast<int64_t>(rate * static_cast<double>(m.header.t_ns - kStart_ns));
+    };
+  }
   with_camera("frames 0.3 s ahead", "camera_clock", "time_offset").frame = [](std::vector<uint8_t>&, odo_frame& f) {
     f.header.t_ns += 300'000'000;
   };

@@ -52,11 +52,19 @@ constexpr Row kRows[] = {
     {"focal_length",
      "pictures shift as with a focal length of %V pixels; expected that of the calibration: is it for another "
      "picture size?"},
+    {"picture_time",
+     "the frames' times are %V s too early (negative: too late) by the rotation that gyro_b shows; expected times of "
+     "the "
+     "IMU's clock, or this time_offset in the calibration; if it grows, one of the clocks runs fast or slow"},
     {"camera_clock",
      "frames are %V s ahead of the inertial samples when they are pushed; expected times of the IMU's "
      "clock, or time_offset in the calibration"},
     {"picture_frozen",
      "the last %V pictures are identical while gyro_b turns: does the camera deliver the same frame again?"},
+    {"picture_overlay",
+     "%V % of the pictures' edges stay in place while gyro_b turns: is something drawn over them? Expected the "
+     "camera's "
+     "own pictures; draw on a copy"},
     {"time_unit",
      "inertial samples are %V ns apart; expected nanoseconds: in ms (multiply by 1,000,000) or us (by 1,000)?"},
     {"imu_slow",
@@ -84,13 +92,15 @@ uint32_t bit(InputFault fault) { return 1u << static_cast<uint32_t>(fault); }
 
 constexpr uint32_t kOfPictures = 1u << uint32_t(InputFault::picture_turned) |
                                  1u << uint32_t(InputFault::picture_mirrored) |
-                                 1u << uint32_t(InputFault::camera_mount) | 1u << uint32_t(InputFault::focal_length);
+                                 1u << uint32_t(InputFault::camera_mount) | 1u << uint32_t(InputFault::focal_length) |
+                                 1u << uint32_t(InputFault::picture_time);
 /// Faults of sampling, of which many others are consequences.
 constexpr uint32_t kOfSampling = 1u << uint32_t(InputFault::imu_batched) | 1u << uint32_t(InputFault::imu_repeated) |
                                  1u << uint32_t(InputFault::imu_half_filled);
-/// The inertial faults that pictures would show too.
+/// Faults that the shift of the pictures would show too: inertial ones, and what is drawn over them.
 constexpr uint32_t kOfRotation = 1u << uint32_t(InputFault::gyro_in_degrees) | 1u << uint32_t(InputFault::gyro_sign) |
-                                 1u << uint32_t(InputFault::gyro_silent) | 1u << uint32_t(InputFault::imu_axes);
+                                 1u << uint32_t(InputFault::gyro_silent) | 1u << uint32_t(InputFault::imu_axes) |
+                                 1u << uint32_t(InputFault::picture_overlay);
 
 std::string words(const Row& row, double value, const SignedAxes& axes) {
   char number[32];

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -12,33 +14,15 @@
 #include <odograph/samples.h>
 
 #include "sdk/host/checks/input_fault.hpp"
+#include "sdk/host/checks/profiles.hpp"
+#include "sdk/host/checks/still_edges.hpp"
 #include "sdk/math/ring.hpp"
 #include "sdk/math/timed_ring.hpp"
 
 namespace odograph {
 
-/// Row and column sums of a picture's brightness, without their slow part: enough for the shift between two pictures.
-class Profiles {
- public:
-  static constexpr size_t kMost = 256;
-  struct Profile {
-    std::array<float, kMost> value{};
-    size_t count = 0;
-    double pixels = 1;  ///< of one value
-  };
-  /// False without brightness in memory, or with hardly any contrast.
-  bool take(const odo_frame& frame, double min_contrast);
-  /// Shift of the content from an earlier picture to this one, pixels of the picture; nothing if they do not resemble
-  /// each other.
-  std::optional<Eigen::Vector2d> shift_since(const Profiles& earlier, double min_likeness) const;
-  bool operator==(const Profiles& other) const { return x_.value == other.x_.value && y_.value == other.y_.value; }
-
- private:
-  Profile x_, y_;
-};
-
-/// Checks a camera's mount, orientation and focal length by the gyroscope: while the phone turns, pictures shift
-/// by the focal length times the angle. No allocation. Not thread-safe.
+/// Checks a camera's mount, orientation, focal length and clock by the gyroscope: while the phone turns, pictures shift
+/// by the focal length times the angle; what is drawn over them stays. No allocation. Not thread-safe.
 class PictureCheck {
  public:
   struct Parameters {
@@ -49,15 +33,19 @@ class PictureCheck {
     size_t min_pairs = 15;        ///< a second of motion
     double turned_rad2 = 0.0015;  ///< rad^2, sum of the squared angles about each axis of the picture: 20 pictures that
                                   ///< each turned by half a degree
-    double focal_rad2 = 0.02;     ///< rad^2, about both, for the focal length
     double agrees = 0.6;          ///< correlation of shift and rotation; below 0.2 it contradicts; judgement
     double contradicts = 0.2;
-    double explains = 0.8;  ///< of another orientation
-    /// Of measured over stated focal length: translation adds to the shift, 0.94 to 1.29 on real recordings.
-    double focal_low = 0.6, focal_high = 1.6;
-    double sure = 0.9;        ///< correlation for a statement about the focal length
-    int frozen = 20;          ///< identical pictures in a row
-    double frozen_rad = 0.3;  ///< rad turned meanwhile
+    double explains = 0.8;  ///< for a statement about orientation, clock or focal length
+    /// Of measured over stated focal length along both axes of the picture: translation adds to the shift along one or
+    /// both (held by an arm), or takes from that along one (around an object). In real and simulated recordings the
+    /// larger is at least 1.00, the smaller at most 1.25.
+    double focal_low = 0.95, focal_high = 1.3;
+    double sigmas = 3;                   ///< of the ratio, by which it must be beyond
+    int64_t other_time_ns = 90'000'000;  ///< the best lag; 0.06 s at most in real and simulated recordings
+    double halved = 0.5;                 ///< share of the contradiction that this lag leaves at most; judgement
+    double overlay = 0.005;              ///< share of the picture's edges that stay still; real pictures have none
+    int frozen = 20;                     ///< identical pictures in a row
+    double frozen_rad = 0.3;             ///< rad turned meanwhile
   };
 
   explicit PictureCheck(FaultFound found) : found_(std::move(found)) {}
@@ -70,24 +58,40 @@ class PictureCheck {
  private:
   struct Turned {
     int64_t t_ns = 0;
-    Eigen::Quaterniond q_e_b = Eigen::Quaterniond::Identity();
+    Eigen::Vector3d turned_b = Eigen::Vector3d::Zero();  // integral of the rate; small differences are rotations
   };
-  /// Two pictures, the shift from one to the other in focal lengths, and the rotation of the camera, in its axes.
+  /// What the clocks may differ by in a fit, from the first to the last, the middle being none.
+  static constexpr size_t kLags = 31, kNoLag = kLags / 2;
+  static constexpr int64_t kLag_ns = 20'000'000;
+  /// Two pictures, the shift from one to the other in focal lengths, and the rotation of the camera in its axes, if its
+  /// clock was behind the IMU's by each lag.
   struct Pair {
     int64_t from_ns = 0, to_ns = 0;
     Eigen::Vector2d shift = Eigen::Vector2d::Zero();
-    Eigen::Vector3d turned_c = Eigen::Vector3d::Zero();
+    std::array<Eigen::Vector3d, kLags> turned_c{};
+    bool known = false;
   };
-  /// Correlation of shift and predicted shift by component, and their ratio.
-  struct Fit {
-    double x = 0, y = 0, ratio = 1, energy_x = 0, energy_y = 0;
+  /// Shift and expected shift along an axis of the picture.
+  struct Component {
+    double product = 0, power = 0, energy = 0;  // of both, of the shift, of what is expected
     size_t pairs = 0;
-    double worse() const { return std::min(x, y); }
+    void add(double shift, double expected);
+    double correlation() const { return power * energy > 0 ? product / std::sqrt(power * energy) : 0; }
+    double ratio() const { return energy > 0 ? product / energy : 1; }
+    /// Of a regression through zero: what the correlation leaves, over the number of pairs.
+    double relative_sigma() const {
+      const double r2 = correlation() * correlation();
+      return r2 > 0 ? std::sqrt((1 / r2 - 1) / static_cast<double>(pairs)) : 1;
+    }
+  };
+  struct Fit {
+    Component x, y;
+    double worse() const { return std::min(x.correlation(), y.correlation()); }
   };
 
   std::optional<Eigen::Vector3d> rotation_c(int64_t from_ns, int64_t to_ns) const;
-  Fit fit(const SignedAxes& axes) const;
-  void take_waiting();
+  Fit fit(const SignedAxes& axes, size_t lag = kNoLag) const;
+  void complete_pairs();
   void check_frozen(bool same, int64_t t_ns);
   void check();
 
@@ -98,7 +102,8 @@ class PictureCheck {
   Eigen::Quaterniond q_b_c_ = Eigen::Quaterniond::Identity();
   TimedRing<Turned, 1024> turned_;  // 5 s at 200 Hz
   Ring<Pair, 64> pairs_;
-  std::optional<Pair> waiting_;  // for the gyroscope to reach it
+  size_t open_ = 0;  // of the newest pairs, that wait for the gyroscope to reach them
+  StillEdges still_;
   std::array<Profiles, 2> profiles_;
   size_t newest_ = 0;
   std::optional<int64_t> picture_ns_;
