@@ -15,6 +15,7 @@ struct MapPoint {
   Eigen::Vector3d p = Eigen::Vector3d::Zero();
   Eigen::Matrix3f covariance = Eigen::Matrix3f::Zero();
   float scale_sigma = 1;  ///< relative, of the metre in which p is: an error that it shares with others of its time
+  Eigen::Vector3f eye = Eigen::Vector3f::Zero();       ///< where the camera was
   int64_t t_ns = std::numeric_limits<int64_t>::min();  ///< of the newest frame that saw it; the least value: no point
 
   bool any() const { return t_ns != std::numeric_limits<int64_t>::min(); }
@@ -45,7 +46,7 @@ class VoxelMap {
         if (point.covariance.trace() < kWorse * at->covariance.trace())
           *at = point;
         else
-          at->t_ns = point.t_ns;
+          at->t_ns = point.t_ns, at->eye = point.eye;
         return;
       }
       if (at->t_ns < oldest->t_ns) oldest = at;

@@ -87,8 +87,11 @@ TEST_CASE("a landmark is kept if it is known to 5 %, seen three times and in met
   REQUIRE(hits.size() == 1);
   CHECK(hits[0].what == ODO_HIT_POINT);
   CHECK(hits[0].distance_m == doctest::Approx(2).epsilon(1e-3));
-  // 1 cm of its own, 1.6 cm off the ray, 1 % of drift and 1 % of scale at 2 m
-  CHECK(hits[0].sigma_m == doctest::Approx(std::hypot(std::hypot(0.01, 0.016), std::hypot(0.02, 0.02))).epsilon(0.02));
+  // 1 cm of its own, 1.6 cm off the ray, and 1 % of scale at 2 m
+  CHECK(hits[0].sigma_m == doctest::Approx(std::hypot(0.01, 0.016, 0.02)).epsilon(0.02));
+  Scene::Hit later;  // after 3 m with 1 % of drift and of scale, and as near again
+  REQUIRE(scene.cast({Vector3d(0, 3, 0), Vector3d(2, -3, 0).normalized(), 100, 7}, Vector3d(0, 3, 0), &later, 1) == 1);
+  CHECK(later.sigma_m > std::hypot(0.03, 0.03, 0.036));
   CHECK(cast(scene, {1, 0.01, 0}).empty());
   CHECK(cast(scene, {-1, 0, 0}).empty());
   scene.correct({Quaterniond(Eigen::AngleAxisd(0.5 * EIGEN_PI, Vector3d::UnitZ())), Vector3d(0, 1, 0)});

@@ -85,7 +85,11 @@ TEST_CASE("the tables of a run have each event's own numbers under each name") {
   run.scales = {scale};
   run.fixes = {{a_fix(ODO_FIX_NORTH | ODO_FIX_EAST), true}};
   run.track = {{1'000'000'007, Eigen::Quaterniond(0.5, 0.1, -0.7, 0.5), {1.25, -2.5, 3.75}}};
+  odo_map_point point{};
+  point.p_n[0] = 1.5, point.p_n[1] = -2.25, point.p_n[2] = 0.125, point.sigma_m = 0.0625;
+  run.points = {point};
   REQUIRE(write_run(folder / "a", nothing_of("x"), run, {}).ok());
+  CHECK(read_text(folder / "a/points.ply").ends_with("property float sigma\nend_header\n1.5 -2.25 0.125 0.0625\n"));
   const double* c = run.motions[0].covariance;
   const odo_vo_motion& m = run.motions[0];
   check_row(folder / "a/vo.csv", {{"t_from_ns", 1'900'000'003},

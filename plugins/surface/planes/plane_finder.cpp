@@ -213,7 +213,7 @@ void PlaneFinder::take_patch(Plane& plane, const Patch& patch) const {
   plane.q_m_s = (Eigen::Quaterniond::FromTwoVectors(plane.normal_m(), normal) * plane.q_m_s).normalized();
   plane.p_m += normal * normal.dot(patch.middle - plane.p_m);
   plane.sigma_m = patch.sigma_m, plane.tilt_sigma_rad = patch.tilt_sigma_rad;
-  plane.support = patch.on.size(), plane.scale_sigma = scale_sigma_;
+  plane.support = patch.on.size(), plane.scale_sigma = scale_sigma_, plane.eye = phone_;
   std::vector<Vector2d> all = plane.outline;
   const Vector2d middle = plane.project(patch.middle);
   for (const size_t i : patch.on) {
@@ -241,7 +241,7 @@ bool PlaneFinder::refine(Plane& plane) {
   return true;
 }
 
-void PlaneFinder::find_new(const Vector3d& phone, std::vector<Change>& changes) {
+void PlaneFinder::find_new(const Vector3d& phone) {
   for (size_t i = 0; i < landmarks_.size(); ++i)
     if (!landmarks_[i].taken) free_.push_back(i);
   while (free_.size() >= p_.min_points && planes_.size() < p_.max_planes) {
@@ -259,7 +259,6 @@ void PlaneFinder::find_new(const Vector3d& phone, std::vector<Change>& changes) 
     plane.p_m = patch->middle;
     take_patch(plane, *patch);
     planes_.push_back(plane);
-    changes.push_back({Change::What::present, plane});
   }
 }
 
@@ -289,13 +288,13 @@ void PlaneFinder::merge(std::vector<Change>& changes) {
       for (const Vector2d& vertex : younger.outline)
         all.push_back(older.project(younger.p_m + younger.q_m_s * Vector3d(vertex.x(), vertex.y(), 0)));
       older.outline = hull_of(std::move(all));
-      changes.push_back({Change::What::merged, younger, older.id});
+      if (younger.told) changes.push_back({Change::What::merged, younger, older.id});
       planes_.erase(planes_.begin() + static_cast<ptrdiff_t>(k));
     }
 }
 
 /// The floor: the largest horizontal plane around the phone's foot, as far below it as a hand is held.
-void PlaneFinder::name_floor(const Vector3d& phone, std::vector<Change>& changes) {
+void PlaneFinder::name_floor(const Vector3d& phone) {
   Plane* floor = nullptr;
   for (Plane& plane : planes_) {
     if (plane.kind == Kind::vertical || plane.normal_m().z() > 0) continue;  // z points down: it is seen from above
@@ -305,49 +304,42 @@ void PlaneFinder::name_floor(const Vector3d& phone, std::vector<Change>& changes
     if (!floor || area_of(plane.outline) > area_of(floor->outline)) floor = &plane;
   }
   if (!floor) return;
-  for (Plane& plane : planes_) {
-    const Kind kind = &plane == floor ? Kind::floor : Kind::horizontal;
-    if (plane.kind == Kind::vertical || plane.kind == kind) continue;
-    plane.kind = kind;
-    changes.push_back({Change::What::present, plane});
-  }
+  for (Plane& plane : planes_)
+    if (plane.kind != Kind::vertical) plane.kind = &plane == floor ? Kind::floor : Kind::horizontal;
+}
+
+/// Whether a plane differs from what was last told of it by more than is worth an event.
+bool PlaneFinder::is_news(const Plane& plane) const {
+  constexpr double kSigmas = 0.5, kSmaller = 0.8, kLarger = 1.25, kGrown = 1.05;
+  if (!plane.told || plane.told->kind != plane.kind) return true;
+  const Plane::Told& told = *plane.told;
+  return std::abs(plane.distance(told.p_m)) > kSigmas * plane.sigma_m ||
+         plane.normal_m().dot(told.normal_m) < std::cos(kSigmas * plane.tilt_sigma_rad) ||
+         plane.sigma_m < kSmaller * told.sigma_m || plane.sigma_m > kLarger * told.sigma_m ||
+         plane.scale_sigma < kSmaller * told.scale_sigma || area_of(plane.outline) > kGrown * told.area_m2 ||
+         (plane.eye - told.eye).norm() > p_.seen_again_m;
 }
 
 std::vector<Change> PlaneFinder::search(int64_t t_ns, const Vector3d& phone, double scale_sigma) {
   std::vector<Change> changes;
   if (searched_ns_ && seconds(t_ns - *searched_ns_) < p_.interval_s) return changes;
-  searched_ns_ = t_ns, scale_sigma_ = scale_sigma;
+  searched_ns_ = t_ns, scale_sigma_ = scale_sigma, phone_ = phone;
   gather(t_ns, phone);
-  constexpr double kMoved = 0.5, kGrown = 1.05;  // sigmas, area: less is not worth an event
   std::erase_if(planes_, [&](Plane& plane) {
-    const Plane before = plane;
-    if (!refine(plane)) {
-      changes.push_back({Change::What::withdrawn, plane});
-      return true;
-    }
-    const bool moved = std::abs(plane.distance(before.p_m)) > kMoved * plane.sigma_m ||
-                       plane.normal_m().dot(before.normal_m()) < std::cos(kMoved * plane.tilt_sigma_rad) ||
-                       plane.sigma_m < 0.8 * before.sigma_m || plane.sigma_m > 1.25 * before.sigma_m ||
-                       plane.scale_sigma < 0.8 * before.scale_sigma;
-    if (moved || area_of(plane.outline) > kGrown * area_of(before.outline))
-      changes.push_back({Change::What::present, plane});
-    return false;
+    if (refine(plane)) return false;
+    changes.push_back({Change::What::withdrawn, plane});
+    return true;
   });
-  find_new(phone, changes);
+  find_new(phone);
   merge(changes);
-  name_floor(phone, changes);
-  // The newest state of each plane, once; what was found and merged at once has never been there.
-  std::vector<Change> last;
-  for (Change& change : changes) {
-    const auto same = [&](const Change& other) { return other.plane.id == change.plane.id; };
-    const auto found = std::find_if(last.begin(), last.end(), same);
-    found != last.end() ? void(*found = std::move(change)) : last.push_back(std::move(change));
+  name_floor(phone);
+  for (Plane& plane : planes_) {
+    if (!is_news(plane)) continue;
+    plane.told = {plane.kind,    plane.p_m,         plane.normal_m(),      plane.eye,
+                  plane.sigma_m, plane.scale_sigma, area_of(plane.outline)};
+    changes.push_back({Change::What::present, plane});
   }
-  for (Change& change : last)
-    if (change.what == Change::What::present)
-      for (const Plane& plane : planes_)
-        if (plane.id == change.plane.id) change.plane = plane;
-  return last;
+  return changes;
 }
 
 }  // namespace odograph::planes

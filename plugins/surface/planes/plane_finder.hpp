@@ -21,10 +21,18 @@ struct Plane {
   Eigen::Quaterniond q_m_s = Eigen::Quaterniond::Identity();  ///< z: the normal, on the side that was seen
   Eigen::Vector3d p_m = Eigen::Vector3d::Zero();              ///< origin of the axes
   double sigma_m = 0, tilt_sigma_rad = 0;
-  double scale_sigma = 0;                ///< relative, of the metre when it was fitted
-  std::vector<Eigen::Vector2d> outline;  ///< convex, counterclockwise, in the surface's axes
-  size_t support = 0;                    ///< points
-  int doubts = 0;                        ///< searches in a row that contradicted it
+  double scale_sigma = 0;                         ///< relative, of the metre when it was fitted
+  std::vector<Eigen::Vector2d> outline;           ///< convex, counterclockwise, in the surface's axes
+  size_t support = 0;                             ///< points
+  int doubts = 0;                                 ///< searches in a row that contradicted it
+  Eigen::Vector3d eye = Eigen::Vector3d::Zero();  ///< where the phone was when it was fitted
+  /// As it was in the newest change that told of it.
+  struct Told {
+    Kind kind;
+    Eigen::Vector3d p_m, normal_m, eye;
+    double sigma_m, scale_sigma, area_m2;
+  };
+  std::optional<Told> told;
 
   Eigen::Vector3d normal_m() const { return q_m_s * Eigen::Vector3d::UnitZ(); }
   double distance(const Eigen::Vector3d& p) const { return normal_m().dot(p - p_m); }
@@ -66,6 +74,8 @@ class PlaneFinder {
     double min_significance = 4;  ///< sigmas: one of some hundred hypotheses a second may have three by chance
     double sparse = 0.08;         ///< landmarks in a cell by chance, below which chance does not connect cells
     double doubtful = 0.35;       ///< the same, below which a plane is doubted; three times in a row: withdrawn
+    double seen_again_m = 1;  ///< way of the phone after which a plane that is seen again is told of again: else its
+                              ///< place would seem as old, and as far off, as the way since then
     double gravity_sigma_rad = 0.009;             ///< half a degree: the front-end's inclination
     double same_rad = 0.14;                       ///< 8 degrees, between planes that may be one
     double min_floor_m = 0.9, max_floor_m = 2.1;  ///< below the phone: 0.74 of a child of 1.2 m, a tall man's eyes
@@ -107,9 +117,10 @@ class PlaneFinder {
   bool is_wide_enough(const Patch& patch) const;
   bool refine(Plane& plane);
   void take_patch(Plane& plane, const Patch& patch) const;
-  void find_new(const Eigen::Vector3d& phone, std::vector<Change>& changes);
+  void find_new(const Eigen::Vector3d& phone);
   void merge(std::vector<Change>& changes);
-  void name_floor(const Eigen::Vector3d& phone, std::vector<Change>& changes);
+  void name_floor(const Eigen::Vector3d& phone);
+  bool is_news(const Plane& plane) const;
   uint64_t random() { return state_ = state_ * 6364136223846793005u + 1442695040888963407u, state_ >> 33; }
 
   Parameters p_;
@@ -119,6 +130,7 @@ class PlaneFinder {
   std::vector<Plane> planes_;
   std::optional<int64_t> searched_ns_;
   double scale_sigma_ = 1;  // now
+  Eigen::Vector3d phone_ = Eigen::Vector3d::Zero();
   uint64_t last_id_ = 0, state_ = 1;
 };
 

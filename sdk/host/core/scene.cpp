@@ -39,6 +39,7 @@ void Scene::see(const odo_pose& pose) {
   if ((pose.header.flags & needed) != needed || !(pose.scale > 0 && pose.scale_sigma > 0)) return;  // 0: unknown
   scale_sigma_ = FrameLandmarks::scale_sigma(pose);
   const Rigid T_m_c = T_n_m_.inverse() * Rigid{quaternion(pose.q_n), Vector3d(pose.p_n)};
+  eye_m_ = T_m_c.p;
   frame_.place(pose, T_m_c.q, T_m_c.p, [this](const MapPoint& point) { points_.add(point); });
 }
 
@@ -66,7 +67,7 @@ const Scene::Surface* Scene::take(odo_surface& message, uint32_t resets) {
   Surface& surface = *found;
   surface.kind = message.kind, surface.t_ns = message.header.t_ns;
   surface.sigma_m = message.sigma_m, surface.tilt_sigma_rad = message.tilt_sigma_rad;
-  surface.scale_sigma = scale_sigma_.value_or(0);
+  surface.scale_sigma = scale_sigma_.value_or(0), surface.eye_m = eye_m_;
   surface.T_m_s = T_n_m_.inverse() * Rigid{quaternion(message.q_n), Vector3d(message.p_n)};
   surface.outline.clear();
   for (uint32_t i = 0; i < message.count; ++i)
@@ -101,8 +102,15 @@ std::optional<Scene::Hit> Scene::hit_surface(const Ray& ray, const Surface& surf
   const Vector3d p_n = ray.origin_n + *distance_m * ray.direction_n;
   if (!beyond && !contains(surface.outline, (T_n_s.inverse() * p_n).head<2>())) return std::nullopt;
   const double across_m = std::hypot(surface.sigma_m, surface.tilt_sigma_rad * (p_n - phone_n).norm());
-  return Hit{beyond ? ODO_HIT_FLOOR : ODO_HIT_SURFACE,          &surface, p_n, normal_n, *distance_m,
-             across_m / std::abs(normal_n.dot(ray.direction_n))};
+  const double moved_m = (T_n_m_ * surface.eye_m - phone_n).norm();
+  return Hit{beyond ? ODO_HIT_FLOOR : ODO_HIT_SURFACE,
+             &surface,
+             p_n,
+             normal_n,
+             *distance_m,
+             across_m / std::abs(normal_n.dot(ray.direction_n)),
+             surface.scale_sigma,
+             moved_m};
 }
 
 /// How much farther or nearer the landmarks around one are, per radian; as at 45 degrees where there are none.
@@ -121,7 +129,7 @@ double Scene::slope_beside(const MapPoint& landmark, const Vector3d& origin_m) c
 }
 
 /// The landmark nearest to the ray, within the cone.
-std::optional<Scene::Hit> Scene::hit_point(const Ray& ray) const {
+std::optional<Scene::Hit> Scene::hit_point(const Ray& ray, const Vector3d& phone_n) const {
   const Rigid T_m_n = T_n_m_.inverse();
   const Vector3d origin_m = T_m_n * ray.origin_n, direction_m = T_m_n.q * ray.direction_n;
   double best = squared(std::tan(p_.hit_cone_rad));
@@ -137,8 +145,14 @@ std::optional<Scene::Hit> Scene::hit_point(const Ray& ray) const {
   const double along_m = (found->p - origin_m).dot(direction_m);
   const double own_m = std::sqrt(direction_m.dot(found->covariance.cast<double>() * direction_m));
   const double beside_m = std::sqrt(std::max(0.0, best)) * slope_beside(*found, origin_m);
-  return Hit{ODO_HIT_POINT,    nullptr, ray.origin_n + along_m * ray.direction_n,
-             -ray.direction_n, along_m, std::hypot(own_m, beside_m)};
+  return Hit{ODO_HIT_POINT,
+             nullptr,
+             ray.origin_n + along_m * ray.direction_n,
+             -ray.direction_n,
+             along_m,
+             std::hypot(own_m, beside_m),
+             static_cast<double>(found->scale_sigma),
+             (T_n_m_ * found->eye.cast<double>().eval() - phone_n).norm()};
 }
 
 /// The floor that is assumed below a walker's hand.
@@ -154,8 +168,9 @@ size_t Scene::cast(const Ray& ray, const Vector3d& phone_n, Hit* hits, size_t ca
   if (!is_metric()) return 0;
   size_t count = 0;
   const auto add = [&](Hit hit) {
-    hit.scale_sigma = std::max(*scale_sigma_, hit.surface ? hit.surface->scale_sigma : 0);
-    hit.sigma_m = std::hypot(hit.sigma_m, std::hypot(p_.drift, hit.scale_sigma) * (hit.p_n - phone_n).norm());
+    hit.scale_sigma = std::max(*scale_sigma_, hit.scale_sigma);
+    const double by_track_m = std::hypot(p_.drift, hit.scale_sigma) * hit.moved_m;
+    hit.sigma_m = std::hypot(hit.sigma_m, by_track_m, hit.scale_sigma * (hit.p_n - phone_n).norm());
     size_t at = count;
     while (at > 0 && hits[at - 1].distance_m > hit.distance_m) --at;
     if (at == capacity) return;
@@ -172,7 +187,7 @@ size_t Scene::cast(const Ray& ray, const Vector3d& phone_n, Hit* hits, size_t ca
     if (!nearest || hit->distance_m < nearest->distance_m) nearest = hit;
     if (ray.wanted & ODO_HIT_SURFACE) add(*hit);
   }
-  if (const auto point = ray.wanted & ODO_HIT_POINT ? hit_point(ray) : std::nullopt) {
+  if (const auto point = ray.wanted & ODO_HIT_POINT ? hit_point(ray, phone_n) : std::nullopt) {
     const bool is_part = nearest && std::abs(point->distance_m - nearest->distance_m) <
                                         p_.explained * std::hypot(point->sigma_m, nearest->sigma_m);
     if (!is_part) add(*point);

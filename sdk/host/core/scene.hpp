@@ -25,7 +25,7 @@ class Scene {
     double hand = 0.80;            ///< height of the hand over the walker's; 0.9 in Antigny et al. 2019, Table 1, 0.74
                                    ///< in the hall of phone_walks (docs/simulator.md)
     double hand_sigma = 0.08;      ///< the same: half of the difference
-    double drift = 0.01;           ///< error of a distance by the track between the views, relative; docs/accuracy.md
+    double drift = 0.01;           ///< error of the track between two views, relative; docs/accuracy.md
     double explained = 3;          ///< sigmas from a surface within which a landmark is part of it
     size_t max_surfaces = 256;     ///< further ones are not kept
   };
@@ -36,7 +36,8 @@ class Scene {
     uint32_t kind = 0;
     Rigid T_m_s;
     double sigma_m = 0, tilt_sigma_rad = 0;
-    double scale_sigma = 0;  ///< relative, when it was measured
+    double scale_sigma = 0;                           ///< relative, when it was measured
+    Eigen::Vector3d eye_m = Eigen::Vector3d::Zero();  ///< where the phone was then
     int64_t t_ns = 0;
     std::vector<Eigen::Vector2d> outline;
     uint32_t source = 0, resets = 0;  ///< of the finder
@@ -48,6 +49,7 @@ class Scene {
     const Surface* surface = nullptr;
     Eigen::Vector3d p_n = Eigen::Vector3d::Zero(), normal_n = Eigen::Vector3d::Zero();
     double distance_m = 0, sigma_m = 0, scale_sigma = 0;  ///< as of odo_hit
+    double moved_m = 0;                                   ///< by the phone since it was seen
   };
   struct Ray {
     Eigen::Vector3d origin_n, direction_n;  ///< of length 1
@@ -94,7 +96,7 @@ class Scene {
   }
   std::optional<Hit> hit_surface(const Ray& ray, const Surface& surface, const Eigen::Vector3d& phone_n,
                                  bool beyond) const;
-  std::optional<Hit> hit_point(const Ray& ray) const;
+  std::optional<Hit> hit_point(const Ray& ray, const Eigen::Vector3d& phone_n) const;
   double slope_beside(const MapPoint& landmark, const Eigen::Vector3d& origin_m) const;
   std::optional<Hit> hit_assumed_floor(const Ray& ray, const Eigen::Vector3d& phone_n) const;
   void remove(size_t i) { surfaces_.erase(surfaces_.begin() + static_cast<ptrdiff_t>(i)); }
@@ -102,6 +104,7 @@ class Scene {
   Parameters p_;
   double walker_m_;
   Rigid T_n_m_;
+  Eigen::Vector3d eye_m_ = Eigen::Vector3d::Zero();  // of the newest pose
   VoxelMap points_;
   FrameLandmarks frame_;
   std::optional<double> scale_sigma_;  // relative, once the scale is known

@@ -151,9 +151,9 @@ void add_run(CLI::App& app, int& status) {
           "TUM RGB-D, KITTI, ADVIO, Indoor Location trace, image folder, *.odo")
       ->required();
   command
-      ->add_option(
-          "-o,--output", a->output,
-          "folder for trajectory.tum, corrected.tum, vo.csv, steps.csv, scale.csv, fixes.csv, states.csv, summary.json")
+      ->add_option("-o,--output", a->output,
+                   "folder for trajectory.tum, corrected.tum, vo.csv, steps.csv, scale.csv, fixes.csv, states.csv, "
+                   "points.ply, summary.json")
       ->capture_default_str();
   command->add_option("--set", a->set,
                       "PATH=VALUE overrides a value of the config: walker.height=1.8m; in a list, the item is named by "

@@ -45,6 +45,13 @@ void read_tables(const fs::path& folder, const SortedJson& summary, ExportedRun&
   });
 }
 
+void read_points(const fs::path& file, ExportedRun& run) {
+  std::ifstream in(file);
+  for (std::string line; std::getline(in, line) && line != "end_header";) continue;
+  float sigma_m = 0;
+  for (Eigen::Vector3f p; in >> p.x() >> p.y() >> p.z() >> sigma_m;) run.points.push_back(p);
+}
+
 }  // namespace
 
 Origin origin_in_summary(const fs::path& file) {
@@ -82,10 +89,12 @@ Result<ExportedRun> read_exported_run(const fs::path& input, const std::string& 
   if (!recording) return recording.failure();
   run.recording = std::move(*recording);
   refine_guessed_camera(run.recording);  // as the run did
-  if (is_run)
+  if (is_run) {
     read_tables(input, summary, run);
-  else
+    read_points(input / "points.ply", run);
+  } else {
     run.track = run.recording.truth;
+  }
   return run;
 }
 

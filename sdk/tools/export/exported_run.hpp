@@ -32,6 +32,7 @@ struct ExportedRun {
     std::string state, reason;
   };
   std::vector<State> states;
+  std::vector<Eigen::Vector3f> points;  ///< landmarks in n
 };
 
 /// Reads a run's folder with the recording that its summary names, or another one; or a recording with its truth. If
@@ -50,7 +51,7 @@ struct Exported {
 using ExportProgress = std::function<void(size_t done, size_t all)>;
 
 /// Writes MCAP with Foxglove's schemas as JSON: transforms, poses, the whole track, pictures, lens, fixes, IMU, and for
-/// a run its scale and states. The world frame has x east, y north, z up.
+/// a run its scale, states and landmarks. The world frame has x east, y north, z up.
 Result<Exported> write_foxglove(const ExportedRun& run, const std::filesystem::path& file,
                                 const ExportProgress& progress);
 

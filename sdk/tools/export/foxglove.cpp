@@ -2,6 +2,7 @@
 //
 // MCAP for Foxglove and other readers of its schemas (docs.foxglove.dev/docs/visualization/message-schemas), as JSON.
 #include <cmath>
+#include <cstring>
 
 #include <nlohmann/json.hpp>
 
@@ -110,6 +111,26 @@ class FoxgloveWriter {
     write_place("/track/fix", pose.t_ns, place, nullptr);
   }
 
+  void write_points(int64_t t_ns) {
+    constexpr int kFloat32 = 7;
+    std::vector<unsigned char> data(run_.points.size() * sizeof(Eigen::Vector3f));
+    for (size_t i = 0; i < run_.points.size(); ++i) {
+      const Eigen::Vector3f& n = run_.points[i];
+      const Eigen::Vector3f world(n.y(), n.x(), -n.z());
+      std::memcpy(data.data() + i * sizeof world, world.data(), sizeof world);
+    }
+    Json fields = Json::array();
+    for (const auto& [name, offset] : {std::pair{"x", 0}, {"y", 4}, {"z", 8}})
+      fields.push_back({{"name", name}, {"offset", offset}, {"type", kFloat32}});
+    put("/points", "foxglove.PointCloud", t_ns,
+        {{"timestamp", time_of(t_ns)},
+         {"frame_id", kWorld},
+         {"pose", pose_of({t_ns, Eigen::Quaterniond::Identity(), Eigen::Vector3d::Zero()})},
+         {"point_stride", sizeof(Eigen::Vector3f)},
+         {"fields", fields},
+         {"data", base64(data)}});
+  }
+
   /// All poses at once, as a line in space, and the camera's mount.
   void write_track() {
     const int64_t t_ns =
@@ -119,6 +140,7 @@ class FoxgloveWriter {
     if (!poses.empty())
       put("/track", "foxglove.PosesInFrame", t_ns,
           {{"timestamp", time_of(t_ns)}, {"frame_id", kWorld}, {"poses", poses}});
+    if (!run_.points.empty()) write_points(t_ns);
     if (!lens_ || !(lens_->header.flags & ODO_CALIBRATION_EXTRINSICS)) return;
     const Eigen::Quaterniond q_c_b = raw_quaternion(lens_->q_b_c).conjugate();
     write_transform(t_ns, kCamera, kImu, {t_ns, q_c_b, -(q_c_b * Eigen::Vector3d::Map(lens_->p_b_c))});

@@ -65,6 +65,15 @@ void write_fixes(std::ostream& out, const std::vector<RunResult::Fix>& fixes) {
         << (accepted ? 1 : 0) << '\n';
 }
 
+void write_points(std::ostream& out, const std::vector<odo_map_point>& points) {
+  out << "ply\nformat ascii 1.0\ncomment metres: x north, y east, z down, as trajectory.tum\nelement vertex "
+      << points.size() << '\n';
+  for (const char* property : {"float x", "float y", "float z", "float sigma"}) out << "property " << property << '\n';
+  out << "end_header\n" << std::setprecision(7);
+  for (const odo_map_point& p : points)
+    out << p.p_n[0] << ' ' << p.p_n[1] << ' ' << p.p_n[2] << ' ' << p.sigma_m << '\n';
+}
+
 /// One row per change of the state or its reason.
 void write_states(std::ostream& out, const RunResult& r) {
   out << "t_ns,state,reason\n";
@@ -176,7 +185,7 @@ class RunFiles {
     for (OutputFile& file : files_)
       if (const auto done = file.commit(); !done) return done.failure();
     std::error_code error;
-    for (const char* stale : {"corrected.tum", "vo.csv", "report.html"})
+    for (const char* stale : {"corrected.tum", "vo.csv", "points.ply", "report.html"})
       if (!names_.contains(stale)) std::filesystem::remove(folder_ / stale, error);
     return true;
   }
@@ -210,6 +219,7 @@ Result<bool> write_run(const std::filesystem::path& folder, const Recording& rec
   files.add("scale.csv", [&](std::ostream& out) { write_scales(out, result.scales); });
   files.add("fixes.csv", [&](std::ostream& out) { write_fixes(out, result.fixes); });
   files.add("states.csv", [&](std::ostream& out) { write_states(out, result); });
+  if (!result.points.empty()) files.add("points.ply", [&](std::ostream& out) { write_points(out, result.points); });
   files.add("summary.json", [&](std::ostream& out) {
     out << summary_of(recording, result, options).dump(2, ' ', false, Json::error_handler_t::replace) << '\n';
   });

@@ -206,12 +206,24 @@ void push_all(odo_session* session, const Recording& recording, const RunOptions
 }
 
 /// Aligns the track with the recording's waypoints, as the config's replay section requests.
+std::vector<odo_map_point> points_of(odo_session* session) {
+  std::vector<odo_map_point> points(ODO_MOST_MAP_POINTS);
+  points[0].struct_size = sizeof points[0];
+  const int64_t count = odo_session_get_points(session, ODO_WORLD_CORRECTED, points.data(), points.size());
+  points.resize(static_cast<size_t>(std::clamp<int64_t>(count, 0, ODO_MOST_MAP_POINTS)));
+  return points;
+}
+
 void align_tracks(const ReplayConfig& replay, const Recording& recording, RunResult& result) {
   const auto waypoints = recording.waypoints();
   if (!replay.start_at_first_waypoint || waypoints.empty() || result.track.empty()) return;
   if (replay.align_heading_over_m > 0)
     result.heading_offset_rad = heading_offset(result.track, waypoints, replay.align_heading_over_m);
+  const Eigen::Vector3d before = result.track[0].p;
   result.track = align_to_waypoints(result.track, waypoints, result.heading_offset_rad);
+  const Eigen::AngleAxisd turn(result.heading_offset_rad, Eigen::Vector3d::UnitZ());
+  for (odo_map_point& point : result.points)
+    Eigen::Vector3d::Map(point.p_n) = result.track[0].p + turn * (Eigen::Vector3d(point.p_n) - before);
   if (!result.corrected.empty())
     result.corrected = align_to_waypoints(result.corrected, waypoints, result.heading_offset_rad);
   for (odo_step& step : result.steps)
@@ -289,6 +301,7 @@ Result<RunResult> replay(const Recording& recording, const RunOptions& options) 
   const double p_n[3] = {0, 0, 0};
   std::array<double, 3> origin{};
   if (odo_session_to_geodetic(session, p_n, origin.data()) == ODO_OK) result.origin = origin;
+  result.points = points_of(session);
 
   result.corrected = collector.corrected();
   align_tracks(config->replay, recording, result);
