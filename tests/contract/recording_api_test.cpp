@@ -2,7 +2,6 @@
 //
 // Recordings through the C API: frames, damage, validation, bit-identical replays, concurrent recorders. What is read
 // back as written is a subject of the conformance suite.
-// Recordings through the C API: what cannot be read, written or recorded.
 #include <odograph/messages.h>
 #include <odograph/odograph.hpp>
 #include <odograph/recording.h>

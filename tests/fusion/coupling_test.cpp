@@ -23,6 +23,16 @@ odo_scale scale(double scale) {
   return s;
 }
 
+/// The fix with the orientation of a camera that is rotated by `yaw_rad` from a pose.
+odo_fix oriented(odo_fix fix, const odo_pose& pose, double yaw_rad, double sigma_rad) {
+  fix.header.flags |= ODO_FIX_ORIENTATION | ODO_FIX_ORIENTATION_COVARIANCE;
+  const Eigen::Quaterniond q_n_c(pose.q_n[0], pose.q_n[1], pose.q_n[2], pose.q_n[3]), q_b_c(0, 1, 0, 0);
+  put_quaternion(Eigen::Quaterniond(Eigen::AngleAxisd(yaw_rad, Vector3d::UnitZ())) * q_n_c * q_b_c.conjugate(),
+                 fix.q_n_b);
+  for (const int i : {0, 4, 8}) fix.orientation_cov_n[i] = sigma_rad * sigma_rad;
+  return fix;
+}
+
 }  // namespace
 
 TEST_CASE("eq. (6): a step's length is used during the following step") {
@@ -137,16 +147,8 @@ TEST_CASE("a wrong track finally follows the fixes") {
 TEST_CASE("an orientation fix rotates the track by its weight, and an absurd one is ignored") {
   PaperTrack coupling({}, {}, {true, true});
   const odo_pose first = coupling.on_first_frame(0);
-  const Eigen::Quaterniond q_n_c(first.q_n[0], first.q_n[1], first.q_n[2], first.q_n[3]);
-  const Eigen::Quaterniond q_b_c(0, 1, 0, 0);
   const auto fix_of = [&](double yaw, double sigma) {
-    auto f = make_message<odo_fix>(ODO_TYPE_FIX, 0);
-    f.header.flags = ODO_FIX_ORIENTATION | ODO_FIX_ORIENTATION_COVARIANCE;
-    const Eigen::Quaterniond q =
-        Eigen::Quaterniond(Eigen::AngleAxisd(yaw, Vector3d::UnitZ())) * q_n_c * q_b_c.conjugate();
-    f.q_n_b[0] = q.w(), f.q_n_b[1] = q.x(), f.q_n_b[2] = q.y(), f.q_n_b[3] = q.z();
-    f.orientation_cov_n[0] = f.orientation_cov_n[4] = f.orientation_cov_n[8] = sigma * sigma;
-    return f;
+    return oriented(make_message<odo_fix>(ODO_TYPE_FIX, 0), first, yaw, sigma);
   };
   CHECK_FALSE(coupling.on_fix(fix_of(2.5, 0.01)).accepted);
   CHECK(coupling.on_fix(fix_of(0.1, 0.002)).accepted);
@@ -160,15 +162,8 @@ TEST_CASE("an orientation fix rotates the track by its weight, and an absurd one
 TEST_CASE("the fix that sets a track may rotate it to any heading, later ones may not") {
   PaperTrack coupling({}, {}, {true, true});
   const odo_pose first = coupling.on_first_frame(0);
-  const Eigen::Quaterniond q_n_c(first.q_n[0], first.q_n[1], first.q_n[2], first.q_n[3]);
   const auto fix_of = [&](int64_t t, double yaw, double north) {
-    auto f = fix_at(t, {north, 7, 0}, 0.5);
-    f.header.flags |= ODO_FIX_ORIENTATION | ODO_FIX_ORIENTATION_COVARIANCE;
-    const Eigen::Quaterniond q = Eigen::Quaterniond(Eigen::AngleAxisd(yaw, Vector3d::UnitZ())) * q_n_c *
-                                 Eigen::Quaterniond(0, 1, 0, 0).conjugate();
-    f.q_n_b[0] = q.w(), f.q_n_b[1] = q.x(), f.q_n_b[2] = q.y(), f.q_n_b[3] = q.z();
-    f.orientation_cov_n[0] = f.orientation_cov_n[4] = f.orientation_cov_n[8] = 1e-4;
-    return f;
+    return oriented(fix_at(t, {north, 7, 0}, 0.5), first, yaw, 0.01);
   };
   REQUIRE(coupling.on_fix(fix_of(0, 2.5, 100)).accepted);
   const odo_scale s = scale(1.0);

@@ -3,7 +3,6 @@
 // reports the attacks that succeeded.
 #define HOSTILE_ID "test/escape"
 #include <csignal>
-#include <ctime>
 #include <string>
 #include <thread>
 

@@ -112,15 +112,9 @@ void commit_fault(const char* phase) {
 
 extern "C" int32_t ODO_PLUGIN_ENTRY(const odo_host*, odo_plugin* out) {
   commit_fault("entry");
-  static const odo_string interfaces[] = {{ODO_INTERFACE_ATTITUDE, sizeof(ODO_INTERFACE_ATTITUDE) - 1}};
   odo_plugin t = hostile::table();
-  t.interfaces = interfaces;
-  t.create = [](const odo_host*, uint32_t, const odo_string*, odo_instance** instance) -> int32_t {
-    commit_fault("create");
-    hostile::instance() = 0;
-    *instance = reinterpret_cast<odo_instance*>(&hostile::instance());
-    return ODO_OK;
-  };
+  HOSTILE_SERVES(t, ODO_INTERFACE_ATTITUDE);
+  t.create = hostile::create_after<[] { commit_fault("create"), hostile::instance() = 0; }>;
   t.configure = [](odo_instance*, const odo_value*, uint32_t, uint32_t) -> int32_t {
     return commit_fault("configure"), ODO_OK;
   };

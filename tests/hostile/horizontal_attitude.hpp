@@ -15,7 +15,7 @@ inline int32_t emit_horizontal_attitude(const odo_header& sample) {
   a.header.struct_size = sizeof a, a.header.type = ODO_TYPE_ATTITUDE, a.header.flags = 0;
   a.q_n_b[0] = a.q_n_b[1] = 0.70710678118654757;  // the phone's y points up
   for (int i = 0; i < 3; ++i) a.covariance_n[4 * i] = 1e-3;
-  return sink()->emit(sink(), &a.header);
+  return emit(a.header);
 }
 
 }  // namespace hostile

@@ -20,7 +20,7 @@ HOSTILE_PLUGIN {
     head.type = ODO_TYPE_VENDOR(0, ODO_VENDOR_EVENT | 2),
     head.struct_size = static_cast<uint32_t>(sizeof head) + told.struct_size;
     std::memcpy(event + sizeof head, &told, told.struct_size);
-    hostile::sink()->emit(hostile::sink(), &head);
+    hostile::emit(head);
     return ODO_OK;
   };
 }

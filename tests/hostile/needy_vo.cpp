@@ -26,10 +26,10 @@ int32_t take(const odo_header& message) {
       point.id = id, point.p_c[2] = 2, point.covariance[0] = point.covariance[3] = point.covariance[5] = 0.01f;
       points.add(point);
     }
-    hostile::sink()->emit(hostile::sink(), &points.message().header);
+    hostile::emit(points.message().header);
     odo_vo_motion motion = hostile::motion(state.last_ns, message.t_ns);
     motion.p_c0_c1[2] = 0.05;
-    hostile::sink()->emit(hostile::sink(), &motion.header);
+    hostile::emit(motion.header);
   }
   state.last_ns = message.t_ns;
   return ODO_OK;
@@ -39,17 +39,9 @@ int32_t take(const odo_header& message) {
 
 HOSTILE_PLUGIN {
   HOSTILE_SERVES(t, ODO_INTERFACE_VO_FRONTEND);
-  t.create = [](const odo_host*, uint32_t, const odo_string*, odo_instance** out_instance) -> int32_t {
-    state = {};
-    *out_instance = reinterpret_cast<odo_instance*>(&hostile::instance());
-    return ODO_OK;
-  };
+  t.create = hostile::create_after<[] { state = {}; }>;
   static const uint32_t outputs[] = {ODO_TYPE_POINTS};
   t.outputs = outputs, t.output_count = 1;
   t.reset = [](odo_instance*) -> int32_t { return state = {}, ODO_OK; };
-  t.process = [](odo_instance*, const odo_batch* batch) -> int32_t {
-    for (uint32_t i = 0; i < batch->count; ++i)
-      if (const int32_t status = take(*batch->messages[i]); status < 0) return status;
-    return ODO_OK;
-  };
+  t.process = hostile::process_each<take>;
 }

@@ -6,8 +6,6 @@
 #include <time.h>
 #include <unistd.h>
 
-#include <odograph/vo_frontend.h>
-
 #include "tests/hostile/table.hpp"
 #include "tests/support/obeys.hpp"
 

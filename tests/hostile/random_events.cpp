@@ -60,7 +60,7 @@ void emit_random_fix(int64_t now_ns) {
   f.height_m = number(), f.integrity = share(), f.slant_distance_m = number(), f.slant_sigma_m = number();
   fill(f.landmark_n, 3), fill(f.lever_b, 3), fill(f.cross_covariance_n, 9), direction(f.yaw_axis_b);
   if (draw() % 2) f.latitude_rad = 1.5 * (2 * share() - 1), f.longitude_rad = 3 * (2 * share() - 1);
-  hostile::sink()->emit(hostile::sink(), &f.header);
+  hostile::emit(f.header);
 }
 
 void emit_random_motion(int64_t now_ns) {
@@ -72,7 +72,7 @@ void emit_random_motion(int64_t now_ns) {
   rotation(m.q_c0_c1), fill(m.p_c0_c1, 3), covariance(m.covariance, 6);
   m.scale_sigma = number(), fill(m.velocity_c1, 3), direction(m.gravity_c1), fill(m.gyro_bias_b, 3);
   fill(m.accel_bias_b, 3);
-  hostile::sink()->emit(hostile::sink(), &m.header);
+  hostile::emit(m.header);
 }
 
 bool is_front_end = false;

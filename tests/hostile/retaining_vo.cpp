@@ -16,31 +16,24 @@ void release_frame(size_t down_to) {
   for (; kept.size() > down_to; kept.pop_front()) kept.front().loan.release(kept.front().loan.owner);
 }
 
-void take(const odo_header& message) {
-  if (message.type != ODO_TYPE_FRAME) return;
+int32_t take(const odo_header& message) {
+  if (message.type != ODO_TYPE_FRAME) return ODO_OK;
   const auto& frame = reinterpret_cast<const odo_frame&>(message);
   if (frame.loan.retain && frame.loan.retain(frame.loan.owner) >= 0) kept.push_back(frame);
   release_frame(kMax);
   odo_vo_motion motion = hostile::motion(last_ns, message.t_ns);
   motion.p_c0_c1[0] = static_cast<double>(kept.size());
   motion.p_c0_c1[1] = kept.empty() ? -1 : kept.front().planes[0].data[0];
-  if (last_ns != 0) hostile::sink()->emit(hostile::sink(), &motion.header);
+  if (last_ns != 0) hostile::emit(motion.header);
   last_ns = message.t_ns;
+  return ODO_OK;
 }
 
 }  // namespace
 
 HOSTILE_PLUGIN {
   HOSTILE_SERVES(t, ODO_INTERFACE_VO_FRONTEND);
-  t.create = [](const odo_host*, uint32_t, const odo_string*, odo_instance** instance) -> int32_t {
-    kept.clear();
-    last_ns = 0;
-    *instance = reinterpret_cast<odo_instance*>(&hostile::instance());
-    return ODO_OK;
-  };
-  t.process = [](odo_instance*, const odo_batch* batch) -> int32_t {
-    for (uint32_t i = 0; i < batch->count; ++i) take(*batch->messages[i]);
-    return ODO_OK;
-  };
+  t.create = hostile::create_after<[] { kept.clear(), last_ns = 0; }>;
+  t.process = hostile::process_each<take>;
   t.destroy = [](odo_instance*) { release_frame(0); };
 }

@@ -55,14 +55,9 @@ bool restarted = false;
 extern "C" int32_t ODO_PLUGIN_ENTRY(const odo_host*, odo_plugin* out) {
   restarted = !sleep_now().phase.empty();
   sleep_in("entry");
-  static const odo_string interfaces[] = {{ODO_INTERFACE_ATTITUDE, sizeof(ODO_INTERFACE_ATTITUDE) - 1}};
   odo_plugin t = hostile::table();
-  t.interfaces = interfaces;
-  t.create = [](const odo_host*, uint32_t, const odo_string*, odo_instance** instance) -> int32_t {
-    sleep_in("create");
-    *instance = reinterpret_cast<odo_instance*>(&hostile::instance());
-    return ODO_OK;
-  };
+  HOSTILE_SERVES(t, ODO_INTERFACE_ATTITUDE);
+  t.create = hostile::create_after<[] { sleep_in("create"); }>;
   t.configure = [](odo_instance*, const odo_value*, uint32_t, uint32_t) -> int32_t {
     return sleep_in("configure"), ODO_OK;
   };

@@ -45,6 +45,26 @@ inline odo_vo_motion motion(int64_t from_ns, int64_t to_ns) {
   return m;
 }
 
+inline int32_t emit(const odo_header& event) { return sink()->emit(sink(), &event); }
+
+inline void nothing() {}
+
+/// A `create` that also calls `begin`.
+template <auto begin>
+int32_t create_after(const odo_host*, uint32_t, const odo_string*, odo_instance** out) {
+  begin();
+  *out = reinterpret_cast<odo_instance*>(&instance());
+  return ODO_OK;
+}
+
+/// A `process` that calls `take` with one message after the other, until it fails.
+template <int32_t (*take)(const odo_header&)>
+int32_t process_each(odo_instance*, const odo_batch* batch) {
+  for (uint32_t i = 0; i < batch->count; ++i)
+    if (const int32_t status = take(*batch->messages[i]); status < 0) return status;
+  return ODO_OK;
+}
+
 /// Of this plugin only: several may be linked into one program.
 static odo_plugin table() {
   static const odo_string interfaces[] = {{ODO_INTERFACE_SCALE_SOURCE, sizeof(ODO_INTERFACE_SCALE_SOURCE) - 1}};
@@ -57,10 +77,7 @@ static odo_plugin table() {
   t.interfaces = interfaces;
   t.id = {HOSTILE_ID, sizeof(HOSTILE_ID) - 1};
   t.version = {"1.0.0", 5};
-  t.create = [](const odo_host*, uint32_t, const odo_string*, odo_instance** out) -> int32_t {
-    *out = reinterpret_cast<odo_instance*>(&instance());
-    return ODO_OK;
-  };
+  t.create = create_after<nothing>;
   t.configure = [](odo_instance*, const odo_value*, uint32_t, uint32_t) -> int32_t { return ODO_OK; };
   t.activate = [](odo_instance*, const odo_sink* s) -> int32_t { return sink() = s, ODO_OK; };
   t.process = [](odo_instance*, const odo_batch*) -> int32_t { return ODO_OK; };

@@ -8,6 +8,7 @@
 #include "sdk/host/base/geodesy.hpp"
 #include "sdk/tools/simulation/poster.hpp"
 #include "tests/plugins/known_object_scene.hpp"
+#include "tests/support/reason_of.hpp"
 #include "tests/support/runs.hpp"
 
 using namespace odograph::known_object_tests;
@@ -181,12 +182,7 @@ TEST_CASE("survey errors of the corners shift and rotate the camera as the covar
 namespace {
 
 std::string why(const std::filesystem::path& file) {
-  try {
-    read_objects(file);
-  } catch (const std::runtime_error& error) {
-    return error.what();
-  }
-  return "";
+  return reason_of([&] { read_objects(file); });
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <GeographicLib/UTMUPS.hpp>
 
 #include "plugins/fix/terrain/placement.hpp"
+#include "tests/support/reason_of.hpp"
 #include "tests/support/runs.hpp"
 
 using namespace odograph::terrain;
@@ -21,12 +22,7 @@ double height_at(const Terrain& terrain, double east, double north, double expec
 }
 
 std::string why(const std::filesystem::path& file) {
-  try {
-    read_terrain(file.string());
-  } catch (const std::runtime_error& error) {
-    return error.what();
-  }
-  return "";
+  return reason_of([&] { read_terrain(file.string()); });
 }
 
 /// Heights 100 + east - 2 north of the first node, in whole metres, from the tie point on; rows from the north.

@@ -3,9 +3,6 @@
 # `plugin check --recording` from the command line, on a recording of the simulator.
 set -u
 odograph=$1 plugins=$2 source=$3
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
-cd "$work" || exit 1
 . "$source/tests/support/expect.sh"
 "$odograph" sim "$source/tests/data/tiny_walk.yaml" -o tiny.odo >/dev/null || exit 1
 expect 0 'emits events: attitude ' "$odograph" plugin check "$plugins/attitude_vqf.so" --only recording --recording tiny.odo

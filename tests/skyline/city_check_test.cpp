@@ -6,6 +6,7 @@
 #include "sdk/tools/city/model_errors.hpp"
 #include "sdk/tools/city/street_route.hpp"
 #include "sdk/tools/simulation/city_model.hpp"
+#include "tests/support/reason_of.hpp"
 #include "tests/support/support.hpp"
 
 using namespace odograph::skyline;
@@ -209,13 +210,8 @@ TEST_CASE("a generated town's model is read back; damaged models are refused by 
   CHECK(top == doctest::Approx(-30));
   CHECK(read_city_outline(file, {.model_origin = {0, 0, 5}})[0].from.z() ==
         doctest::Approx(read_city_outline(file, {})[0].from.z() + 5));
-  const auto refusal = [](const std::string& text) -> std::string {
-    try {
-      parse_city_outline(text, "town.json", {});
-    } catch (const std::runtime_error& error) {
-      return error.what();
-    }
-    return "";
+  const auto refusal = [](const std::string& text) {
+    return reason_of([&] { parse_city_outline(text, "town.json", {}); });
   };
   CHECK(refusal("{").find("town.json: not CityJSON") == 0);
   CHECK(

@@ -5,9 +5,6 @@
 set -u
 odograph=$1 source=$2
 command -v exiftool >/dev/null || { echo "exiftool is not installed"; exit 77; }
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
-cd "$work" || exit 1
 . "$source/tests/support/expect.sh"
 # Houses around 52.105 N, 4.275 E, which is 78803.80, 458001.49 of RD New.
 python3 - <<'PYTHON'

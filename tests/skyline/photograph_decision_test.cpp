@@ -11,44 +11,49 @@ using Eigen::Vector3d;
 
 TEST_SUITE_BEGIN("photograph");
 
+namespace {
+
+const PhotographDecisionParameters kParameters;
+const Eigen::Matrix3d kAccurate = Vector3d(0.04, 0.04, 1e-4).asDiagonal();
+
+}  // namespace
+
 TEST_CASE("a place is accepted or rejected by other places, its agreement and its gain") {
-  const PhotographDecisionParameters p;
-  const Eigen::Matrix3d accurate = Vector3d(0.04, 0.04, 1e-4).asDiagonal();
-  const PhotographPlace best{{0, 0, 0}, 60, -9, accurate};
+  const PhotographPlace best{{0, 0, 0}, 60, -9, kAccurate};
   double straight_gain = 20;
   const auto decision_of = [&](std::vector<PhotographPlace> places, double agreement) {
     return decide({{.match = {.agreement = agreement},
                     .places = std::move(places),
                     .possible_gain = 80,
                     .straight_gain = straight_gain}},
-                  p);
+                  kParameters);
   };
   const auto alone = decision_of({best}, 0.9);
   CHECK(alone.why.empty());
   CHECK(alone.other < 0.001);
-  CHECK(alone.tried->covariance.trace() / 2 == doctest::Approx(0.04 + p.min_sigma_m * p.min_sigma_m));
-  const PhotographPlace elsewhere{{15, 0, 0}, 59, -9, accurate}, beside{{3, 0, 0}, 60, -9, accurate};
+  CHECK(alone.tried->covariance.trace() / 2 ==
+        doctest::Approx(0.04 + kParameters.min_sigma_m * kParameters.min_sigma_m));
+  const PhotographPlace elsewhere{{15, 0, 0}, 59, -9, kAccurate}, beside{{3, 0, 0}, 60, -9, kAccurate};
   CHECK(contains(decision_of({best, elsewhere}, 0.9).why, "probability of other places is"));
   CHECK(std::sqrt(decision_of({best, beside}, 0.9).tried->covariance(0, 0)) > 2);
-  const double less = 4, weight = std::exp(-p.spread_power * less);
-  const PhotographPlace near{{3, 0, 0}, 60 - less, -9, accurate};
+  const double less = 4, weight = std::exp(-kParameters.spread_power * less);
+  const PhotographPlace near{{3, 0, 0}, 60 - less, -9, kAccurate};
   CHECK(decision_of({best, near}, 0.9).tried->covariance(0, 0) ==
-        doctest::Approx(0.04 + 9 * weight / (1 + weight) + p.min_sigma_m * p.min_sigma_m));
-  const PhotographPlace turned{{0, 0, 1.5}, 60, -9, accurate};
+        doctest::Approx(0.04 + 9 * weight / (1 + weight) + kParameters.min_sigma_m * kParameters.min_sigma_m));
+  const PhotographPlace turned{{0, 0, 1.5}, 60, -9, kAccurate};
   CHECK(contains(decision_of({best, turned}, 0.9).why, "determine the heading only to"));
   CHECK(decision_of({best}, 0.399).why ==
         "only 39 % of the sky's edge coincides with a roof of the model; 40 % are required");
   const auto chance = "the probability that this is chance is";
-  CHECK(contains(decision_of({{{0, 0, 0}, 5, -9, accurate}}, 0.9).why, chance));
+  CHECK(contains(decision_of({{{0, 0, 0}, 5, -9, kAccurate}}, 0.9).why, chance));
   straight_gain = 1;  // as good as unknown roofs
   CHECK(contains(decision_of({best}, 0.9).why, chance));
   straight_gain = 6;  // of many places one fits so by chance, of few none
-  CHECK(contains(decision_of({{{0, 0, 0}, 60, -20, accurate}}, 0.9).why, chance));
-  CHECK(decision_of({{{0, 0, 0}, 60, -6, accurate}}, 0.9).why.empty());
+  CHECK(contains(decision_of({{{0, 0, 0}, 60, -20, kAccurate}}, 0.9).why, chance));
+  CHECK(decision_of({{{0, 0, 0}, 60, -6, kAccurate}}, 0.9).why.empty());
 }
 
 TEST_CASE("a place is no sharper than the model's corners") {
-  const PhotographDecisionParameters p;
   const auto other = [&](double sigma_m, double sigma_rad) {
     const double volume = std::log(sigma_m * sigma_m * sigma_rad / (10 * 10 * 0.35));
     const Eigen::Matrix3d covariance =
@@ -57,7 +62,7 @@ TEST_CASE("a place is no sharper than the model's corners") {
                     .places = {{{0, 0, 0}, 12, volume, covariance}},
                     .possible_gain = 80,
                     .straight_gain = 40}},
-                  p)
+                  kParameters)
         .other;
   };
   CHECK(other(0.01, 0.001) == doctest::Approx(other(0.001, 0.0001)).epsilon(0.05));
@@ -65,17 +70,15 @@ TEST_CASE("a place is no sharper than the model's corners") {
 }
 
 TEST_CASE("the likelier another place is, the less a photograph is placed") {
-  const PhotographDecisionParameters p;
-  const Eigen::Matrix3d accurate = Vector3d(0.04, 0.04, 1e-4).asDiagonal();
   bool was_placed = true;
   double risk = 0;
   for (double less = 12; less >= 0; less -= 0.1) {
     CAPTURE(less);
     const auto decision = decide({{.match = {.agreement = 0.9},
-                                   .places = {{{0, 0, 0}, 60, -9, accurate}, {{15, 0, 0}, 60 - less, -9, accurate}},
+                                   .places = {{{0, 0, 0}, 60, -9, kAccurate}, {{15, 0, 0}, 60 - less, -9, kAccurate}},
                                    .possible_gain = 80,
                                    .straight_gain = 20}},
-                                 p);
+                                 kParameters);
     CHECK(decision.other >= risk);
     CHECK((was_placed || !decision.why.empty()));
     was_placed = decision.why.empty(), risk = decision.other;
@@ -85,14 +88,12 @@ TEST_CASE("the likelier another place is, the less a photograph is placed") {
 }
 
 TEST_CASE("lines of two directions do not turn a line of roofs that may be chance into evidence") {
-  const PhotographDecisionParameters p;
-  const Eigen::Matrix3d accurate = Vector3d(0.04, 0.04, 1e-4).asDiagonal();
   const auto why = [&](double roofs, double facades) {
     return decide({{.match = {.agreement = 0.9},
-                    .places = {{{0, 0, 0}, roofs + facades, -9, accurate, facades}},
+                    .places = {{{0, 0, 0}, roofs + facades, -9, kAccurate, facades}},
                     .possible_gain = 80,
                     .straight_gain = 20}},
-                  p)
+                  kParameters)
         .why;
   };
   CHECK(why(60, 10).empty());
@@ -102,25 +103,22 @@ TEST_CASE("lines of two directions do not turn a line of roofs that may be chanc
 
 TEST_CASE(
     "the same place by several skies is no more evidence, and an area that was not searched is evidence against it") {
-  const PhotographDecisionParameters p;
-  const Eigen::Matrix3d accurate = Vector3d(0.04, 0.04, 1e-4).asDiagonal();
   PhotographAttempt attempt{
-      .match = {.agreement = 0.9}, .places = {{{0, 0, 0}, 9, -9, accurate}}, .possible_gain = 80, .straight_gain = 20};
-  const double once = decide({attempt}, p).other;
+      .match = {.agreement = 0.9}, .places = {{{0, 0, 0}, 9, -9, kAccurate}}, .possible_gain = 80, .straight_gain = 20};
+  const double once = decide({attempt}, kParameters).other;
   CHECK(once > 0.005);
-  CHECK(decide({attempt, attempt, attempt}, p).other == doctest::Approx(once));
+  CHECK(decide({attempt, attempt, attempt}, kParameters).other == doctest::Approx(once));
   attempt.outside = 0.8;
-  CHECK(decide({attempt}, p).other > 5 * once);
+  CHECK(decide({attempt}, kParameters).other > 5 * once);
 }
 
 TEST_CASE("a place that is not a number is not accepted") {
-  const PhotographDecisionParameters p;
   const Eigen::Matrix3d undefined = Eigen::Matrix3d::Constant(std::nan(""));
   CHECK_FALSE(decide({{.match = {.agreement = 0.9},
                        .places = {{{0, 0, 0}, 60, -9, undefined}},
                        .possible_gain = 80,
                        .straight_gain = 20}},
-                     p)
+                     kParameters)
                   .why.empty());
 }
 
@@ -170,14 +168,12 @@ TEST_CASE("a photograph's fix does not contain the pose that it was searched aro
 }
 
 TEST_CASE("a second sky with few roofs does not gain by the facades, which both have") {
-  const PhotographDecisionParameters p;
-  const Eigen::Matrix3d accurate = Vector3d(0.04, 0.04, 1e-4).asDiagonal();
   const auto attempt = [&](double east, double roofs, double possible) {
     return PhotographAttempt{.match = {.agreement = 0.9},
-                             .places = {{{0, east, 0}, roofs + 15, -9, accurate, 15}},
+                             .places = {{{0, east, 0}, roofs + 15, -9, kAccurate, 15}},
                              .possible_gain = possible,
                              .straight_gain = 20};
   };
-  CHECK(decide({attempt(0, 40, 80), attempt(25, 4, 27)}, p).why.empty());
-  CHECK_FALSE(decide({attempt(0, 40, 80), attempt(25, 14, 27)}, p).why.empty());
+  CHECK(decide({attempt(0, 40, 80), attempt(25, 4, 27)}, kParameters).why.empty());
+  CHECK_FALSE(decide({attempt(0, 40, 80), attempt(25, 14, 27)}, kParameters).why.empty());
 }

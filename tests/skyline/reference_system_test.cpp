@@ -12,6 +12,7 @@
 
 #include "plugins/fix/skyline/city_outline.hpp"
 #include "plugins/shared/reference_system.hpp"
+#include "tests/support/reason_of.hpp"
 #include "tests/support/support.hpp"
 
 TEST_SUITE_BEGIN("reference_systems");
@@ -224,12 +225,7 @@ double nearest_m(const std::vector<skyline::Edge>& edges, const Vector3d& to) {
 }
 
 std::string why(const std::string& text, const skyline::CityPlacement& placement) {
-  try {
-    skyline::parse_city_outline(text, "model", placement);
-  } catch (const std::runtime_error& error) {
-    return error.what();
-  }
-  return "";
+  return reason_of([&] { skyline::parse_city_outline(text, "model", placement); });
 }
 
 }  // namespace

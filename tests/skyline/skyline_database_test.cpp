@@ -4,6 +4,7 @@
 #include <opencv2/core.hpp>
 
 #include "plugins/fix/skyline/skyline_database.hpp"
+#include "tests/support/reason_of.hpp"
 #include "tests/support/support.hpp"
 
 using namespace odograph::skyline;
@@ -68,12 +69,7 @@ double wrong_part(const SkylineDatabase& database, const std::vector<Edge>& edge
 }
 
 std::string refusal(const std::string& bytes) {
-  try {
-    (void)SkylineDatabase::view(bytes, "town.skylines");
-  } catch (const std::runtime_error& error) {
-    return error.what();
-  }
-  return "";
+  return reason_of([&] { (void)SkylineDatabase::view(bytes, "town.skylines"); });
 }
 
 /// Bytes with a changed header and a valid checksum.

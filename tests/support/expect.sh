@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-# For scripts that run commands: sets failed if one has another status or output than expected.
+# For scripts that run commands, in a new folder: sets failed if one has another status or output than expected.
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+cd "$work" || exit 1
 failed=0
 expect() { # status, words that must be in the output, command...
   want=$1 words=$2

@@ -3,9 +3,6 @@
 # The command line from a user's view: exit statuses and destinations of output.
 set -u
 odograph=$1 source=$2
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
-cd "$work" || exit 1
 . "$source/tests/support/expect.sh"
 configs=$source/samples/configs
 expect 0 "Exit status" "$odograph" --help

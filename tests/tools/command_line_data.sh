@@ -9,9 +9,6 @@ for name in phone_walks tsukuba_90; do
   echo "SKIPPED: no real recordings at $data/$name"
   exit 77
 done
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
-cd "$work" || exit 1
 . "$source/tests/support/expect.sh"
 configs=$source/samples/configs
 walk=$(ls "$data"/phone_walks/*.txt | head -1)

@@ -4,9 +4,6 @@
 # Each row: status, words that must appear, command.
 set -u
 odograph=$1 source=$2
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
-cd "$work" || exit 1
 . "$source/tests/support/expect.sh"
 configs=$source/samples/configs
 steps=$configs/phone_walk_odograph.yaml

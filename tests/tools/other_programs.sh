@@ -5,9 +5,6 @@
 # it.
 set -u
 odograph=$1 source=$2
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
-cd "$work" || exit 1
 . "$source/tests/support/expect.sh"
 same() { diff -r "$1" "$2" >/dev/null || { echo "FAILED: $1 and $2 differ"; failed=1; }; }
 cat >walk.yaml <<'YAML'

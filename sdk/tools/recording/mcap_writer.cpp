@@ -22,38 +22,29 @@ enum Op : uint8_t {
   kDataEnd = 15
 };
 
-/// RecordFields of a record, little-endian; strings and maps are preceded by their length.
-class RecordFields {
- public:
-  template <class Number>
-  RecordFields& number(std::type_identity_t<Number> value) {
-    bytes_.append(reinterpret_cast<const char*>(&value), sizeof value);
-    return *this;
-  }
-  RecordFields& text(std::string_view text) {
-    number<uint32_t>(static_cast<uint32_t>(text.size()));
-    bytes_.append(text);
-    return *this;
-  }
-  RecordFields& map(const std::map<uint16_t, uint64_t>& map) {
-    number<uint32_t>(static_cast<uint32_t>(10 * map.size()));
-    for (const auto& [key, value] : map) number<uint16_t>(key).number<uint64_t>(value);
-    return *this;
-  }
-  RecordFields& raw(std::string_view bytes) {
-    bytes_.append(bytes);
-    return *this;
-  }
-  std::string record(Op op) const {
-    const uint64_t size = bytes_.size();
-    std::string out(1, static_cast<char>(op));
-    out.append(reinterpret_cast<const char*>(&size), sizeof size);
-    return out + bytes_;
-  }
-
- private:
-  std::string bytes_;
+/// Bytes without their length before them.
+struct Raw {
+  std::string_view bytes;
 };
+
+void append(std::string& to, const Raw& raw) { to.append(raw.bytes); }
+template <class Number>
+requires std::is_arithmetic_v<Number>
+void append(std::string& to, Number value) { to.append(reinterpret_cast<const char*>(&value), sizeof value); }
+void append(std::string& to, std::string_view text) { append(to, static_cast<uint32_t>(text.size())), to.append(text); }
+void append(std::string& to, const std::map<uint16_t, uint64_t>& map) {
+  append(to, static_cast<uint32_t>(10 * map.size()));
+  for (const auto& [key, value] : map) append(to, key), append(to, value);
+}
+
+/// A record with these fields: numbers little-endian by their types; texts and maps after their length.
+template <class... Fields>
+std::string record(Op op, const Fields&... fields) {
+  std::string content, head(1, static_cast<char>(op));
+  (append(content, fields), ...);
+  append(head, uint64_t{content.size()});
+  return head + content;
+}
 
 }  // namespace
 
@@ -62,7 +53,7 @@ Result<std::unique_ptr<McapWriter>> McapWriter::create(const std::filesystem::pa
   if (!out) return out.failure();
   std::unique_ptr<McapWriter> writer(new McapWriter(std::move(*out)));
   writer->put(std::string_view(kMagic, 8));
-  writer->put(RecordFields().text(profile).text("odograph").record(kHeader));
+  writer->put(record(kHeader, profile, "odograph"));
   return writer;
 }
 
@@ -74,19 +65,8 @@ void McapWriter::put(std::string_view bytes) {
 uint16_t McapWriter::add(const Topic& topic) {
   const auto id = static_cast<uint16_t>(counts_.size());
   const auto schema = static_cast<uint16_t>(id + 1);  // 0 means no schema
-  const std::string records = RecordFields()
-                                  .number<uint16_t>(schema)
-                                  .text(topic.type)
-                                  .text(topic.schema_encoding)
-                                  .text(topic.schema)
-                                  .record(kSchema) +
-                              RecordFields()
-                                  .number<uint16_t>(id)
-                                  .number<uint16_t>(schema)
-                                  .text(topic.name)
-                                  .text(topic.encoding)
-                                  .map({})
-                                  .record(kChannel);
+  const std::string records = record(kSchema, schema, topic.type, topic.schema_encoding, topic.schema) +
+                              record(kChannel, id, schema, topic.name, topic.encoding, std::map<uint16_t, uint64_t>());
   head_ += records, chunk_ += records;
   counts_.push_back(0);
   return id;
@@ -96,35 +76,22 @@ void McapWriter::write(uint16_t topic, int64_t t_ns, std::string_view data) {
   const auto time = static_cast<uint64_t>(std::max<int64_t>(t_ns, 0));
   entries_[topic].emplace_back(time, chunk_.size());
   first_ns_ = std::min(first_ns_, time), last_ns_ = std::max(last_ns_, time);
-  chunk_ += RecordFields()
-                .number<uint16_t>(topic)
-                .number<uint32_t>(static_cast<uint32_t>(counts_[topic]++))
-                .number<uint64_t>(time)
-                .number<uint64_t>(time)
-                .raw(data)
-                .record(kMessage);
+  chunk_ += record(kMessage, topic, static_cast<uint32_t>(counts_[topic]++), time, time, Raw{data});
   if (chunk_.size() >= kChunkBytes) end_chunk();
 }
 
 void McapWriter::end_chunk() {
   if (chunk_.empty()) return;
   Index index{entries_.empty() ? 0 : first_ns_, last_ns_, at_, 0, 0, chunk_.size(), {}};
-  put(RecordFields()
-          .number<uint64_t>(index.first_ns)
-          .number<uint64_t>(index.last_ns)
-          .number<uint64_t>(chunk_.size())
-          .number<uint32_t>(0)  // no CRC
-          .text("")
-          .number<uint64_t>(chunk_.size())
-          .raw(chunk_)
-          .record(kChunk));
+  const uint64_t size = chunk_.size();
+  const uint32_t no_crc = 0;
+  put(record(kChunk, index.first_ns, index.last_ns, size, no_crc, std::string_view(), size, Raw{chunk_}));
   index.size = at_ - index.at;
   for (const auto& [topic, entries] : entries_) {
     index.indexes_at[topic] = at_;
-    RecordFields record;
-    record.number<uint16_t>(topic).number<uint32_t>(static_cast<uint32_t>(16 * entries.size()));
-    for (const auto& [time, place] : entries) record.number<uint64_t>(time).number<uint64_t>(place);
-    put(record.record(kMessageIndex));
+    std::string places;
+    for (const auto& [time, place] : entries) append(places, time), append(places, place);
+    put(record(kMessageIndex, topic, std::string_view(places)));
   }
   index.indexes_size = at_ - index.at - index.size;
   chunks_.push_back(std::move(index));
@@ -134,38 +101,22 @@ void McapWriter::end_chunk() {
 
 Result<bool> McapWriter::finish() {
   end_chunk();
-  put(RecordFields().number<uint32_t>(0).record(kDataEnd));
+  put(record(kDataEnd, uint32_t{0}));
   const uint64_t summary = at_;
   put(head_);
-  RecordFields statistics;
   uint64_t messages = 0, first_ns = UINT64_MAX, last_ns = 0;
   std::map<uint16_t, uint64_t> counts;
   for (size_t i = 0; i < counts_.size(); ++i) messages += counts[static_cast<uint16_t>(i)] = counts_[i];
   for (const Index& chunk : chunks_)
     first_ns = std::min(first_ns, chunk.first_ns), last_ns = std::max(last_ns, chunk.last_ns);
-  put(statistics.number<uint64_t>(messages)
-          .number<uint16_t>(static_cast<uint16_t>(counts_.size()))
-          .number<uint32_t>(static_cast<uint32_t>(counts_.size()))
-          .number<uint32_t>(0)  // attachments
-          .number<uint32_t>(0)  // metadata
-          .number<uint32_t>(static_cast<uint32_t>(chunks_.size()))
-          .number<uint64_t>(chunks_.empty() ? 0 : first_ns)
-          .number<uint64_t>(last_ns)
-          .map(counts)
-          .record(kStatistics));
+  const auto topics = static_cast<uint16_t>(counts_.size());
+  const uint32_t schemas = topics, attachments = 0, metadata = 0;
+  put(record(kStatistics, messages, topics, schemas, attachments, metadata, static_cast<uint32_t>(chunks_.size()),
+             chunks_.empty() ? 0 : first_ns, last_ns, counts));
   for (const Index& chunk : chunks_)
-    put(RecordFields()
-            .number<uint64_t>(chunk.first_ns)
-            .number<uint64_t>(chunk.last_ns)
-            .number<uint64_t>(chunk.at)
-            .number<uint64_t>(chunk.size)
-            .map(chunk.indexes_at)
-            .number<uint64_t>(chunk.indexes_size)
-            .text("")
-            .number<uint64_t>(chunk.bytes)
-            .number<uint64_t>(chunk.bytes)
-            .record(kChunkIndex));
-  put(RecordFields().number<uint64_t>(summary).number<uint64_t>(0).number<uint32_t>(0).record(kFooter));
+    put(record(kChunkIndex, chunk.first_ns, chunk.last_ns, chunk.at, chunk.size, chunk.indexes_at, chunk.indexes_size,
+               std::string_view(), chunk.bytes, chunk.bytes));
+  put(record(kFooter, summary, uint64_t{0}, uint32_t{0}));
   put(std::string_view(kMagic, 8));
   return file_.commit();
 }

@@ -46,10 +46,6 @@ void add_frame(Recording& recording, int64_t t_ns, uint32_t camera, const fs::pa
   recording.add(frame.header, {std::make_shared<const fs::path>(picture)});
 }
 
-}  // namespace
-
-namespace {
-
 /// One time per picture, if the folder has such a table; ns, or seconds with a decimal point.
 Result<std::vector<int64_t>> times_of_pictures(const fs::path& folder) {
   const phone::Table table{phone::Stream::frame, "", "t_ns|timestamp|time|#1"};
@@ -122,18 +118,12 @@ Result<Recording> read_kitti(const fs::path& folder) {
   if (!(calibration.fx > 0))
     return Failure{ODO_E_DATA,
                    (folder / "calib.txt").string() + ": no line 'P0: ...' with the left camera's projection"};
-  std::vector<int64_t> times;
-  const auto stamps = read_rows(folder / "times.txt", [&](const TextRow& row) -> Result<bool> {
-    const auto t = parse_seconds(row.fields[0]);
-    if (!t) return row.wrong(t.failure().text);
-    times.push_back(*t);
-    return true;
-  });
-  if (!stamps) return stamps.failure();
+  const auto times = read_times(folder / "times.txt");
+  if (!times) return times.failure();
   const auto files = pictures_of(folder / "image_0");
-  if (files.size() > times.size())
+  if (files.size() > times->size())
     return Failure{ODO_E_DATA, folder.string() + ": " + std::to_string(files.size()) + " pictures in image_0 but " +
-                                   std::to_string(times.size()) + " times in times.txt"};
+                                   std::to_string(times->size()) + " times in times.txt"};
   if (files.empty()) return Failure{ODO_E_DATA, (folder / "image_0").string() + ": no pictures"};
   Result<odo_frame> first = Failure{};
   for (size_t i = 0; i < files.size() && !first; ++i) {  // a damaged picture costs only its frame
@@ -146,7 +136,7 @@ Result<Recording> read_kitti(const fs::path& folder) {
   calibration.width = first->width, calibration.height = first->height;
   first->loan.release(first->loan.owner);
   recording.add(calibration.header);
-  for (size_t i = 0; i < files.size(); ++i) add_frame(recording, times[i], 0, files[i]);
+  for (size_t i = 0; i < files.size(); ++i) add_frame(recording, (*times)[i], 0, files[i]);
   std::error_code error;
   if (fs::exists(folder / "poses.txt", error)) {
     auto truth = read_kitti_poses(folder / "poses.txt", folder / "times.txt");

@@ -91,7 +91,8 @@ Result<int64_t> time_of(double seconds, const TextRow& row) {
   return row.wrong("the time is no number or out of range");
 }
 
-Result<Recording> complete(Recording&& recording) {
+Result<Recording> complete(Recording&& recording, const Result<bool>& read) {
+  if (!read) return read.failure();
   if (!recording.has(ODO_TYPE_IMU))
     return Failure{ODO_E_DATA, recording.path.string() + ": no acceleration and rotation rate in it"};
   recording.sort();
@@ -118,8 +119,7 @@ Result<Recording> read_ridi(const fs::path& file) {
         recording.truth.push_back({*t_ns, (q_n_w * q_w_b).normalized(), q_n_w * Eigen::Vector3d(v[10], v[11], v[12])});
         return true;
       });
-  if (!done) return done.failure();
-  return complete(std::move(recording));
+  return complete(std::move(recording), done);
 }
 
 Result<Recording> read_get_sensor_data(const fs::path& file) {
@@ -161,8 +161,7 @@ Result<Recording> read_get_sensor_data(const fs::path& file) {
     }
     return true;
   });
-  if (!done) return done.failure();
-  return complete(std::move(recording));
+  return complete(std::move(recording), done);
 }
 
 Result<Recording> read_oxford_steps(const fs::path& accelerometer) {
@@ -199,8 +198,7 @@ Result<Recording> read_oxford_steps(const fs::path& accelerometer) {
     }
     return true;
   });
-  if (!steps) return steps.failure();
-  return complete(std::move(recording));
+  return complete(std::move(recording), steps);
 }
 
 Result<Recording> read_trundle_wheel(const fs::path& file) {
@@ -217,8 +215,7 @@ Result<Recording> read_trundle_wheel(const fs::path& file) {
         if (std::isfinite(v[7])) recording.true_distances.push_back({*t_ns, v[7]});
         return true;
       });
-  if (!done) return done.failure();
-  return complete(std::move(recording));
+  return complete(std::move(recording), done);
 }
 
 std::optional<Result<Recording>> read_walk(const fs::path& file) {

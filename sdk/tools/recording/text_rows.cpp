@@ -198,4 +198,16 @@ Result<bool> read_rows_with_names(const std::filesystem::path& path,
   return read_lines(path, false, take);
 }
 
+Result<std::vector<int64_t>> read_times(const std::filesystem::path& path) {
+  std::vector<int64_t> times;
+  const auto done = read_rows(path, [&](const TextRow& row) -> Result<bool> {
+    const auto t = parse_seconds(row.fields[0]);
+    if (!t) return row.wrong(t.failure().text);
+    times.push_back(*t);
+    return true;
+  });
+  if (!done) return done.failure();
+  return times;
+}
+
 }  // namespace odograph

@@ -38,6 +38,9 @@ Result<bool> read_rows(const std::filesystem::path& path, const std::function<Re
 Result<bool> read_rows_with_names(const std::filesystem::path& path,
                                   const std::function<Result<bool>(const TextRow&)>& take);
 
+/// Times in seconds, one per line, in ns.
+Result<std::vector<int64_t>> read_times(const std::filesystem::path& path);
+
 /// Path of a picture named in a table's row after its time. A name that leads out of the folder, absolute or through
 /// "..", is refused unless the options allow it; read_recording() checks links.
 Result<std::filesystem::path> picture_of(const TextRow& row, const std::filesystem::path& folder,

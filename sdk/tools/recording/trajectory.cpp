@@ -58,7 +58,12 @@ Result<bool> add_pose(StampedPoses& trajectory, const TextRow& row, int64_t t_ns
   return true;
 }
 
-Result<StampedPoses> not_empty(StampedPoses trajectory, const std::filesystem::path& path) {
+/// The poses that `take` adds for each row, at least one.
+template <class Take>
+Result<StampedPoses> poses_in(const std::filesystem::path& path, const Take& take) {
+  StampedPoses trajectory;
+  const auto done = read_rows(path, [&](const TextRow& row) -> Result<bool> { return take(row, trajectory); });
+  if (!done) return done.failure();
   if (trajectory.empty()) return Failure{ODO_E_DATA, path.string() + ": no poses in it"};
   return trajectory;
 }
@@ -88,32 +93,20 @@ Result<int64_t> parse_time(std::string_view text) {
 }  // namespace
 
 Result<StampedPoses> read_tum(const std::filesystem::path& path) {
-  StampedPoses trajectory;
   const size_t w = w_is_first(path) ? 4 : 7, x = w == 4 ? 5 : 4;
-  const auto done = read_rows(path, [&](const TextRow& row) -> Result<bool> {
+  return poses_in(path, [&](const TextRow& row, StampedPoses& trajectory) -> Result<bool> {
     const auto v = numbers(row, 8);
     if (!v) return v.failure();
     const auto t = parse_time(row.fields[0]);
     if (!t) return row.wrong(t.failure().text);
     return add_pose(trajectory, row, *t, {(*v)[w], (*v)[x], (*v)[x + 1], (*v)[x + 2]}, {(*v)[1], (*v)[2], (*v)[3]});
   });
-  if (!done) return done.failure();
-  return not_empty(std::move(trajectory), path);
 }
 
 Result<StampedPoses> read_kitti_poses(const std::filesystem::path& path, const std::filesystem::path& times) {
-  std::vector<int64_t> stamps;
-  if (!times.empty()) {
-    const auto done = read_rows(times, [&](const TextRow& row) -> Result<bool> {
-      const auto t = parse_seconds(row.fields[0]);
-      if (!t) return row.wrong(t.failure().text);
-      stamps.push_back(*t);
-      return true;
-    });
-    if (!done) return done.failure();
-  }
-  StampedPoses trajectory;
-  const auto done = read_rows(path, [&](const TextRow& row) -> Result<bool> {
+  const auto stamps = times.empty() ? Result(std::vector<int64_t>()) : read_times(times);
+  if (!stamps) return stamps.failure();
+  return poses_in(path, [&](const TextRow& row, StampedPoses& trajectory) -> Result<bool> {
     const auto v = numbers(row, 12);
     if (!v) return v.failure();
     Eigen::Matrix3d R;
@@ -124,16 +117,13 @@ Result<StampedPoses> read_kitti_poses(const std::filesystem::path& path, const s
     }
     if (std::abs(R.determinant() - 1.0) > 0.01) return row.wrong("the first three columns are no rotation");
     const size_t k = trajectory.size();
-    return add_pose(trajectory, row, k < stamps.size() ? stamps[k] : static_cast<int64_t>(k) * kKittiInterval_ns,
+    return add_pose(trajectory, row, k < stamps->size() ? (*stamps)[k] : static_cast<int64_t>(k) * kKittiInterval_ns,
                     Eigen::Quaterniond(R), p);
   });
-  if (!done) return done.failure();
-  return not_empty(std::move(trajectory), path);
 }
 
 Result<StampedPoses> read_euroc_truth(const std::filesystem::path& path) {
-  StampedPoses trajectory;
-  const auto done = read_rows(path, [&](const TextRow& row) -> Result<bool> {
+  return poses_in(path, [&](const TextRow& row, StampedPoses& trajectory) -> Result<bool> {
     const auto v = numbers(row, 8);
     const bool in_seconds = row.fields[0].find('.') != std::string_view::npos;
     const auto t = in_seconds ? parse_seconds(row.fields[0]) : row.time_ns(0);
@@ -141,8 +131,6 @@ Result<StampedPoses> read_euroc_truth(const std::filesystem::path& path) {
     if (!t) return t.failure();
     return add_pose(trajectory, row, *t, {(*v)[4], (*v)[5], (*v)[6], (*v)[7]}, {(*v)[1], (*v)[2], (*v)[3]});
   });
-  if (!done) return done.failure();
-  return not_empty(std::move(trajectory), path);
 }
 
 double path_length(const StampedPoses& trajectory) {

@@ -103,5 +103,3 @@ bool app_wait_events(app* self, uint32_t type, size_t count) {
   for (int i = 0; i < 500 && app_events(self, type) < count; ++i) sleep_ms(10);
   return app_events(self, type) >= count;
 }
-
-void need_recordings(void) {}

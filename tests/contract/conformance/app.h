@@ -37,8 +37,6 @@ typedef struct app {
 
 /* Registers the suite's plugins or finds their folder; skips the case if neither is possible. */
 void need_plugins(void);
-/* Skips the case if the library cannot write and read recordings. */
-void need_recordings(void);
 /* Options with this config and the plugins of the suite. */
 odo_session_options app_options(const char* config, uint32_t run);
 /* A session whose callback receives all events. Ends the case if it cannot be created. */
@@ -53,6 +51,12 @@ bool app_reported(app* self, const char* key_or_text);
 odo_statistics app_statistics(app* self);
 /* Flushes; a failure ends the case. */
 void app_flush(app* self);
+/* A push that must be accepted, then a flush. */
+#define FLUSHED(self, push) \
+  do {                      \
+    EXPECT(push, ODO_OK);   \
+    app_flush(self);        \
+  } while (0)
 /* Waits at most 5 s until a live session has emitted `count` events of a type. */
 bool app_wait_events(app* self, uint32_t type, size_t count);
 
@@ -64,7 +68,7 @@ int32_t push_rest(app* self, int64_t t_ns); /* an inertial sample at rest */
 void push_rest_between(app* self, int64_t from_ns, int64_t to_ns);
 /* The same on a clock that was set back, and flushes. */
 void push_set_back(app* self, int64_t from_ns, int64_t to_ns);
-void put_barometer(odo_barometer* out, int64_t t_ns);
+void put_barometer(void* out, int64_t t_ns);
 int32_t push_barometer(app* self, int64_t t_ns);
 void put_calibration(odo_calibration* out, uint32_t camera, int64_t t_ns);
 /* A grey frame of 64 x 48 pixels without retain and release. */

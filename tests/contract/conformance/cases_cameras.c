@@ -87,8 +87,7 @@ CASE("a camera's time offset is applied once, by the host", "samples.h", SHIFTS)
   app* self = app_open(CONFIG WITH_FRONTEND WITH_FIXER, ODO_RUN_REPLAY);
   static const char* const kinds[] = {FRONTEND, FIXER};
   push_calibration(self, 0, 30 * MS);
-  EXPECT(push_frame(self, 0, T0), ODO_OK);
-  app_flush(self);
+  FLUSHED(self, push_frame(self, 0, T0));
   for (size_t i = 0; i < COUNT_OF(kinds); ++i) {
     const odo_header* frame = given_message(ODO_TYPE_FRAME, kinds[i], 0);
     const odo_header* calibration = given_message(ODO_TYPE_CALIBRATION, kinds[i], 0);
@@ -106,8 +105,7 @@ CASE("a calibration loses its time offset and nothing else", "samples.h", SHIFTS
   put_calibration(&calibration, 0, T0);
   calibration.header.flags = ODO_CALIBRATION_EXTRINSICS | ODO_CALIBRATION_TIME_OFFSET | ODO_CALIBRATION_LINE_TIME;
   calibration.time_offset_ns = MS, calibration.line_time_ns = 20000;
-  EXPECT(push(self, &calibration), ODO_OK);
-  app_flush(self);
+  FLUSHED(self, push(self, &calibration));
   const odo_header* found = given_message(ODO_TYPE_CALIBRATION, FIXER, 0);
   REQUIRE(found, "the plugin was not given the calibration");
   EQUAL(found->flags, (ODO_CALIBRATION_EXTRINSICS | ODO_CALIBRATION_LINE_TIME));
@@ -138,8 +136,7 @@ CASE("a camera's time offset outlives a clock that is set back", "samples.h", SH
   app_flush(self);
   journal_clear();
   push_set_back(self, T0 / 2, T0 / 2 + 3 * SECOND);
-  EXPECT(push_frame(self, 0, T0 / 2 + 4 * SECOND), ODO_OK);
-  app_flush(self);
+  FLUSHED(self, push_frame(self, 0, T0 / 2 + 4 * SECOND));
   const odo_header* found = given_message(ODO_TYPE_CALIBRATION, FIXER, 0);
   CHECK(found && !(found->flags & ODO_CALIBRATION_TIME_OFFSET),
         "the calibration did not come again, or with its offset");

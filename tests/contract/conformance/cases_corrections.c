@@ -55,8 +55,7 @@ static odo_correction corrected_walk(view* before, view* after) {
   walk_fix.p_n[1] = before[3].corrected.p_n[1] + 3;
   walk_fix.p_n[2] = before[3].corrected.p_n[2];
   put_barometer(&trigger, moments[3]);
-  EXPECT(push(self, &trigger), ODO_OK);
-  app_flush(self);
+  FLUSHED(self, push(self, &trigger));
   REQUIRE(app_events(self, ODO_TYPE_CORRECTION) == 1, "the fix gave %u corrections; expected 1",
           (unsigned)app_events(self, ODO_TYPE_CORRECTION));
   look(self, anchor, after);

@@ -8,7 +8,6 @@ static odo_recorder* write_ten(const char* path, bool closed) {
   const odo_string name = string_of(path);
   odo_recorder* recorder = NULL;
   odo_barometer sample;
-  need_recordings();
   EXPECT(odo.recorder_create(&name, &recorder, NULL), ODO_OK);
   for (int i = 0; i < 10; ++i) {
     put_barometer(&sample, T0 + i * MS);
@@ -138,17 +137,15 @@ CASE("what the system refuses to create, read or write is an error of input and 
   odo_recorder* recorder = NULL;
   odo_barometer sample;
   FILE* full;
-  need_recordings();
   odo_string path = string_of(case_file(""));
   EXPECT(odo.recording_open(&path, &recording, &error), ODO_E_IO);
   CHECK(!recording && error.message[0], "there is a recording, or no reason");
-  error.struct_size = sizeof error, error.message[0] = 0;
-  EXPECT(odo.recorder_create(&path, &recorder, &error), ODO_E_IO);
-  CHECK(!recorder && error.message[0], "there is a recorder, or no reason");
-  error.struct_size = sizeof error, error.message[0] = 0;
-  path = string_of(case_file("no_folder/walk.odo"));
-  EXPECT(odo.recorder_create(&path, &recorder, &error), ODO_E_IO);
-  CHECK(!recorder && error.message[0], "there is a recorder, or no reason");
+  for (int i = 0; i < 2; ++i) {
+    error.struct_size = sizeof error, error.message[0] = 0;
+    EXPECT(odo.recorder_create(&path, &recorder, &error), ODO_E_IO);
+    CHECK(!recorder && error.message[0], "there is a recorder, or no reason");
+    path = string_of(case_file("no_folder/walk.odo"));
+  }
   full = fopen("/dev/full", "wb");
   if (!full) skip_case("the system has no /dev/full");
   fclose(full);
@@ -163,13 +160,11 @@ CASE("files that are no recordings are refused with a reason", "recording.h",
      "On failure *recording is null and `error`, which may be null, has the reason: ODO_E_NOT_FOUND, ODO_E_IO, "
      "ODO_E_DATA, ODO_E_VERSION.") {
   static const char* const texts[] = {"", "hello", "ODOREC1\n", "PK\3\4 and so on and so on"};
-  odo_string nowhere, no_folder;
+  odo_string nowhere;
   odo_error error = {sizeof error, 0, ""};
   odo_recording* recording = NULL;
-  odo_recorder* recorder = NULL;
   file content;
   int32_t loss;
-  need_recordings();
   nowhere = string_of(case_file("nowhere.odo"));
   EXPECT(odo.recording_open(&nowhere, &recording, &error), ODO_E_NOT_FOUND);
   CHECK(!recording && error.message[0], "there is a recording, or no reason");
@@ -179,14 +174,9 @@ CASE("files that are no recordings are refused with a reason", "recording.h",
     write_file(path, &content, strlen(texts[i]));
     CHECK(read_all(path, &loss) <= 0 && loss == ODO_E_DATA, "\"%s\" is a recording: %s", texts[i], status_name(loss));
   }
-  no_folder = string_of(case_file("no_folder/walk.odo"));
-  error.struct_size = sizeof error, error.message[0] = 0;
-  CHECK(odo.recorder_create(&no_folder, &recorder, &error) < 0 && !recorder && error.message[0],
-        "a recording in a folder that is not there was created");
 }
 
 CASE("closing null does nothing", "recording.h", "Null is allowed.") {
-  need_recordings();
   odo.recording_close(NULL);
   EXPECT(odo.recorder_close(NULL), ODO_OK);
   EXPECT(odo.recording_open(NULL, NULL, NULL), ODO_E_ARGUMENT);

@@ -3,6 +3,9 @@
  * Events: from which calls a plugin may emit, which ones, and how many. */
 #include "app.h"
 
+#define UNDECLARED "ODO_E_ARGUMENT for a type that neither the kind emits nor the table declares"
+#define OUTSIDE "ODO_E_STATE outside process of this instance and on other threads"
+
 typedef struct vendor_event {
   odo_header header;
   uint32_t words[8];
@@ -62,16 +65,11 @@ static void emit_outside_process(int what) {
   EXPECT(plan.status, ODO_E_STATE);
   CHECK(app_events(self, PROBE_EVENT) == 0, "the event was published");
 }
-CASE_OF(emit_outside_process, PROBE_ACTIVATE, "emit from activate is refused", "plugin.h",
-        "ODO_E_STATE outside process of this instance and on other threads");
-CASE_OF(emit_outside_process, PROBE_RESET, "emit from reset is refused", "plugin.h",
-        "ODO_E_STATE outside process of this instance and on other threads");
-CASE_OF(emit_outside_process, PROBE_SAVE, "emit from save is refused", "plugin.h",
-        "ODO_E_STATE outside process of this instance and on other threads");
-CASE_OF(emit_outside_process, PROBE_LOAD, "emit from load is refused", "plugin.h",
-        "ODO_E_STATE outside process of this instance and on other threads");
-CASE_OF(emit_outside_process, PROBE_DESTROY, "emit from destroy is refused", "plugin.h",
-        "ODO_E_STATE outside process of this instance and on other threads");
+CASE_OF(emit_outside_process, PROBE_ACTIVATE, "emit from activate is refused", "plugin.h", OUTSIDE);
+CASE_OF(emit_outside_process, PROBE_RESET, "emit from reset is refused", "plugin.h", OUTSIDE);
+CASE_OF(emit_outside_process, PROBE_SAVE, "emit from save is refused", "plugin.h", OUTSIDE);
+CASE_OF(emit_outside_process, PROBE_LOAD, "emit from load is refused", "plugin.h", OUTSIDE);
+CASE_OF(emit_outside_process, PROBE_DESTROY, "emit from destroy is refused", "plugin.h", OUTSIDE);
 
 /* ---- another instance's sink, another thread ---- */
 static odo_instance* instances[2];
@@ -88,12 +86,10 @@ static int32_t emit_by_other(odo_instance* instance, const odo_header* message) 
   return ODO_OK;
 }
 
-CASE("emit of another instance within process is refused", "plugin.h",
-     "ODO_E_STATE outside process of this instance and on other threads") {
+CASE("emit of another instance within process is refused", "plugin.h", OUTSIDE) {
   hooks.on_message = emit_by_other;
   app* self = app_open(FIXER_ALONE "  - plugin: conformance/probe\n", ODO_RUN_REPLAY);
-  EXPECT(push_barometer(self, T0), ODO_OK);
-  app_flush(self);
+  FLUSHED(self, push_barometer(self, T0));
   CHECK(plan.calls == 1, "the two instances were not both called");
   EXPECT(plan.status, ODO_E_STATE);
   CHECK(app_events(self, PROBE_EVENT) == 0, "the event was published");
@@ -112,12 +108,10 @@ static int32_t emit_by_thread(odo_instance* instance, const odo_header* message)
   return ODO_OK;
 }
 
-CASE("emit on another thread is refused", "plugin.h",
-     "ODO_E_STATE outside process of this instance and on other threads") {
+CASE("emit on another thread is refused", "plugin.h", OUTSIDE) {
   hooks.on_message = emit_by_thread;
   app* self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
-  EXPECT(push_barometer(self, T0), ODO_OK);
-  app_flush(self);
+  FLUSHED(self, push_barometer(self, T0));
   EXPECT(plan.status, ODO_E_STATE);
   CHECK(app_events(self, PROBE_EVENT) == 0, "the event was published");
 }
@@ -141,8 +135,7 @@ static int32_t emit_many(odo_instance* instance, const odo_header* message) {
 static app* open_and_push(int samples) {
   app* self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
   for (int i = 0; i < samples; ++i) {
-    EXPECT(push_barometer(self, T0 + i * 10 * MS), ODO_OK);
-    app_flush(self);
+    FLUSHED(self, push_barometer(self, T0 + i * 10 * MS));
   }
   return self;
 }
@@ -192,13 +185,11 @@ static void undeclared_type(int type) {
   CHECK(app_statistics(self).plugin_faults >= 1, "it is not counted as a fault");
 }
 CASE_OF(undeclared_type, ODO_TYPE_STEP, "an event that neither the kind emits nor the table declares is refused",
-        "plugin.h", "ODO_E_ARGUMENT for a type that neither the kind emits nor the table declares");
-CASE_OF(undeclared_type, ODO_TYPE_POSE, "a pose is not a plugin's to emit undeclared", "plugin.h",
-        "ODO_E_ARGUMENT for a type that neither the kind emits nor the table declares");
-CASE_OF(undeclared_type, ODO_TYPE_BAROMETER, "an input is not emitted", "plugin.h",
-        "ODO_E_ARGUMENT for a type that neither the kind emits nor the table declares");
+        "plugin.h", UNDECLARED);
+CASE_OF(undeclared_type, ODO_TYPE_POSE, "a pose is not a plugin's to emit undeclared", "plugin.h", UNDECLARED);
+CASE_OF(undeclared_type, ODO_TYPE_BAROMETER, "an input is not emitted", "plugin.h", UNDECLARED);
 CASE_OF(undeclared_type, (int)PROBE_UNDECLARED, "a vendor's event that is not declared is refused", "plugin.h",
-        "ODO_E_ARGUMENT for a type that neither the kind emits nor the table declares");
+        UNDECLARED);
 
 CASE("an event that the host is too old for is not supported and no fault", "plugin.h",
      "for an event that is newer than the host") {

@@ -3,6 +3,9 @@
  * Effect of a plugin's status on its instance. */
 #include "app.h"
 
+#define DISCARDS "-1 to -999: the input is discarded, the state unchanged"
+#define NEEDS_RESET "-1000 to -1999: a plugin instance needs reset or load"
+
 static struct {
   uint32_t within; /* the call that fails */
   int32_t status;
@@ -56,8 +59,7 @@ static app* run_failing(int32_t status, int times, int count) {
   hooks.on_call = fail_call;
   app* self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
   for (int i = 0; i < count; ++i) {
-    EXPECT(push_barometer(self, T0 + i * SECOND), ODO_OK);
-    app_flush(self);
+    FLUSHED(self, push_barometer(self, T0 + i * SECOND));
   }
   return self;
 }
@@ -72,10 +74,8 @@ static void unchanged_after(int status) {
 }
 CASE_OF(unchanged_after, ODO_NOT_READY, "a plugin that is not ready goes on", "base.h",
         "no output yet, no error; state unchanged");
-CASE_OF(unchanged_after, ODO_E_DISCARD, "a plugin that discards its input goes on", "base.h",
-        "-1 to -999: the input is discarded, the state unchanged");
-CASE_OF(unchanged_after, -999, "an unknown status above -1000 discards", "base.h",
-        "-1 to -999: the input is discarded, the state unchanged");
+CASE_OF(unchanged_after, ODO_E_DISCARD, "a plugin that discards its input goes on", "base.h", DISCARDS);
+CASE_OF(unchanged_after, -999, "an unknown status above -1000 discards", "base.h", DISCARDS);
 
 static void reset_after(int status) {
   app* self = run_failing(status, 1, 10);
@@ -87,12 +87,10 @@ static void reset_after(int status) {
   CHECK(app_statistics(self).plugin_faults >= 1, "it is not counted as a fault");
   CHECK(app_events(self, ODO_TYPE_REPORT) >= 1, "it is not reported");
 }
-CASE_OF(reset_after, ODO_E_ERROR, "a plugin that failed is reset before it is called again", "base.h",
-        "-1000 to -1999: a plugin instance needs reset or load");
+CASE_OF(reset_after, ODO_E_ERROR, "a plugin that failed is reset before it is called again", "base.h", NEEDS_RESET);
 CASE_OF(reset_after, ODO_E_MEMORY, "a plugin that was out of memory is reset before it is called again", "base.h",
-        "-1000 to -1999: a plugin instance needs reset or load");
-CASE_OF(reset_after, -1999, "an unknown status below -1000 needs a reset", "base.h",
-        "-1000 to -1999: a plugin instance needs reset or load");
+        NEEDS_RESET);
+CASE_OF(reset_after, -1999, "an unknown status below -1000 needs a reset", "base.h", NEEDS_RESET);
 
 CASE("a plugin that failed fatally is not called again", "base.h", "the whole plugin library is quarantined") {
   app* self = run_failing(ODO_E_FATAL, 0, 10);

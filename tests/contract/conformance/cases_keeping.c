@@ -86,8 +86,7 @@ CASE("a plugin that retains too many frames is refused and nothing is lost", "ba
   CHECK(plugin.refused + refused > 0, "12 frames could be retained where 8 may be");
   CHECK(plugin.count >= 1 && plugin.count <= 8, "the plugin retains %d frames; 8 may be", plugin.count);
   release_all();
-  EXPECT(push_lent(self, &memory, T0 + 2 * SECOND), ODO_OK);
-  app_flush(self);
+  FLUSHED(self, push_lent(self, &memory, T0 + 2 * SECOND));
   release_all();
   CHECK_BALANCED(&memory, 1);
 }
@@ -96,8 +95,7 @@ CASE("pixels are not copied where the frame has retain and release", "odograph.h
      "The pixels of a frame are not copied if it has retain and release") {
   app* self = open_keeping(FIXER_ALONE, 0);
   lent memory = NOT_LENT;
-  EXPECT(push_lent(self, &memory, T0), ODO_OK);
-  app_flush(self);
+  FLUSHED(self, push_lent(self, &memory, T0));
   CHECK(plugin.data == lent_pixels, "the plugin was given a copy of the pixels");
 }
 
@@ -131,8 +129,7 @@ CASE("native memory is given on to plugins", "base.h",
   app* self = open_keeping(FIXER_ALONE, 0);
   lent memory = NOT_LENT;
   memory.native = &memory;
-  EXPECT(push_lent(self, &memory, T0), ODO_OK);
-  app_flush(self);
+  FLUSHED(self, push_lent(self, &memory, T0));
   CHECK(plugin.native == &memory, "the plugin got %p; expected %p", (void*)(uintptr_t)plugin.native, (void*)&memory);
   CHECK_BALANCED(&memory, 1);
 }
@@ -144,8 +141,7 @@ static void native_alone(int declares) {
   memory.native = &memory;
   put_lent_frame(&frame, &memory, T0);
   frame.planes[0].data = NULL;
-  EXPECT(push(self, &frame), ODO_OK);
-  app_flush(self);
+  FLUSHED(self, push(self, &frame));
   CHECK(plugin.shown == (declares ? 1 : 0), "the front-end was given %d frames; expected %d", plugin.shown,
         declares ? 1 : 0);
   if (declares) CHECK(plugin.native == &memory && !plugin.data, "its native memory was not given on");
@@ -167,8 +163,7 @@ CASE("the end of a later odo_frame is passed on, the host's bits are cleared", "
   put_frame(&larger.frame, 0, T0);
   larger.frame.header.struct_size = sizeof larger;
   larger.frame.header.flags = ODO_FLAG_HOST_MASK | 0x00800000u;
-  EXPECT(push(self, &larger), ODO_OK);
-  app_flush(self);
+  FLUSHED(self, push(self, &larger));
   const odo_header* found = given_message(ODO_TYPE_FRAME, FIXER, 0);
   REQUIRE(found, "the plugin was not given the frame");
   EQUAL(found->flags, 0x00800000u);
@@ -197,8 +192,7 @@ CASE("a frame of an unknown format is passed on", "samples.h",
   frame.format = 77;
   frame.plane_count = 1;
   frame.planes[0].rows = 48;
-  EXPECT(push(self, &frame), ODO_OK);
-  app_flush(self);
+  FLUSHED(self, push(self, &frame));
   CHECK(plugin.shown == 1, "the plugin was not given a frame of an unknown format");
   CHECK_BALANCED(&memory, 1);
 }

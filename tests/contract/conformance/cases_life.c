@@ -135,8 +135,7 @@ CASE("a table without optional functions is used", "plugin.h", "The remaining me
   put_calibration(&calibration, 0, T0);
   EXPECT(push(self, &calibration), ODO_OK);
   put_frame(&frame, 0, T0 + MS);
-  EXPECT(push(self, &frame), ODO_OK);
-  app_flush(self);
+  FLUSHED(self, push(self, &frame));
   CHECK(given_count(ODO_TYPE_FRAME, FRONTEND) == 1, "it was not given the frame");
   CHECK(odo.session_save(self->session, blob, sizeof blob) >= 0, "odo_session_save failed");
   app_close(self);

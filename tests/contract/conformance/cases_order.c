@@ -146,8 +146,7 @@ CASE_OF(second_sensor, ODO_TYPE_BAROMETER, "a second barometer is refused", "sam
 static void flush_processes_all(int run) {
   app* self = app_open(FIXER_ALONE "time_ordering:\n  max_wait: 5 s\n", (uint32_t)run);
   push_rest_between(self, T0, T0 + 20 * MS);
-  EXPECT(push_barometer(self, T0 + SECOND), ODO_OK);
-  app_flush(self);
+  FLUSHED(self, push_barometer(self, T0 + SECOND));
   CHECK(given_count(ODO_TYPE_BAROMETER, FIXER) == 1, "after odo_session_flush the newest sample was not given");
   EQUAL(app_statistics(self).processed, 3);
 }

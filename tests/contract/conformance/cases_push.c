@@ -45,8 +45,7 @@ static odo_header* pattern(uint32_t size, uint32_t type, int64_t t_ns) {
 
 static void check_given(app* self, uint32_t size, uint32_t type) {
   odo_header* message = pattern(size, type, T0);
-  EXPECT(push(self, message), ODO_OK);
-  app_flush(self);
+  FLUSHED(self, push(self, message));
   const odo_header* found = given_message(type, FIXER, 0);
   REQUIRE(found, "the plugin that declares 0x%x was not given it", type);
   CHECK(found->struct_size == size && memcmp(found, message, size) == 0,
@@ -88,8 +87,7 @@ CASE("a message that no plugin declares is counted as unknown", "odograph.h",
   odo_header* vendors = pattern(48, PROBE_UNDECLARED, T0);
   odo_header* newer = pattern(48, 0x3F0, T0 + MS);
   EXPECT(push(self, vendors), ODO_OK);
-  EXPECT(push(self, newer), ODO_OK);
-  app_flush(self);
+  FLUSHED(self, push(self, newer));
   CHECK(given_count(PROBE_UNDECLARED, ANY_KIND) + given_count(0x3F0, ANY_KIND) == 0, "a plugin was given one");
   EQUAL(app_statistics(self).unknown, 2);
 }
@@ -99,8 +97,7 @@ CASE("an unknown message is ordered by its time", "base.h", UNKNOWN) {
   odo_header* message = pattern(48, PROBE_MESSAGE, T0 + 10 * MS);
   const journal_entry *first, *second;
   EXPECT(push_barometer(self, T0 + 20 * MS), ODO_OK);
-  EXPECT(push(self, message), ODO_OK);
-  app_flush(self);
+  FLUSHED(self, push(self, message));
   first = journal_find(PROBE_GIVEN, FIXER, 0), second = journal_find(PROBE_GIVEN, FIXER, 1);
   REQUIRE(first && second, "the plugin was not given both");
   CHECK(first->message->type == PROBE_MESSAGE && second->message->type == ODO_TYPE_BAROMETER,

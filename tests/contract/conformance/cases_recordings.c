@@ -15,7 +15,6 @@ static odo_recorder* create(const char* path) {
   const odo_string name = string_of(path);
   odo_error error = {sizeof error, 0, ""};
   odo_recorder* recorder = NULL;
-  need_recordings();
   int32_t status = odo.recorder_create(&name, &recorder, &error);
   REQUIRE(status == ODO_OK && recorder, "odo_recorder_create = %s: %s", status_name(status), error.message);
   return recorder;
@@ -35,6 +34,20 @@ static void check_no_loss(odo_recording* recording) {
   EXPECT(odo.recording_loss(recording, &loss), ODO_OK);
   CHECK(loss.status == ODO_OK && loss.message[0] == 0, "the loss is %s, \"%s\"", status_name(loss.status),
         loss.message);
+}
+
+/* Closes a recording, which is then complete, and opens it. */
+static odo_recording* reopened(odo_recorder* recorder, const char* path) {
+  EXPECT(odo.recorder_close(recorder), ODO_OK);
+  odo_recording* recording = open_recording(path);
+  check_no_loss(recording);
+  return recording;
+}
+
+static void write_barometer(odo_recorder* recorder, int64_t t_ns) {
+  odo_barometer sample;
+  put_barometer(&sample, t_ns);
+  EXPECT(odo.recorder_write(recorder, &sample.header, NULL, 0), ODO_OK);
 }
 
 static const odo_header* next(odo_recording* recording) {
@@ -66,9 +79,7 @@ static void round_trip(const uint32_t* types, const uint32_t* sizes, size_t coun
     put_message(&one, types[i], sizes[i], T0 + (int64_t)i * MS);
     expect_status(__FILE__, __LINE__, "odo_recorder_write", odo.recorder_write(recorder, &one.header, NULL, 0), ODO_OK);
   }
-  EXPECT(odo.recorder_close(recorder), ODO_OK);
-  odo_recording* recording = open_recording(path);
-  check_no_loss(recording);
+  odo_recording* recording = reopened(recorder, path);
   for (size_t i = 0; i < count; ++i) {
     const odo_header* found = next(recording);
     put_message(&one, types[i], sizes[i], T0 + (int64_t)i * MS);
@@ -127,11 +138,8 @@ CASE("a reserved type is not recorded, and nothing of the recording is lost", "r
     if (odo.recorder_write(recorder, &one.header, NULL, 0) != ODO_E_ARGUMENT)
       fail_at(__FILE__, __LINE__, "odo_recorder_write of type 0x%x is not refused", types[i]);
   }
-  put_message(&one, ODO_TYPE_BAROMETER, sizeof(odo_barometer), T0);
-  EXPECT(odo.recorder_write(recorder, &one.header, NULL, 0), ODO_OK);
-  EXPECT(odo.recorder_close(recorder), ODO_OK);
-  odo_recording* recording = open_recording(path);
-  check_no_loss(recording);
+  write_barometer(recorder, T0);
+  odo_recording* recording = reopened(recorder, path);
   CHECK(next(recording)->type == ODO_TYPE_BAROMETER, "the first message is another");
   EXPECT(odo.recording_next(recording, &found, NULL, NULL), ODO_END);
 }
@@ -174,13 +182,11 @@ static void pictures(int unused) {
   const void* picture = NULL;
   uint64_t size = 0;
   odo_frame one;
-  odo_barometer sample;
   lent memory = NOT_LENT;
   put_frame(&one, 2, T0);
   lend(&one.loan, &memory);
   EXPECT(odo.recorder_write(recorder, &one.header, encoded, sizeof encoded), ODO_OK);
-  put_barometer(&sample, T0 + MS);
-  EXPECT(odo.recorder_write(recorder, &sample.header, NULL, 0), ODO_OK);
+  write_barometer(recorder, T0 + MS);
   EXPECT(odo.recorder_close(recorder), ODO_OK);
   CHECK_BALANCED(&memory, 0);
   odo_recording* recording = open_recording(path);
@@ -215,9 +221,7 @@ CASE("a picture above the largest is refused whatever its size", "recording.h",
   void* picture = calloc(1, ODO_LARGEST_PICTURE);
   REQUIRE(picture, "no memory for the largest picture");
   EXPECT(odo.recorder_write(recorder, &one.header, picture, largest), ODO_OK);
-  EXPECT(odo.recorder_close(recorder), ODO_OK);
-  odo_recording* recording = open_recording(path);
-  check_no_loss(recording);
+  odo_recording* recording = reopened(recorder, path);
   EXPECT(odo.recording_next(recording, &found, NULL, &size), ODO_OK);
   EQUAL(size, largest);
   EXPECT(odo.recording_next(recording, &found, NULL, NULL), ODO_END);
@@ -228,9 +232,7 @@ CASE("a recording without messages is complete", "recording.h",
      "the status ODO_OK and an empty message if the recording is complete") {
   const char* path = case_file("empty.odo");
   const odo_header* found = (const odo_header*)(const void*)path;
-  EXPECT(odo.recorder_close(create(path)), ODO_OK);
-  odo_recording* recording = open_recording(path);
-  check_no_loss(recording);
+  odo_recording* recording = reopened(create(path), path);
   EXPECT(odo.recording_next(recording, &found, NULL, NULL), ODO_END);
   CHECK(!found, "there is a message in an empty recording");
   odo.recording_close(recording);
@@ -243,16 +245,10 @@ CASE("behind a record that cannot be read the next one is, and the loss is state
   odo_recorder* recorder = create(path);
   odo_error loss = {sizeof loss, 0, ""};
   const odo_header* found;
-  odo_barometer sample;
   FILE* file;
   int good = 0, bad = 0, status = ODO_OK;
-  for (int i = 0; i < 10; ++i) {
-    put_barometer(&sample, T0 + i * MS);
-    EXPECT(odo.recorder_write(recorder, &sample.header, NULL, 0), ODO_OK);
-  }
-  EXPECT(odo.recorder_close(recorder), ODO_OK);
-  odo_recording* recording = open_recording(path);
-  check_no_loss(recording);
+  for (int i = 0; i < 10; ++i) write_barometer(recorder, T0 + i * MS);
+  odo_recording* recording = reopened(recorder, path);
   file = fopen(path, "r+b");
   REQUIRE(file && fseek(file, 0, SEEK_END) == 0, "%s cannot be changed", path);
   long size = ftell(file);
@@ -276,14 +272,9 @@ CASE("messages are read in the order of time", "recording.h",
   const int64_t times[] = {T0 + 30 * MS, T0 + 10 * MS, T0 + 20 * MS, T0};
   const char* path = case_file("order.odo");
   odo_recorder* recorder = create(path);
-  odo_barometer sample;
   int64_t before = INT64_MIN;
-  for (size_t i = 0; i < COUNT_OF(times); ++i) {
-    put_barometer(&sample, times[i]);
-    EXPECT(odo.recorder_write(recorder, &sample.header, NULL, 0), ODO_OK);
-  }
-  EXPECT(odo.recorder_close(recorder), ODO_OK);
-  odo_recording* recording = open_recording(path);
+  for (size_t i = 0; i < COUNT_OF(times); ++i) write_barometer(recorder, times[i]);
+  odo_recording* recording = reopened(recorder, path);
   for (size_t i = 0; i < COUNT_OF(times); ++i) {
     const int64_t t_ns = next(recording)->t_ns;
     CHECK(t_ns >= before, "message %u is earlier than the one before", (unsigned)i);

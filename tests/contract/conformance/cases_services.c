@@ -72,8 +72,7 @@ CASE("a plugin's report is an event, once a second, with its count", "events.h",
      "The rate is limited to one report per second for each origin and key; `count` includes the suppressed ones.") {
   hooks.on_message = report_thrice;
   app* self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
-  EXPECT(push_barometer(self, T0), ODO_OK);
-  app_flush(self);
+  FLUSHED(self, push_barometer(self, T0));
   REQUIRE(app_events(self, ODO_TYPE_REPORT) == 1, "%u reports of one key came in a moment; expected 1",
           (unsigned)app_events(self, ODO_TYPE_REPORT));
   const odo_report* report = (const odo_report*)(const void*)app_event(self, ODO_TYPE_REPORT, 0);
@@ -84,8 +83,7 @@ CASE("a plugin's report is an event, once a second, with its count", "events.h",
         report->severity, (unsigned long long)report->count);
   EQUAL(report->header.source, journal_find(PROBE_CREATE, FIXER, 0)->number);
   sleep_ms(1100);
-  EXPECT(push_barometer(self, T0 + SECOND), ODO_OK);
-  app_flush(self);
+  FLUSHED(self, push_barometer(self, T0 + SECOND));
   report = (const odo_report*)(const void*)app_event(self, ODO_TYPE_REPORT, 1);
   REQUIRE(report, "a second later there was no report");
   EQUAL(report->count, 3);

@@ -36,8 +36,7 @@ static const odo_header* given_at_t0(const sample_kind* kind) {
 /* Pushes the sample and returns the fixer's input. */
 static const odo_header* given_after_push(const sample_kind* kind) {
   app* self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
-  EXPECT(push_among_others(self, kind), ODO_OK);
-  app_flush(self);
+  FLUSHED(self, push_among_others(self, kind));
   return given_at_t0(kind);
 }
 

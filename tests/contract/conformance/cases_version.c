@@ -86,8 +86,7 @@ CASE("the current plugin call names the plugin and the call", "odograph.h",
   hooks.on_message = ask_for_call;
   app* self = app_open(FIXER_ALONE, ODO_RUN_REPLAY);
   CHECK(odo.current_plugin_call(outside, sizeof outside) == 0, "there is a call outside of any plugin's");
-  EXPECT(push_barometer(self, T0), ODO_OK);
-  app_flush(self);
+  FLUSHED(self, push_barometer(self, T0));
   CHECK(strcmp(within, "conformance/probe in process") == 0, "within process it gives \"%s\"", within);
   CHECK(within_size == strlen("conformance/probe in process"), "it returned %llu", (unsigned long long)within_size);
   CHECK(memcmp(cut, "conf####", 8) == 0, "with a capacity of 4 it wrote \"%.8s\"", cut);

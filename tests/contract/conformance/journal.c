@@ -62,41 +62,41 @@ static bool matches(const journal_entry* entry, uint32_t what, const char* kind)
   return entry->what == what && (!kind || strcmp(entry->kind, kind) == 0);
 }
 
-size_t journal_count(uint32_t what, const char* kind) {
-  size_t count = 0;
+/* The entry `index` of a call and a kind, and of messages of a type unless it is 0; null if there are fewer. `count`,
+ * if not null: of all. */
+static const journal_entry* find(uint32_t what, const char* kind, uint32_t type, size_t index, size_t* count) {
+  const journal_entry* found = NULL;
+  size_t seen = 0;
   pthread_mutex_lock(&journal.lock);
-  for (size_t i = 0; i < journal.count; ++i) count += matches(journal.entries[i], what, kind);
+  for (size_t i = 0; i < journal.count; ++i) {
+    const journal_entry* entry = journal.entries[i];
+    if (!matches(entry, what, kind) || (type && entry->message->type != type)) continue;
+    if (seen++ == index) found = entry;
+  }
   pthread_mutex_unlock(&journal.lock);
+  if (count) *count = seen;
+  return found;
+}
+
+size_t journal_count(uint32_t what, const char* kind) {
+  size_t count;
+  find(what, kind, 0, 0, &count);
   return count;
 }
 
 const journal_entry* journal_find(uint32_t what, const char* kind, size_t index) {
-  const journal_entry* found = NULL;
-  pthread_mutex_lock(&journal.lock);
-  for (size_t i = 0; i < journal.count && !found; ++i)
-    if (matches(journal.entries[i], what, kind) && index-- == 0) found = journal.entries[i];
-  pthread_mutex_unlock(&journal.lock);
-  return found;
+  return find(what, kind, 0, index, NULL);
 }
 
 size_t given_count(uint32_t type, const char* kind) {
-  size_t count = 0;
-  pthread_mutex_lock(&journal.lock);
-  for (size_t i = 0; i < journal.count; ++i)
-    count += matches(journal.entries[i], PROBE_GIVEN, kind) && journal.entries[i]->message->type == type;
-  pthread_mutex_unlock(&journal.lock);
+  size_t count;
+  find(PROBE_GIVEN, kind, type, 0, &count);
   return count;
 }
 
 const odo_header* given_message(uint32_t type, const char* kind, size_t index) {
-  const odo_header* found = NULL;
-  pthread_mutex_lock(&journal.lock);
-  for (size_t i = 0; i < journal.count && !found; ++i) {
-    const journal_entry* entry = journal.entries[i];
-    if (matches(entry, PROBE_GIVEN, kind) && entry->message->type == type && index-- == 0) found = entry->message;
-  }
-  pthread_mutex_unlock(&journal.lock);
-  return found;
+  const journal_entry* entry = find(PROBE_GIVEN, kind, type, index, NULL);
+  return entry ? entry->message : NULL;
 }
 
 unsigned journal_overlaps(void) {

@@ -26,28 +26,19 @@ static const uint32_t inputs[] = {
     ODO_TYPE_SYSTEM_STEP, ODO_TYPE_FRAME,        PROBE_MESSAGE,        PROBE_BORROWED,         PROBE_NEWER_INPUT,
     PROBE_NEWER_BORROWED, ODO_TYPE_CORRECTION};
 static const uint32_t outputs[] = {PROBE_EVENT};
-static const odo_parameter parameters[] = {{sizeof(odo_parameter),
-                                            ODO_PARAMETER_INT,
-                                            TEXT("answer"),
-                                            TEXT(""),
-                                            TEXT("A number."),
-                                            TEXT("42"),
-                                            {0, 0},
-                                            0,
-                                            100,
-                                            0,
-                                            0},
-                                           {sizeof(odo_parameter),
-                                            ODO_PARAMETER_STRING,
-                                            TEXT("word"),
-                                            TEXT(""),
-                                            TEXT("A word."),
-                                            TEXT("none"),
-                                            {0, 0},
-                                            0,
-                                            0,
-                                            0,
-                                            0}};
+static const odo_parameter parameters[] = {{.struct_size = sizeof(odo_parameter),
+                                            .type = ODO_PARAMETER_INT,
+                                            .name = TEXT("answer"),
+                                            .unit = TEXT(""),
+                                            .help = TEXT("A number."),
+                                            .default_text = TEXT("42"),
+                                            .max = 100},
+                                           {.struct_size = sizeof(odo_parameter),
+                                            .type = ODO_PARAMETER_STRING,
+                                            .name = TEXT("word"),
+                                            .unit = TEXT(""),
+                                            .help = TEXT("A word."),
+                                            .default_text = TEXT("none")}};
 
 #if defined(PROBE_MODULE)
 static probe_handler handler_of(const odo_host* host) {

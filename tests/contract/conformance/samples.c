@@ -39,9 +39,9 @@ void push_set_back(app* self, int64_t from_ns, int64_t to_ns) {
   app_flush(self);
 }
 
-void put_barometer(odo_barometer* out, int64_t t_ns) {
-  put_header(out, sizeof *out, ODO_TYPE_BAROMETER, t_ns);
-  out->pressure_pa = 101325;
+void put_barometer(void* out, int64_t t_ns) {
+  put_header(out, sizeof(odo_barometer), ODO_TYPE_BAROMETER, t_ns);
+  ((odo_barometer*)out)->pressure_pa = 101325;
 }
 
 int32_t push_barometer(app* self, int64_t t_ns) {
@@ -55,8 +55,6 @@ static void put_magnetometer(void* out, int64_t t_ns) {
   put_header(field, sizeof *field, ODO_TYPE_MAGNETOMETER, t_ns);
   field->field_b[0] = 20e-6, field->field_b[2] = 43e-6;
 }
-
-static void put_any_barometer(void* out, int64_t t_ns) { put_barometer((odo_barometer*)out, t_ns); }
 
 static void put_gnss(void* out, int64_t t_ns) {
   odo_gnss* gnss = (odo_gnss*)out;
@@ -123,7 +121,7 @@ static void put_system_step(void* out, int64_t t_ns) {
   { ODO_TYPE_##type, sizeof(odo_##name), ODO_##type##_SIZE_MIN, "odo_" #name, put, offsetof(odo_##name, field) }
 const sample_kind sample_kinds[] = {KIND(IMU, imu, put_imu, gyro_b),
                                     KIND(MAGNETOMETER, magnetometer, put_magnetometer, field_b),
-                                    KIND(BAROMETER, barometer, put_any_barometer, pressure_pa),
+                                    KIND(BAROMETER, barometer, put_barometer, pressure_pa),
                                     KIND(GNSS, gnss, put_gnss, latitude_rad),
                                     KIND(CALIBRATION, calibration, put_any_calibration, fx),
                                     KIND(IMU_NOISE, imu_noise, put_imu_noise, gyro_noise),
