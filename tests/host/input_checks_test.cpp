@@ -242,6 +242,7 @@ void Mistakes::sampling() {
 }
 
 void Mistakes::others() {
+  with_camera("no principal point", "principal_point", "cx").calibration = [](odo_calibration& c) { c.cx = c.cy = 0; };
   const auto place = [](double latitude_rad) {
     return with<odo_gnss>(ODO_TYPE_GNSS, [=](odo_gnss& m) {
       m.header.flags = ODO_GNSS_POSITION | ODO_GNSS_COVARIANCE;

@@ -19,6 +19,8 @@ using Eigen::Matrix3d;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
+constexpr double kSmaller = 0.8;  // of sigmas: less is not clearly better
+
 bool is_horizontal(const Vector3d& normal) { return std::abs(normal.z()) > 0.7; }
 
 /// Two axes in a plane: for a horizontal one along m's x and y, for a vertical one along it and upwards.
@@ -54,7 +56,7 @@ void PlaneFinder::gather(int64_t t_ns, const Vector3d& phone) {
   map_.visit([&](const MapPoint& point) {
     if (seconds(t_ns - point.t_ns) > p_.memory_s || (point.p - phone).squaredNorm() > squared(p_.reach_m)) return;
     if (!scale_is_current(static_cast<double>(point.scale_sigma), scale_sigma_)) return;
-    landmarks_.push_back({point.p, point.covariance.cast<double>(), false});
+    landmarks_.push_back({point.p, point.covariance.cast<double>(), static_cast<double>(point.scale_sigma), false});
   });
 }
 
@@ -213,7 +215,10 @@ void PlaneFinder::take_patch(Plane& plane, const Patch& patch) const {
   plane.q_m_s = (Eigen::Quaterniond::FromTwoVectors(plane.normal_m(), normal) * plane.q_m_s).normalized();
   plane.p_m += normal * normal.dot(patch.middle - plane.p_m);
   plane.sigma_m = patch.sigma_m, plane.tilt_sigma_rad = patch.tilt_sigma_rad;
-  plane.support = patch.on.size(), plane.scale_sigma = scale_sigma_, plane.eye = phone_;
+  plane.support = patch.on.size(), plane.eye = phone_;
+  double scale_variance = 0;
+  for (const size_t i : patch.on) scale_variance += squared(landmarks_[i].scale_sigma);
+  plane.scale_sigma = std::sqrt(scale_variance / static_cast<double>(patch.on.size()));
   std::vector<Vector2d> all = plane.outline;
   const Vector2d middle = plane.project(patch.middle);
   for (const size_t i : patch.on) {
@@ -262,7 +267,8 @@ void PlaneFinder::find_new(const Vector3d& phone) {
   }
 }
 
-/// Two planes that turn out to be one: the older one remains.
+/// Two planes that turn out to be one: the older one remains, where the one with the better known scale is. A plane
+/// that was measured with two scales appears twice.
 void PlaneFinder::merge(std::vector<Change>& changes) {
   const auto apart_m = [](const Plane& a, const Plane& b) {  // how far b's nearest vertex lies outside of a
     double nearest = 1e300;
@@ -276,7 +282,9 @@ void PlaneFinder::merge(std::vector<Change>& changes) {
       Vector2d middle = Vector2d::Zero();
       for (const Vector2d& vertex : younger.outline) middle += vertex / static_cast<double>(younger.outline.size());
       const Vector3d there = younger.p_m + younger.q_m_s * Vector3d(middle.x(), middle.y(), 0);
-      const double off_m = std::max(2 * p_.roughness_m, 3 * std::hypot(older.sigma_m, younger.sigma_m));
+      const double rescaled = std::sqrt(std::abs(squared(older.scale_sigma) - squared(younger.scale_sigma)));
+      const double sigma_m = std::hypot(older.sigma_m, younger.sigma_m, rescaled * (there - phone_).norm());
+      const double off_m = std::max(3 * sigma_m, 2 * p_.roughness_m);
       const bool same = older.normal_m().dot(younger.normal_m()) > std::cos(p_.same_rad) &&
                         std::abs(older.distance(there)) < off_m &&
                         std::min(apart_m(older, younger), apart_m(younger, older)) < p_.cell_m;
@@ -288,6 +296,10 @@ void PlaneFinder::merge(std::vector<Change>& changes) {
       for (const Vector2d& vertex : younger.outline)
         all.push_back(older.project(younger.p_m + younger.q_m_s * Vector3d(vertex.x(), vertex.y(), 0)));
       older.outline = hull_of(std::move(all));
+      if (younger.scale_sigma < kSmaller * older.scale_sigma) {
+        older.p_m += older.normal_m() * older.distance(there);
+        older.sigma_m = younger.sigma_m, older.scale_sigma = younger.scale_sigma, older.eye = younger.eye;
+      }
       if (younger.told) changes.push_back({Change::What::merged, younger, older.id});
       planes_.erase(planes_.begin() + static_cast<ptrdiff_t>(k));
     }
@@ -310,7 +322,7 @@ void PlaneFinder::name_floor(const Vector3d& phone) {
 
 /// Whether a plane differs from what was last told of it by more than is worth an event.
 bool PlaneFinder::is_news(const Plane& plane) const {
-  constexpr double kSigmas = 0.5, kSmaller = 0.8, kLarger = 1.25, kGrown = 1.05;
+  constexpr double kSigmas = 0.5, kLarger = 1.25, kGrown = 1.05;
   if (!plane.told || plane.told->kind != plane.kind) return true;
   const Plane::Told& told = *plane.told;
   return std::abs(plane.distance(told.p_m)) > kSigmas * plane.sigma_m ||

@@ -97,6 +97,7 @@ class PlaneFinder {
   struct Landmark {
     Eigen::Vector3d p;
     Eigen::Matrix3d covariance;
+    double scale_sigma;
     bool taken;
   };
   /// A plane as it fits a patch of landmarks.

@@ -52,10 +52,11 @@ constexpr Row kRows[] = {
     {"focal_length",
      "pictures shift as with a focal length of %V pixels; expected that of the calibration: is it for another "
      "picture size?"},
+    {"principal_point",
+     "the calibration's cx or cy lies %V of the picture's size off its middle; expected pixels of this picture size"},
     {"picture_time",
      "the frames' times are %V s too early (negative: too late) by the rotation that gyro_b shows; expected times of "
-     "the "
-     "IMU's clock, or this time_offset in the calibration; if it grows, one of the clocks runs fast or slow"},
+     "the IMU's clock, or this time_offset in the calibration; if it grows, one of the clocks runs fast or slow"},
     {"camera_clock",
      "frames are %V s ahead of the inertial samples when they are pushed; expected times of the IMU's "
      "clock, or time_offset in the calibration"},
@@ -63,8 +64,7 @@ constexpr Row kRows[] = {
      "the last %V pictures are identical while gyro_b turns: does the camera deliver the same frame again?"},
     {"picture_overlay",
      "%V % of the pictures' edges stay in place while gyro_b turns: is something drawn over them? Expected the "
-     "camera's "
-     "own pictures; draw on a copy"},
+     "camera's own pictures; draw on a copy"},
     {"time_unit",
      "inertial samples are %V ns apart; expected nanoseconds: in ms (multiply by 1,000,000) or us (by 1,000)?"},
     {"imu_slow",

@@ -24,6 +24,7 @@ enum class InputFault : uint8_t {
   picture_mirrored,
   camera_mount,
   focal_length,
+  principal_point,
   picture_time,
   camera_clock,
   picture_frozen,

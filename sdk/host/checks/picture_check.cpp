@@ -18,6 +18,9 @@ void PictureCheck::add(const odo_calibration& calibration) {
   calibrated_ = calibration.fx > 0 && calibration.fy > 0 && (calibration.header.flags & ODO_CALIBRATION_EXTRINSICS);
   f_px_ = 0.5 * (calibration.fx + calibration.fy);
   q_b_c_ = quaternion(calibration.q_b_c);
+  const double off_x = std::abs(calibration.cx / std::max(1u, calibration.width) - 0.5),
+               off_y = std::abs(calibration.cy / std::max(1u, calibration.height) - 0.5);
+  found_(InputFault::principal_point, std::max(off_x, off_y) > p_.off_middle, std::max(off_x, off_y), {});
 }
 
 void PictureCheck::add(const odo_imu& imu) {

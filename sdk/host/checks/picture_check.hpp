@@ -40,6 +40,8 @@ class PictureCheck {
     /// both (held by an arm), or takes from that along one (around an object). In real and simulated recordings the
     /// larger is at least 1.00, the smaller at most 1.25.
     double focal_low = 0.95, focal_high = 1.3;
+    double off_middle = 0.3;             ///< of the principal point, share of the picture's size; 0.05 in the lenses of
+                                         ///< the recordings that the tests use, 0.5 if it is not filled
     double sigmas = 3;                   ///< of the ratio, by which it must be beyond
     int64_t other_time_ns = 90'000'000;  ///< the best lag; 0.06 s at most in real and simulated recordings
     double halved = 0.5;                 ///< share of the contradiction that this lag leaves at most; judgement
