@@ -63,6 +63,7 @@ uint64_t Scene::touch(const std::string& name, double column, double row, int64_
   odo_anchor_place place = sized<odo_anchor_place>();
   place.struct_size = sizeof place;
   place.kind = ODO_ANCHOR_HIT, place.t_ns = hit.t_ns, place.surface = hit.surface;
+  place.sigma_m = hit.sigma_m;
   std::copy(hit.q_n, hit.q_n + 4, place.q);
   std::copy(hit.p_n, hit.p_n + 3, place.p);
   place.name.data = name.data(), place.name.size = name.size();

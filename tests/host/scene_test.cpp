@@ -318,6 +318,7 @@ TEST_CASE("C API: a hit test refuses what it cannot answer") {
   CHECK(status([](odo_ray& r) { r.world = 2; }) == ODO_E_ARGUMENT);
   CHECK(status([](odo_ray& r) { r.pixel[0] = std::nan(""); }) == ODO_E_ARGUMENT);
   CHECK(status([](odo_ray& r) { r.pixel[1] = 1e6; }) == ODO_E_ARGUMENT);
+  CHECK(status([](odo_ray& r) { r.pixel[0] = 66; }) == ODO_E_ARGUMENT);  // of 64: a place on the screen
   CHECK(status([](odo_ray& r) { r.max_distance_m = -1; }) == ODO_E_ARGUMENT);
   CHECK(status([](odo_ray& r) { r.kind = ODO_RAY_VIEW; }) == ODO_E_ARGUMENT);  // no direction
   odo_ray ray = through(32, 24);
@@ -343,8 +344,8 @@ TEST_CASE("an anchor on a surface follows it, moves to the one it becomes part o
     REQUIRE(surfaces().size() == events);
   };
   until(2);
-  const auto place = [&](const odo_surface& on) {
-    odo_anchor_place at{.struct_size = sizeof at, .kind = ODO_ANCHOR_HIT, .t_ns = ODO_TIME_LATEST};
+  const auto place = [&](const odo_surface& on, double sigma_m = 0) {
+    odo_anchor_place at{.struct_size = sizeof at, .kind = ODO_ANCHOR_HIT, .t_ns = ODO_TIME_LATEST, .sigma_m = sigma_m};
     std::copy(on.p_n, on.p_n + 3, at.p);
     at.surface = on.id;
     uint64_t id = 0;
@@ -361,6 +362,10 @@ TEST_CASE("an anchor on a surface follows it, moves to the one it becomes part o
   const double down_m = get(first).p_n[2], other_m = get(second).p_n[2];
   CHECK(get(first).kind == ODO_ANCHOR_HIT);
   CHECK(get(first).view_sigma_m < 0.1);
+  const odo_anchor vague = get(place(surfaces()[0], 3));  // as of a hit that is known to 3 m
+  CHECK(vague.view_sigma_m > 3);
+  CHECK(vague.position_sigma_m > 3);
+  CHECK(vague.state != ODO_TRACKING);
   until(3);
   CHECK(get(first).p_n[2] - down_m == doctest::Approx(0.1));
   CHECK(get(second).p_n[2] == doctest::Approx(other_m));

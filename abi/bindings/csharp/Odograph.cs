@@ -282,7 +282,9 @@ namespace Odograph {
       hit = default(Hit);
       hit.struct_size = (uint)sizeof(Hit);
       ray.struct_size = (uint)sizeof(Ray);
-      fixed (Hit* h = &hit) OdographException.Check(Abi.odo_session_hit_test(session, &ray, h, 1, &count));
+      int status;
+      fixed (Hit* h = &hit) status = Abi.odo_session_hit_test(session, &ray, h, 1, &count);
+      if (status != Abi.ODO_E_NOT_FOUND) OdographException.Check(status); // no pose of that time: nothing is hit
       return count > 0;
     }
     public static AnchorPlace PlaceOf(Hit hit, uint world = Abi.ODO_WORLD_CORRECTED) {
@@ -293,6 +295,7 @@ namespace Odograph {
       place.q = hit.q_n;
       place.p = hit.p_n;
       place.surface = hit.surface;
+      place.sigma_m = hit.sigma_m;
       return place;
     }
 

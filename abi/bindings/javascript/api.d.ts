@@ -38,7 +38,7 @@ export class Odograph {
 }
 
 /** The place of a hit for createAnchor, in the world of its ray (ODO_WORLD_*). */
-export function placeOf(hit: Hit, world?: number): {kind: number; q: number[]; p: number[]; t_ns: bigint; surface: bigint; world: number};
+export function placeOf(hit: Hit, world?: number): {kind: number; q: number[]; p: number[]; t_ns: bigint; surface: bigint; sigma_m: number; world: number};
 
 /** Fields of a message to push: all are optional, and 64-bit integers may be numbers. */
 export type Fields<T> = T extends {type: string} ? {[K in keyof Omit<T, 'type'>]?: T[K] extends bigint ? Time : T[K]} : never;

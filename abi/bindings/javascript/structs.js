@@ -37,8 +37,8 @@ export function plane({length}, width, height, data) {
 }
 
 /** The place of a hit for createAnchor, in the world of its ray. */
-export function placeOf({q_n, p_n, t_ns, surface}, world = abi.ODO_WORLD_CORRECTED) {
-  return {kind: abi.ODO_ANCHOR_HIT, q: q_n, p: p_n, t_ns, surface, world};
+export function placeOf({q_n, p_n, t_ns, surface, sigma_m}, world = abi.ODO_WORLD_CORRECTED) {
+  return {kind: abi.ODO_ANCHOR_HIT, q: q_n, p: p_n, t_ns, surface, sigma_m, world};
 }
 
 /** Readers and writers for addresses of type 'u32' or 'u64'. A struct starts at offset `at` of a DataView. */

@@ -45,7 +45,7 @@ typedef struct odo_anchor_place {
   double longitude_rad;
   double height_m;
   double geoid_height_m; /* with ODO_HEIGHT_GEOID */
-  double sigma_m;        /* GEODETIC: standard deviation of the given position, in each axis */
+  double sigma_m;        /* GEODETIC, HIT (that of the hit): standard deviation of the given position, in each axis */
   odo_string name;       /* UTF-8, at most 63 bytes */
   uint64_t surface;      /* HIT, which needs it: id of the surface that was hit, 0: another hit. Since 1.1 */
 } odo_anchor_place;

@@ -190,6 +190,7 @@ class Session {
   static odo_anchor_place place_of(const odo_hit& hit, uint32_t world = ODO_WORLD_CORRECTED) {
     auto place = sized<odo_anchor_place>();
     place.kind = ODO_ANCHOR_HIT, place.t_ns = hit.t_ns, place.world = world, place.surface = hit.surface;
+    place.sigma_m = hit.sigma_m;
     std::memcpy(place.q, hit.q_n, sizeof place.q), std::memcpy(place.p, hit.p_n, sizeof place.p);
     return place;
   }

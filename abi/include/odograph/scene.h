@@ -60,7 +60,7 @@ typedef struct odo_ray {
   int64_t t_ns;          /* time of the view, that of a pose; ODO_TIME_LATEST: now */
   uint32_t world;        /* of WORLD, and of all hits: ODO_WORLD_* */
   uint32_t camera;       /* PIXEL: header.source of its frames, which must be the pipeline's camera */
-  double pixel[2];       /* PIXEL: column and row, the centre of the first pixel is 0, 0 */
+  double pixel[2];       /* PIXEL: column and row in the pushed frame (not on the screen), 0, 0: middle of the first */
   double origin[3];      /* VIEW, WORLD: m */
   double direction[3];   /* VIEW, WORLD: of any length above 0 */
   double max_distance_m; /* 0: any */
@@ -89,7 +89,7 @@ typedef struct odo_hit {
  * first, and their number. A landmark is hit within half a degree, unless it is part of a surface that is. Surfaces are
  * hit on both sides. ODO_NOT_READY while the position or the metric scale is unknown (count 0), ODO_E_NOT_FOUND for a
  * time outside the stored poses (or PIXEL without a calibration of that camera), ODO_E_ARGUMENT (unknown kind or world,
- * a number that is not finite, another camera than the pipeline's, a pixel that no ray reaches), ODO_E_STRUCT_SIZE. */
+ * a number that is not finite, another camera than the pipeline's, a pixel outside the picture), ODO_E_STRUCT_SIZE. */
 ODO_API int32_t ODO_CALL odo_session_hit_test(odo_session *session, const odo_ray *ray, odo_hit *hits,
                                               uint32_t capacity, uint32_t *count);
 

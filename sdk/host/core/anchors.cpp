@@ -10,6 +10,7 @@
 
 #include "sdk/host/core/saved_anchor.hpp"
 #include "sdk/math/rotation.hpp"
+#include "sdk/math/scalar.hpp"
 
 namespace odograph {
 namespace {
@@ -70,7 +71,7 @@ uint64_t Anchors::add_local(const odo_anchor_place& place, const Placement& plac
   anchor.surface = placement.on_surface ? place.surface : 0;
   anchor.T_n_a = placement.T_n_a;
   anchor.T_b_a = placement.T_n_b.inverse() * placement.T_n_a;
-  anchor.seen_ns = placement.t_ns, anchor.sigma_m = placement.sigma_m;
+  anchor.seen_ns = placement.t_ns, anchor.sigma_m = placement.sigma_m, anchor.hit_sigma_m = placement.hit_sigma_m;
   return anchor.id;
 }
 
@@ -223,22 +224,18 @@ Anchors::Covariance Anchors::covariance_of(const Anchor& anchor) const {
   Matrix36 by_now;
   by_now << skew(anchor.T_n_a.p - now_.p_n_b), -Matrix3d::Identity();
   const Matrix3d of_view = by_now * now_.now * by_now.transpose();
+  Matrix3d own = Matrix3d::Identity() * (squared(anchor.sigma_m) + squared(anchor.hit_sigma_m));
   const KeptPose* kept = kept_pose(anchor.pose_id);
   if (anchor.reference == Reference::surface) {
-    const double along_m = p_.surface_drift * (anchor.T_n_a.p - now_.p_n_b).norm();
-    const Matrix3d view = Matrix3d::Identity() * (anchor.sigma_m * anchor.sigma_m + along_m * along_m);
-    return {of_view + view, view, now_.now(2, 2)};
+    own += Matrix3d::Identity() * squared(p_.surface_drift) * (anchor.T_n_a.p - now_.p_n_b).squaredNorm();
+    return {of_view + own, own, now_.now(2, 2)};
   }
-  if (anchor.reference == Reference::awaiting_pose)  // seen from the present pose
-    return {by_now * now_.now * by_now.transpose(), Matrix3d::Zero(), now_.now(2, 2)};
-  if (!kept) {
-    const Matrix3d place = Matrix3d::Identity() * (anchor.sigma_m * anchor.sigma_m);
-    return {place, of_view + place, 0};
-  }
+  if (anchor.reference == Reference::awaiting_pose) return {of_view + own, own, now_.now(2, 2)};  // seen from there
+  if (!kept) return {own, of_view + own, 0};
   Matrix36 by_kept;
   by_kept << -skew(anchor.T_n_a.p - kept->p_n_b), Matrix3d::Identity();
   const Matrix3d R = kept->q_n_b.toRotationMatrix();
-  const Matrix3d place = by_kept * kept->own * by_kept.transpose() + R * anchor.offset_covariance * R.transpose();
+  const Matrix3d place = by_kept * kept->own * by_kept.transpose() + R * anchor.offset_covariance * R.transpose() + own;
   const Matrix3d common = by_kept * kept->cross * by_now.transpose();
   return {place, of_view + place + common + common.transpose(), kept->own(2, 2)};
 }

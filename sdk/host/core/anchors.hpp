@@ -38,7 +38,7 @@ class Anchors {
     int64_t t_ns = 0;
     Rigid T_n_b, T_n_a;
     bool on_surface = false;
-    double sigma_m = 0;
+    double sigma_m = 0, hit_sigma_m = 0;  ///< of the surface; of the hit
   };
 
   /// State of an anchor, apart from the phone's pose.
@@ -102,7 +102,7 @@ class Anchors {
     std::array<double, 3> geodetic{};
     Eigen::Quaterniond q = Eigen::Quaterniond::Identity();
     uint32_t height_above = 0;
-    double sigma_m = 0;
+    double sigma_m = 0, hit_sigma_m = 0;
   };
   /// Of an anchor's position in n and relative to the view, m^2, in n, and of its heading, rad^2.
   struct Covariance {

@@ -89,7 +89,9 @@ int32_t WorldView::create_anchor(const odo_anchor_place& place, uint64_t& id) {
     id = anchors_.add_geodetic(place);
     return id != 0 ? ODO_OK : ODO_E_EXHAUSTED;
   }
-  if (!finite(place.p, 3)) return ODO_E_ARGUMENT;
+  const bool is_hit = place.kind == ODO_ANCHOR_HIT;
+  if (!finite(place.p, 3) || (is_hit && !bounds::kPosition_m.holds(place.sigma_m))) return ODO_E_ARGUMENT;
+  if (is_hit && place.sigma_m < 0) return ODO_E_ARGUMENT;
   const std::lock_guard lock(mutex_);  // the poses and the anchor must belong to the same correction
   odo_pose body{}, view{}, smooth{};
   if (const int32_t status = tracked_body(place.t_ns, body); status != ODO_OK) return status;
@@ -103,7 +105,8 @@ int32_t WorldView::create_anchor(const odo_anchor_place& place, uint64_t& id) {
     if (const int32_t status = poses_.at(seen.t_ns, true, smooth); status != ODO_OK) return status;
     seen.T_n_a = rigid(view) * rigid(smooth).inverse() * seen.T_n_a;
   }
-  const Scene::Surface* surface = place.kind == ODO_ANCHOR_HIT ? scene_.find(place.surface) : nullptr;
+  const Scene::Surface* surface = is_hit ? scene_.find(place.surface) : nullptr;
+  if (is_hit) seen.hit_sigma_m = place.sigma_m;
   if (surface) seen.T_n_b = scene_.T_n_m() * surface->T_m_s, seen.on_surface = true, seen.sigma_m = surface->sigma_m;
   id = anchors_.add_local(place, seen);
   return id != 0 ? ODO_OK : ODO_E_EXHAUSTED;
@@ -214,8 +217,8 @@ int32_t WorldView::view_through(const odo_ray& pixel, odo_pose& camera, Vector3d
              lens->model == ODO_CAMERA_KANNALA_BRANDT, {lens->distortion, std::min<size_t>(lens->distortion_count, 8)});
   if (!ray) return ODO_E_ARGUMENT;
   direction_c = *ray;
-  const double rows = pixel.pixel[1] - 0.5 * (lens->height - 1.0);
-  if (std::abs(rows) > lens->height) return ODO_E_ARGUMENT;
+  const double columns = pixel.pixel[0] - 0.5 * (lens->width - 1.0), rows = pixel.pixel[1] - 0.5 * (lens->height - 1.0);
+  if (std::abs(columns) > 0.5 * lens->width + 1 || std::abs(rows) > 0.5 * lens->height + 1) return ODO_E_ARGUMENT;
   const bool rolls = (lens->header.flags & ODO_CALIBRATION_LINE_TIME) && pixel.t_ns != ODO_TIME_LATEST;
   const int64_t row_ns = rolls ? std::llround(rows * static_cast<double>(lens->line_time_ns)) : 0;
   return pose_of(ODO_OF_CAMERA, ODO_WORLD_CORRECTED, saturating_sum(pixel.t_ns, row_ns), camera);

@@ -138,7 +138,7 @@ public final class Session implements java.io.Closeable {
         return count.getInt(0) > 0 ? hit : null;
     }
     public static Abi.AnchorPlace placeOf(Abi.Hit hit, int world) {
-        return new Abi.AnchorPlace().kind(Abi.ODO_ANCHOR_HIT).t_ns(hit.t_ns()).world(world).q(hit.q_n()).p(hit.p_n()).surface(hit.surface());
+        return new Abi.AnchorPlace().kind(Abi.ODO_ANCHOR_HIT).t_ns(hit.t_ns()).world(world).q(hit.q_n()).p(hit.p_n()).surface(hit.surface()).sigma_m(hit.sigma_m());
     }
     public void removeAnchor(long id) { OdographException.check(Abi.odo_anchor_remove(open(), id)); }
 
