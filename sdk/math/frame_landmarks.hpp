@@ -44,8 +44,8 @@ class FrameLandmarks {
   template <class Each>
   bool place(const odo_pose& pose, const Eigen::Quaterniond& q_m_c, const Eigen::Vector3d& p_m_c, Each&& each) {
     constexpr uint32_t needed = ODO_POSE_POSITION | ODO_POSE_ORIENTATION | ODO_POSE_METRIC | ODO_POSE_CAMERA;
-    const size_t count = std::exchange(count_, 0);
     if (pose.header.t_ns != t_ns_ || (pose.header.flags & needed) != needed) return false;
+    const size_t count = std::exchange(count_, 0);
     if (scale_sigma(pose) > p_.max_scale_sigma) return false;
     const Eigen::Matrix3f R_m_c = q_m_c.toRotationMatrix().cast<float>();
     const auto scale = static_cast<float>(pose.scale), sigma = static_cast<float>(scale_sigma(pose));
