@@ -135,6 +135,19 @@ TEST_CASE("two parts of a floor that grow together become the older one") {
   }));
 }
 
+TEST_CASE("a plane that grows slowly is told of again, however small each step") {
+  Room room;
+  room.add({0, -1, 0}, {2, 0, 0}, {0, 2, 0}, 200);
+  room.search();
+  size_t told = 0;
+  for (int step = 0; step < 20; ++step) {
+    room.add({2 + 0.05 * step, -1, 0}, {0.05, 0, 0}, {0, 2, 0}, 12);  // 2 % of the area
+    told += room.search().size();
+  }
+  CHECK(room.finder.planes().size() == 1);
+  CHECK(told >= 4);
+}
+
 TEST_CASE("an outline stays inside of what its landmarks may be off") {
   Room room;
   room.add({1, 1, 0}, {1, 0, 0}, {0, 1, 0}, 200);
