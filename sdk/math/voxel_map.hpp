@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -22,11 +23,14 @@ struct MapPoint {
   double sigma_m() const { return std::sqrt(static_cast<double>(covariance.trace())); }
 };
 
-/// Whether something that was measured with a scale of that relative sigma is still worth keeping, now that it is known
-/// to `now`: else it is a ghost beside what is seen again.
+/// Standard deviation of what the metre has changed by, relative, since it was known to `then`: what is known now to
+/// `now` contains what was known then, so the variance of the difference is that of then less that of now.
+inline double metre_change_sigma(double then, double now) { return std::sqrt(std::max(0.0, then * then - now * now)); }
+
+/// Whether what was measured with that scale is still worth keeping, else it is a ghost beside what is seen again.
 inline bool scale_is_current(double then, double now) {
-  constexpr double kWorse = 2;
-  return then <= kWorse * now;
+  constexpr double kMost = 0.04;  // 6 cm, a third of a step, for a floor 1.5 m below
+  return metre_change_sigma(then, now) < kMost;
 }
 
 /// At most 8 * sets landmarks, one in each cube, in memory that is allocated once. Where eight cubes of one hash value

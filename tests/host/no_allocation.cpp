@@ -1,14 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Attitude, steps, and the host with a camera and the inertial estimator allocate nothing once a session has run for a
-// while: every malloc of the process is counted.
+// Attitude, steps, planes, and the host with a camera and the inertial estimator allocate nothing once a session has
+// run for a while: every malloc of the process is counted.
 #include <atomic>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <random>
 #include <string>
 
 #include <odograph/odograph.h>
+#include "plugins/surface/planes/plane_finder.hpp"
 #include "tests/support/replay_session.hpp"
 
 extern "C" {
@@ -119,10 +121,39 @@ void* calloc(size_t count, size_t size) { return ++allocations, __libc_calloc(co
 void* realloc(void* pointer, size_t size) { return ++allocations, __libc_realloc(pointer, size); }
 }
 
+/// A search of planes among landmarks that are seen again and again: on a floor, a table, a wall, and anywhere.
+int check_planes() {
+  using Eigen::Vector3d;
+  odograph::planes::PlaneFinder finder;
+  std::mt19937 random;
+  const auto uniform = [&] { return std::uniform_real_distribution<double>()(random); };
+  const Vector3d patches[][3] = {{{-1, -2, 0}, {3, 0, 0}, {0, 4, 0}},
+                                 {{1, 0.3, -0.75}, {0.8, 0, 0}, {0, 0.6, 0}},
+                                 {{2.5, -2, -2.5}, {0, 4, 0}, {0, 0, 2.4}}};
+  long later = 0;
+  for (int second = 0; second < 60; ++second) {
+    odograph::MapPoint point;
+    point.covariance = Eigen::Matrix3f::Identity() * 1e-4f, point.scale_sigma = 0.02f;
+    point.t_ns = second * 1'000'000'000LL;
+    random.seed(1);
+    for (int i = 0; i < 1000; ++i) {
+      const auto& [corner, u, v] = patches[i % 3];
+      point.p = corner + uniform() * u;
+      point.p += uniform() * (i % 20 ? v : Vector3d(1, 1, -1));
+      finder.add(point);
+    }
+    const long before = allocations;
+    finder.search(point.t_ns, {0, 0, -1.4}, 0.02);
+    if (second >= 30) later += allocations - before;
+  }
+  std::printf("planes: %zu found, %ld allocations in 30 later searches\n", finder.planes().size(), later);
+  return finder.planes().size() >= 3 && later == 0 ? 0 : 1;
+}
+
 int main(int, char** arguments) {
   int failed = 0;
   for (const char* attitude : {"attitude/vqf", "attitude/magyq"})
     for (const char* steps : {"step/odograph", "step/renaudin2012", "step/weinberg2002"})
       failed += check(attitude, steps, arguments[1]);
-  return failed + check_camera(std::string(arguments[1]) + ":" + arguments[2]);
+  return failed + check_planes() + check_camera(std::string(arguments[1]) + ":" + arguments[2]);
 }

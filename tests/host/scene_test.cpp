@@ -31,7 +31,8 @@ odo_pose camera_at(const Vector3d& p_n, int64_t t_ns, double scale_sigma = 0.01)
   return pose;
 }
 
-void show(Scene& scene, const Vector3d& p_c, float variance, int64_t t_ns, uint32_t age = 5, double scale = 1) {
+void show(Scene& scene, const Vector3d& p_c, float variance, int64_t t_ns, uint32_t age = 5, double scale = 1,
+          double scale_sigma = 0.01) {
   static odo::PointsWriter writer;
   writer.begin(t_ns, 0, 0, true);
   odo_point point{};
@@ -41,7 +42,7 @@ void show(Scene& scene, const Vector3d& p_c, float variance, int64_t t_ns, uint3
   writer.add(point);
   scene.hold(writer.message());
   odo_pose pose = camera_at(Vector3d::Zero(), t_ns);
-  pose.scale = scale, pose.scale_sigma = 0.01 * scale;
+  pose.scale = scale, pose.scale_sigma = scale_sigma * scale;
   scene.see(pose);
 }
 
@@ -110,8 +111,13 @@ TEST_CASE("beside landmarks at other distances a landmark's sigma is that of the
   const double slope = std::sqrt((4 + std::pow(2 / 0.015, 2)) / 2);  // m/rad, with the 45 degrees of one alone
   CHECK(hits[0].sigma_m == doctest::Approx(std::hypot(0.006 * slope, alone)).epsilon(0.03));
   CHECK(hits[0].scale_sigma == doctest::Approx(0.01));
-  scene.see(camera_at(Vector3d::Zero(), 30, 0.004));  // more than twice as well known
-  CHECK(cast(scene, {1, 0.006, 0}).empty());
+  scene.see(camera_at(Vector3d::Zero(), 30, 0.05));
+  show(scene, {0, 0, 2}, 1e-4f, 40, 5, 1, 0.05);
+  REQUIRE(cast(scene, {1, 0, 0}).size() == 1);
+  scene.see(camera_at(Vector3d::Zero(), 50, 0.04));  // the metre may have changed by 3 %
+  CHECK(cast(scene, {1, 0, 0}).size() == 1);
+  scene.see(camera_at(Vector3d::Zero(), 60, 0.02));  // by 4.6 %
+  CHECK(cast(scene, {1, 0, 0}).empty());
 }
 
 TEST_CASE("a ray hits surfaces within their outlines, nearest first, and landmarks that are not part of them") {
@@ -125,6 +131,9 @@ TEST_CASE("a ray hits surfaces within their outlines, nearest first, and landmar
   CHECK(hits[0].distance_m == doctest::Approx(3));
   CHECK(hits[1].distance_m == doctest::Approx(5));
   CHECK(hits[0].surface->id == 1);
+  Scene::Hit later;  // from 4 m away, with 1 % of drift and of scale
+  REQUIRE(scene.cast({Vector3d(-4, 0, 0), Vector3d::UnitX(), 100, 7}, Vector3d(-4, 0, 0), &later, 1) == 1);
+  CHECK(later.sigma_m == doctest::Approx(std::hypot(std::hypot(0.02, 0.07), std::hypot(0.04, 0.04), 0.07)));
   CHECK((hits[0].normal_n - Vector3d(-1, 0, 0)).norm() < 1e-9);
   CHECK(cast(scene, {3, 0.9, 0}).size() == 1);  // beside the farther one, which ends a metre to the right
   CHECK(cast(scene, {3, 1.05, 0}).empty());

@@ -38,6 +38,7 @@ class Room {
     for (double& x : point.p) x += sigma_m * normal_(random_);
     point.covariance = Eigen::Matrix3f::Identity() * static_cast<float>(sigma_m * sigma_m);
     point.t_ns = now_ns, point.scale_sigma = static_cast<float>(scale_sigma);
+    point.eye = phone.cast<float>();
     finder.add(point);
   }
   std::vector<Change> search() {
@@ -174,6 +175,20 @@ TEST_CASE("what was measured with a worse scale gives way once the scale is know
   room.search();
   REQUIRE(room.finder.planes().size() == 1);
   CHECK(std::abs(room.finder.planes()[0].p_m.z()) < 0.02);
+}
+
+TEST_CASE("parts of one floor that were measured with two scales are one, where the better scale puts it") {
+  Room room;
+  room.scale_sigma = 0.05;
+  room.add({-1, -2, 0.07}, {2, 0, 0}, {0, 2, 0}, 120);  // a twentieth too far
+  room.search();
+  REQUIRE(room.finder.planes().size() == 1);
+  room.scale_sigma = 0.035;
+  room.add({-1, 0, 0}, {2, 0, 0}, {0, 2, 0}, 120);
+  const auto changes = room.search();
+  REQUIRE(room.finder.planes().size() == 1);
+  CHECK(std::abs(room.finder.planes()[0].p_m.z()) < 0.02);
+  CHECK(room.finder.planes()[0].scale_sigma == doctest::Approx(0.035));
 }
 
 TEST_CASE("a plane whose landmarks turn out to fill its surroundings is withdrawn; one out of view is kept") {

@@ -18,30 +18,33 @@ double cross(const Vector2d& a, const Vector2d& b) { return a.x() * b.y() - a.y(
 
 }  // namespace
 
-std::vector<Vector2d> hull_of(std::vector<Vector2d> points) {
+void make_hull(std::vector<Vector2d>& points) {
+  const size_t n = points.size();
+  if (n < 3) return;
   std::sort(points.begin(), points.end(),
             [](const Vector2d& a, const Vector2d& b) { return std::pair(a.x(), a.y()) < std::pair(b.x(), b.y()); });
-  std::vector<Vector2d> hull;
+  points.reserve(3 * n);  // the hull grows behind them
   for (const bool back : {false, true}) {
-    const size_t start = hull.size();
-    for (const Vector2d& p : points) {
-      while (hull.size() > start + 1 && cross(hull.back() - hull[hull.size() - 2], p - hull.back()) <= 1e-12)
-        hull.pop_back();
-      hull.push_back(p);
+    const size_t start = points.size();
+    for (size_t i = 0; i < n; ++i) {
+      const Vector2d p = points[back ? n - 1 - i : i];
+      while (points.size() > start + 1 && cross(points.back() - points[points.size() - 2], p - points.back()) <= 1e-12)
+        points.pop_back();
+      points.push_back(p);
     }
-    hull.pop_back();
-    if (!back) std::reverse(points.begin(), points.end());
+    points.pop_back();
   }
-  while (hull.size() > kMostVertices) {
+  points.erase(points.begin(), points.begin() + static_cast<ptrdiff_t>(n));
+  while (points.size() > kMostVertices) {
     size_t worst = 0;
     double min_area = 1e300;
-    for (size_t i = 0; i < hull.size(); ++i) {
-      const Vector2d &a = hull[(i + hull.size() - 1) % hull.size()], &b = hull[i], &c = hull[(i + 1) % hull.size()];
+    for (size_t i = 0; i < points.size(); ++i) {
+      const Vector2d &a = points[(i + points.size() - 1) % points.size()], &b = points[i],
+                     &c = points[(i + 1) % points.size()];
       if (const double area = cross(b - a, c - b); area < min_area) min_area = area, worst = i;
     }
-    hull.erase(hull.begin() + static_cast<ptrdiff_t>(worst));
+    points.erase(points.begin() + static_cast<ptrdiff_t>(worst));
   }
-  return hull;
 }
 
 double outside(const std::vector<Vector2d>& outline, const Vector2d& p) {

@@ -7,8 +7,9 @@
 
 namespace odograph::planes {
 
-/// Convex hull, counterclockwise (Andrew 1979), of at most 32 vertices: those that add least are left out.
-std::vector<Eigen::Vector2d> hull_of(std::vector<Eigen::Vector2d> points);
+/// Replaces points by their convex hull, counterclockwise (Andrew 1979), of at most 32 vertices: those that add least
+/// are left out. Allocates nothing if there is capacity for three times as many points.
+void make_hull(std::vector<Eigen::Vector2d>& points);
 
 /// Distance outside of a convex outline, m; 0 inside.
 double outside(const std::vector<Eigen::Vector2d>& outline, const Eigen::Vector2d& p);

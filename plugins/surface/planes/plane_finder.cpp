@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <map>
 #include <utility>
 
 #include <Eigen/Eigenvalues>
@@ -55,8 +54,10 @@ void PlaneFinder::gather(int64_t t_ns, const Vector3d& phone) {
   landmarks_.clear(), free_.clear();
   map_.visit([&](const MapPoint& point) {
     if (seconds(t_ns - point.t_ns) > p_.memory_s || (point.p - phone).squaredNorm() > squared(p_.reach_m)) return;
-    if (!scale_is_current(static_cast<double>(point.scale_sigma), scale_sigma_)) return;
-    landmarks_.push_back({point.p, point.covariance.cast<double>(), static_cast<double>(point.scale_sigma), false});
+    const auto then = static_cast<double>(point.scale_sigma);
+    if (!scale_is_current(then, scale_sigma_)) return;
+    const Vector3d stretch = metre_change_sigma(then, scale_sigma_) * (point.p - point.eye.cast<double>());
+    landmarks_.push_back({point.p, point.covariance.cast<double>() + stretch * stretch.transpose(), then, false});
   });
 }
 
@@ -73,74 +74,58 @@ size_t PlaneFinder::agreeing(size_t seed, const Vector3d& normal) const {
   return count;
 }
 
-/// The connected patch of landmarks on a plane: the one of the seed, of the known plane, or the largest.
-std::optional<PlaneFinder::Patch> PlaneFinder::patch_at(const Vector3d& normal, const Vector3d& through,
-                                                        const Vector3d* seed, const Plane* known) const {
+constexpr double kBeside = 4;  // tolerances: three times as much room as on the plane
+
+/// Sorts the landmarks on and beside a plane into cells; of a known plane only those at its outline.
+void PlaneFinder::sort_into_cells(const Vector3d& normal, const Vector3d& through, const Plane* known) {
   const Matrix3d axes = axes_of(normal);
-  const auto on_plane = [&](const Vector3d& p) -> Vector2d { return (axes.transpose() * (p - through)).head<2>(); };
-  using Cell = std::pair<int, int>;
-  const auto cell_of = [&](const Vector2d& p) {
-    return Cell(static_cast<int>(std::floor(p.x() / p_.cell_m)), static_cast<int>(std::floor(p.y() / p_.cell_m)));
-  };
-  struct Cells {
-    std::vector<size_t> on;
-    size_t beside = 0;
-    bool reached = false;
-  };
-  std::map<Cell, Cells> cells;
-  constexpr double kBeside = 4;  // tolerances: three times as much room as on the plane
+  cells_.clear();
   for (size_t i = 0; i < landmarks_.size(); ++i) {
     const Landmark& landmark = landmarks_[i];
     if (landmark.taken && !known) continue;
     const double off = std::abs(normal.dot(landmark.p - through)), within = tolerance(landmark, normal);
     if (within > p_.max_tolerance_m || off > kBeside * within) continue;
     if (known && outside(known->outline, known->project(landmark.p)) > p_.cell_m) continue;
-    Cells& cell = cells[cell_of(on_plane(landmark.p))];
-    off < within ? cell.on.push_back(i) : void(++cell.beside);
+    const Vector2d there = (axes.transpose() * (landmark.p - through)).head<2>();
+    cells_.add(Cells::index_of(there, p_.cell_m), i, off < within);
   }
-  const auto grow = [&](const Cell& from) {
-    Patch patch{normal, through, {}, 0, 0, 0, 0};
-    size_t beside = 0, number = 0;
-    std::vector<Cell> edge{from};
-    cells[from].reached = true;
-    while (!edge.empty()) {
-      const Cell at = edge.back();
-      edge.pop_back();
-      Cells& cell = cells[at];
-      patch.on.insert(patch.on.end(), cell.on.begin(), cell.on.end());
-      beside += cell.beside, ++number;
-      for (int dx = -1; dx <= 1; ++dx)
-        for (int dy = -1; dy <= 1; ++dy) {
-          const auto next = cells.find({at.first + dx, at.second + dy});
-          if (next == cells.end() || next->second.reached || next->second.on.empty()) continue;
-          next->second.reached = true;
-          edge.push_back(next->first);
-        }
-    }
-    weigh(patch, static_cast<double>(beside) / (kBeside - 1), static_cast<double>(number));
-    return patch;
-  };
+}
+
+void PlaneFinder::connect(Cells::Cell& from, Patch& patch) {
+  patch.on.clear();
+  const Cells::Count count = cells_.connect(from, patch.on);
+  weigh(patch, static_cast<double>(count.beside) / (kBeside - 1), static_cast<double>(count.cells));
+}
+
+/// Puts the connected patch of landmarks on a plane into patch_: that of the seed, of the known plane, or the largest.
+/// False if there is none.
+bool PlaneFinder::find_patch(const Vector3d& normal, const Vector3d& through, const Vector3d* seed,
+                             const Plane* known) {
+  sort_into_cells(normal, through, known);
+  auto& cells = cells_.sort();
+  patch_.on.clear();
   if (seed) {
-    if (cells.find(cell_of(on_plane(*seed))) == cells.end()) return std::nullopt;
-    return grow(cell_of(on_plane(*seed)));
+    const Vector2d there = (axes_of(normal).transpose() * (*seed - through)).head<2>();
+    if (Cells::Cell* cell = cells_.find(Cells::index_of(there, p_.cell_m))) connect(*cell, patch_);
+  } else {
+    for (Cells::Cell& cell : cells) {
+      if (cell.reached || cell.on == 0) continue;
+      connect(cell, other_patch_);
+      if (other_patch_.on.size() > patch_.on.size()) std::swap(patch_, other_patch_);
+    }
   }
-  std::optional<Patch> largest;
-  std::vector<Cell> all;
-  for (const auto& [at, cell] : cells) all.push_back(at);
-  for (const Cell& at : all) {
-    if (cells[at].reached || cells[at].on.empty()) continue;
-    if (Patch patch = grow(at); !largest || patch.on.size() > largest->on.size()) largest = std::move(patch);
-  }
-  return largest;
+  patch_.normal = normal, patch_.middle = through;
+  return !patch_.on.empty();
 }
 
 /// Weighted least squares: the height, or direction and offset of a vertical plane.
-void PlaneFinder::fit(Patch& patch) const {
+void PlaneFinder::fit(Patch& patch) {
   constexpr int kIterations = 3;
   for (int iteration = 0; iteration < kIterations; ++iteration) {
     double weights = 0, chi2 = 0;
     Vector3d middle = Vector3d::Zero();
-    std::vector<double> weight(patch.on.size());
+    std::vector<double>& weight = weights_;
+    weight.resize(patch.on.size());
     for (size_t k = 0; k < patch.on.size(); ++k) {
       const Landmark& landmark = landmarks_[patch.on[k]];
       weight[k] = squared(p_.tolerance / tolerance(landmark, patch.normal));
@@ -171,18 +156,19 @@ void PlaneFinder::fit(Patch& patch) const {
   }
 }
 
-bool PlaneFinder::is_wide_enough(const Patch& patch) const {
+bool PlaneFinder::is_wide_enough(const Patch& patch) {
   const Matrix3d axes = axes_of(patch.normal);
-  std::vector<Vector2d> all;
-  for (const size_t i : patch.on) all.push_back((axes.transpose() * (landmarks_[i].p - patch.middle)).head<2>());
-  const auto hull = hull_of(std::move(all));
+  vertices_.clear();
+  for (const size_t i : patch.on) vertices_.push_back((axes.transpose() * (landmarks_[i].p - patch.middle)).head<2>());
+  make_hull(vertices_);
   double variance = 0;
   for (const size_t i : patch.on) variance += landmarks_[i].covariance.trace() / static_cast<double>(patch.on.size());
   const double min_m = is_horizontal(patch.normal) ? p_.min_extent_m : p_.min_wall_m;
-  return hull.size() >= 3 && width_of(hull) >= std::max(min_m, p_.min_extent * std::sqrt(variance));
+  return vertices_.size() >= 3 && width_of(vertices_) >= std::max(min_m, p_.min_extent * std::sqrt(variance));
 }
 
-std::optional<PlaneFinder::Patch> PlaneFinder::best_patch() {
+/// Puts the patch of the best hypothesis into patch_.
+bool PlaneFinder::find_best() {
   size_t best = 0, best_seed = 0;
   Vector3d best_normal = Vector3d::UnitZ();
   for (int k = 0; k < p_.hypotheses; ++k) {
@@ -197,20 +183,20 @@ std::optional<PlaneFinder::Patch> PlaneFinder::best_patch() {
     if (tolerance(landmarks_[seed], normal) > p_.max_tolerance_m) continue;
     if (const size_t count = agreeing(seed, normal); count > best) best = count, best_seed = seed, best_normal = normal;
   }
-  if (best < p_.min_points) return std::nullopt;
+  if (best < p_.min_points) return false;
   const Vector3d seed = landmarks_[best_seed].p;
-  auto patch = patch_at(best_normal, seed, &seed, nullptr);
-  for (int again = 0; again < 2 && patch && patch->on.size() >= p_.min_points; ++again) {
-    fit(*patch);
-    patch = patch_at(patch->normal, patch->middle, nullptr, nullptr);
+  find_patch(best_normal, seed, &seed, nullptr);
+  for (int again = 0; again < 2 && patch_.on.size() >= p_.min_points; ++again) {
+    fit(patch_);
+    find_patch(Vector3d(patch_.normal), Vector3d(patch_.middle), nullptr, nullptr);
   }
-  if (!patch || patch->on.size() < p_.min_points) return std::nullopt;
-  fit(*patch);
-  return patch;
+  if (patch_.on.size() < p_.min_points) return false;
+  fit(patch_);
+  return true;
 }
 
 /// The plane follows its landmarks, its axes turn as little as possible; the outline grows.
-void PlaneFinder::take_patch(Plane& plane, const Patch& patch) const {
+void PlaneFinder::take_patch(Plane& plane, const Patch& patch) {
   const Vector3d normal = plane.normal_m().dot(patch.normal) < 0 ? Vector3d(-patch.normal) : patch.normal;
   plane.q_m_s = (Eigen::Quaterniond::FromTwoVectors(plane.normal_m(), normal) * plane.q_m_s).normalized();
   plane.p_m += normal * normal.dot(patch.middle - plane.p_m);
@@ -219,30 +205,31 @@ void PlaneFinder::take_patch(Plane& plane, const Patch& patch) const {
   double scale_variance = 0;
   for (const size_t i : patch.on) scale_variance += squared(landmarks_[i].scale_sigma);
   plane.scale_sigma = std::sqrt(scale_variance / static_cast<double>(patch.on.size()));
-  std::vector<Vector2d> all = plane.outline;
+  vertices_.assign(plane.outline.begin(), plane.outline.end());
   const Vector2d middle = plane.project(patch.middle);
   for (const size_t i : patch.on) {
     const Vector2d off = plane.project(landmarks_[i].p) - middle;
     const double off_m = std::max(off.norm(), 1e-9);
     const Vector3d outwards = plane.q_m_s * Vector3d(off.x(), off.y(), 0) / off_m;
     const double sigma_m = std::sqrt(outwards.dot(landmarks_[i].covariance * outwards));
-    all.push_back(middle + std::max(0.0, 1 - p_.inside * sigma_m / off_m) * off);
+    vertices_.push_back(middle + std::max(0.0, 1 - p_.inside * sigma_m / off_m) * off);
   }
-  plane.outline = hull_of(std::move(all));
+  make_hull(vertices_);
+  plane.outline.assign(vertices_.begin(), vertices_.end());
 }
 
 /// Fits a known plane to its landmarks again. False if it is withdrawn.
 bool PlaneFinder::refine(Plane& plane) {
-  auto patch = patch_at(plane.normal_m(), plane.p_m, nullptr, &plane);
-  if (!patch || patch->on.size() < p_.min_points / 2)  // out of view, or forgotten
+  if (!find_patch(plane.normal_m(), plane.p_m, nullptr, &plane) ||
+      patch_.on.size() < p_.min_points / 2)  // out of view, or forgotten
     return scale_is_current(plane.scale_sigma, scale_sigma_);
-  for (const size_t i : patch->on) landmarks_[i].taken = true;
-  plane.doubts = patch->contrast < p_.doubtful ? plane.doubts + 1 : 0;
+  for (const size_t i : patch_.on) landmarks_[i].taken = true;
+  plane.doubts = patch_.contrast < p_.doubtful ? plane.doubts + 1 : 0;
   constexpr int kDoubts = 3;
   if (plane.doubts >= kDoubts) return false;
-  if (plane.doubts > 0 || patch->on.size() < std::max(p_.min_points, plane.support / 2)) return true;
-  fit(*patch);
-  take_patch(plane, *patch);
+  if (plane.doubts > 0 || patch_.on.size() < std::max(p_.min_points, plane.support / 2)) return true;
+  fit(patch_);
+  take_patch(plane, patch_);
   return true;
 }
 
@@ -250,19 +237,18 @@ void PlaneFinder::find_new(const Vector3d& phone) {
   for (size_t i = 0; i < landmarks_.size(); ++i)
     if (!landmarks_[i].taken) free_.push_back(i);
   while (free_.size() >= p_.min_points && planes_.size() < p_.max_planes) {
-    const auto patch = best_patch();
-    if (!patch) break;
-    for (const size_t i : patch->on) landmarks_[i].taken = true;
+    if (!find_best()) break;
+    for (const size_t i : patch_.on) landmarks_[i].taken = true;
     std::erase_if(free_, [&](size_t i) { return landmarks_[i].taken; });
-    if (patch->contrast < p_.min_contrast || patch->significance < p_.min_significance || !is_wide_enough(*patch))
+    if (patch_.contrast < p_.min_contrast || patch_.significance < p_.min_significance || !is_wide_enough(patch_))
       continue;
     Plane plane;
     plane.id = ++last_id_;
-    plane.kind = is_horizontal(patch->normal) ? Kind::horizontal : Kind::vertical;
-    const Vector3d normal = patch->normal.dot(phone - patch->middle) < 0 ? Vector3d(-patch->normal) : patch->normal;
+    plane.kind = is_horizontal(patch_.normal) ? Kind::horizontal : Kind::vertical;
+    const Vector3d normal = patch_.normal.dot(phone - patch_.middle) < 0 ? Vector3d(-patch_.normal) : patch_.normal;
     plane.q_m_s = Eigen::Quaterniond(axes_of(normal)).normalized();
-    plane.p_m = patch->middle;
-    take_patch(plane, *patch);
+    plane.p_m = patch_.middle;
+    take_patch(plane, patch_);
     planes_.push_back(plane);
   }
 }
@@ -282,7 +268,8 @@ void PlaneFinder::merge(std::vector<Change>& changes) {
       Vector2d middle = Vector2d::Zero();
       for (const Vector2d& vertex : younger.outline) middle += vertex / static_cast<double>(younger.outline.size());
       const Vector3d there = younger.p_m + younger.q_m_s * Vector3d(middle.x(), middle.y(), 0);
-      const double rescaled = std::sqrt(std::abs(squared(older.scale_sigma) - squared(younger.scale_sigma)));
+      const double rescaled = std::max(metre_change_sigma(older.scale_sigma, younger.scale_sigma),
+                                       metre_change_sigma(younger.scale_sigma, older.scale_sigma));
       const double sigma_m = std::hypot(older.sigma_m, younger.sigma_m, rescaled * (there - phone_).norm());
       const double off_m = std::max(3 * sigma_m, 2 * p_.roughness_m);
       const bool same = older.normal_m().dot(younger.normal_m()) > std::cos(p_.same_rad) &&
@@ -292,10 +279,11 @@ void PlaneFinder::merge(std::vector<Change>& changes) {
         ++k;
         continue;
       }
-      std::vector<Vector2d> all = older.outline;
+      vertices_.assign(older.outline.begin(), older.outline.end());
       for (const Vector2d& vertex : younger.outline)
-        all.push_back(older.project(younger.p_m + younger.q_m_s * Vector3d(vertex.x(), vertex.y(), 0)));
-      older.outline = hull_of(std::move(all));
+        vertices_.push_back(older.project(younger.p_m + younger.q_m_s * Vector3d(vertex.x(), vertex.y(), 0)));
+      make_hull(vertices_);
+      older.outline.assign(vertices_.begin(), vertices_.end());
       if (younger.scale_sigma < kSmaller * older.scale_sigma) {
         older.p_m += older.normal_m() * older.distance(there);
         older.sigma_m = younger.sigma_m, older.scale_sigma = younger.scale_sigma, older.eye = younger.eye;

@@ -7,6 +7,7 @@
 
 #include <Eigen/Geometry>
 
+#include "plugins/surface/planes/cells.hpp"
 #include "sdk/math/scalar.hpp"
 #include "sdk/math/voxel_map.hpp"
 
@@ -110,14 +111,16 @@ class PlaneFinder {
   void weigh(Patch& patch, double by_chance, double cells) const;
   double tolerance(const Landmark& landmark, const Eigen::Vector3d& normal) const;
   void gather(int64_t t_ns, const Eigen::Vector3d& phone);
-  std::optional<Patch> best_patch();
+  bool find_best();
   size_t agreeing(size_t seed, const Eigen::Vector3d& normal) const;
-  std::optional<Patch> patch_at(const Eigen::Vector3d& normal, const Eigen::Vector3d& through,
-                                const Eigen::Vector3d* seed, const Plane* known) const;
-  void fit(Patch& patch) const;
-  bool is_wide_enough(const Patch& patch) const;
+  void sort_into_cells(const Eigen::Vector3d& normal, const Eigen::Vector3d& through, const Plane* known);
+  void connect(Cells::Cell& from, Patch& patch);
+  bool find_patch(const Eigen::Vector3d& normal, const Eigen::Vector3d& through, const Eigen::Vector3d* seed,
+                  const Plane* known);
+  void fit(Patch& patch);
+  bool is_wide_enough(const Patch& patch);
   bool refine(Plane& plane);
-  void take_patch(Plane& plane, const Patch& patch) const;
+  void take_patch(Plane& plane, const Patch& patch);
   void find_new(const Eigen::Vector3d& phone);
   void merge(std::vector<Change>& changes);
   void name_floor(const Eigen::Vector3d& phone);
@@ -129,6 +132,11 @@ class PlaneFinder {
   std::vector<Landmark> landmarks_;  // of this search
   std::vector<size_t> free_;         // indices of those that belong to no plane
   std::vector<Plane> planes_;
+  // Of one step of a search; kept, since a search allocates nothing but new planes.
+  Patch patch_, other_patch_;
+  Cells cells_;
+  std::vector<double> weights_;
+  std::vector<Eigen::Vector2d> vertices_;
   std::optional<int64_t> searched_ns_;
   double scale_sigma_ = 1;  // now
   Eigen::Vector3d phone_ = Eigen::Vector3d::Zero();
