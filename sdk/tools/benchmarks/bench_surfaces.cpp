@@ -6,9 +6,11 @@
 #include <map>
 #include <set>
 
+#include <odograph/anchor.h>
 #include <odograph/scene.h>
 
 #include "sdk/math/rotation.hpp"
+#include "sdk/math/scalar.hpp"
 #include "sdk/math/time.hpp"
 #include "sdk/tools/benchmarks/benchmarks.hpp"
 #include "sdk/tools/simulation/world.hpp"
@@ -21,6 +23,9 @@ using Eigen::Vector3d;
 constexpr double kKnownScale = 0.03;  ///< relative sigma of the scale from which on errors are counted
 constexpr double kEvery_s = 0.5;      ///< between two looks
 constexpr int kColumns = 8, kRows = 6;
+constexpr int kTap_looks = 4;        ///< a tap in each so many looks
+constexpr double kReach_m = 5;       ///< farther away nobody taps to place something
+constexpr double kAround_rad = 0.5;  ///< change of the direction of view after which somebody has walked round a thing
 
 struct Hits {
   std::vector<double> error_m, share, sigma_m, normalised;
@@ -63,6 +68,8 @@ class Looks {
       hit(session, t_ns, direction, *seen, known);
     }
     if (known && sees_floor && !floor_seen_ns_) floor_seen_ns_ = t_ns;
+    look_at_taps(session, *place, t_ns);
+    if (known && ++known_looks_ % kTap_looks == 1) tap(session, *place, t_ns);
     check_surfaces(session, *place, pose, t_ns);
   }
 
@@ -84,6 +91,10 @@ class Looks {
       figures.push_back({name, "sigma cm", name + "_sigma_cm", 1, 100 * percentile_or_nan(hits->sigma_m, 0.5)});
       figures.push_back({name, "< 3 sigma %", name + "_within_percent", 1, within(3)});
     }
+    figures.push_back({"taps", "px", "tap_px", 1, percentile_or_nan(tap_px_, 0.5)});
+    figures.push_back({"taps", "px 95 %", "tap_95_px", 1, percentile_or_nan(tap_px_, 0.95)});
+    figures.push_back({"taps", "round px", "tap_round_px", 1, percentile_or_nan(tap_round_px_, 0.5)});
+    figures.push_back({"taps", "round", "taps_round", 0, tap_round_px_.size()});
     figures.push_back({"floor", "after s", "floor_s", 1, until_floor_s});
     figures.push_back({"false", "surfaces", "false_surfaces", 0, false_.size()});
     figures.push_back({"of", "", "all_surfaces", 0, all_.size()});
@@ -132,7 +143,9 @@ class Looks {
         const Vector3d p_n = quaternion(surface.q_n) * Vector3d(at.x(), at.y(), 0) + Vector3d(surface.p_n);
         const Vector3d p = place.p + turn * (p_n - Vector3d(pose.p_n));
         const Vector3d normal = turn * (quaternion(surface.q_n) * Vector3d::UnitZ());
-        const double far_m = (p - place.p).norm(), within = 3 * std::hypot(surface.sigma_m, 0.02 * far_m) + 0.03;
+        const double far_m = (p - place.p).norm(),
+                     within =
+                         3 * std::hypot(surface.sigma_m, std::max(0.02, pose.scale_sigma / pose.scale) * far_m) + 0.03;
         const auto below = world_.look(p + within * normal, -normal, 0);
         ++places;
         on += below && below->distance_m < 2 * within ? 1 : 0;
@@ -141,6 +154,62 @@ class Looks {
       for (uint32_t i = 0; i < 4; ++i) test(0.5 * (middle + vertex(surface, i * surface.count / 4)));
       const double far_m = (Vector3d(surface.p_n) - Vector3d(pose.p_n)).norm();
       if (2 * on < places && far_m < kFarthest_m / 3) false_.insert(id);
+    }
+  }
+
+  /// A thing that somebody has put down: its anchor, and what the pixel really showed.
+  struct Tap {
+    uint64_t anchor;
+    Vector3d p, from;  ///< true place and the direction from the camera to it
+  };
+
+  /// Taps the middles of the quarters of the picture: an anchor at the first hit of each.
+  void tap(odo_session* session, const StampedPose& place, int64_t t_ns) {
+    for (int quarter = 0; quarter < 4; ++quarter) {
+      odo_ray ray{};
+      ray.struct_size = sizeof ray, ray.kind = ODO_RAY_VIEW, ray.t_ns = t_ns;
+      const double column = (0.25 + 0.5 * (quarter % 2)) * lens_.width,
+                   row = (0.25 + 0.5 * (quarter / 2)) * lens_.height;
+      const Vector3d to = Vector3d((column - lens_.cx) / lens_.fx, (row - lens_.cy) / lens_.fy, 1).normalized();
+      Vector3d::Map(ray.direction) = to;
+      const auto seen = world_.look(place.p, place.q * to);
+      if (!seen || seen->distance_m > kReach_m) continue;
+      odo_hit hit{};
+      hit.struct_size = sizeof hit;
+      uint32_t count = 0;
+      if (odo_session_hit_test(session, &ray, &hit, 1, &count) != ODO_OK || count == 0) continue;
+      odo_anchor_place put{};
+      put.struct_size = sizeof put, put.kind = ODO_ANCHOR_HIT, put.t_ns = t_ns;
+      std::copy_n(hit.q_n, 4, put.q);
+      std::copy_n(hit.p_n, 3, put.p);
+      put.surface = hit.surface, put.sigma_m = hit.sigma_m;
+      uint64_t id = 0;
+      if (odo_anchor_create(session, &put, &id) == ODO_OK)
+        taps_.push_back({id, place.p + seen->distance_m * (place.q * to), place.q * to});
+    }
+  }
+
+  /// How far on the screen each thing is from where it was put, where that is in view.
+  void look_at_taps(odo_session* session, const StampedPose& place, int64_t t_ns) {
+    const auto pixel_of = [&](const Vector3d& p_c) {
+      return Eigen::Vector2d(lens_.cx + lens_.fx * p_c.x() / p_c.z(), lens_.cy + lens_.fy * p_c.y() / p_c.z());
+    };
+    for (const Tap& tap : taps_) {
+      const Vector3d truth = place.q.conjugate() * (tap.p - place.p);
+      if (truth.z() < 0.2) continue;
+      const Eigen::Vector2d there = pixel_of(truth);
+      if (there.x() < 0 || there.y() < 0 || there.x() >= lens_.width || there.y() >= lens_.height) continue;
+      const Vector3d to = (tap.p - place.p).normalized();
+      const auto seen = world_.look(place.p, to);
+      constexpr double kHidden_m = 0.02;
+      if (!seen || seen->distance_m < truth.norm() - kHidden_m) continue;
+      odo_anchor anchor{};
+      anchor.struct_size = sizeof anchor;
+      if (odo_anchor_get(session, tap.anchor, ODO_WORLD_CORRECTED, t_ns, &anchor) != ODO_OK) continue;
+      if (!(anchor.flags & ODO_ANCHOR_VIEW_POSE) || !(anchor.p_view[2] > 0)) continue;
+      const double off_px = (pixel_of(Vector3d(anchor.p_view)) - there).norm();
+      tap_px_.push_back(off_px);
+      if (to.dot(tap.from) < std::cos(kAround_rad)) tap_round_px_.push_back(off_px);
     }
   }
 
@@ -155,7 +224,9 @@ class Looks {
   odo_calibration lens_{};
   std::optional<int64_t> last_ns_, floor_seen_ns_, floor_ns_;
   double passed_s_ = 0;
-  size_t seen_ = 0;
+  size_t seen_ = 0, known_looks_ = 0;
+  std::vector<Tap> taps_;
+  std::vector<double> tap_px_, tap_round_px_;
   Hits surfaces_, points_;
   std::set<uint64_t> all_, false_;
 };
@@ -165,7 +236,7 @@ struct Surfaces : Benchmark {
       : Benchmark("surfaces", "Hit tests on surfaces and landmarks against the exact distance, in simulated scenes",
                   kConfigs | kSimulated, {"walk"}) {
     options.scenarios.clear();
-    for (const char* scene : {"room", "street", "stairs"})
+    for (const char* scene : {"room", "street", "stairs", "round"})
       options.scenarios.push_back(sample_file(text("scenarios/surfaces_%s.yaml", scene)));
   }
 
@@ -185,8 +256,10 @@ struct Surfaces : Benchmark {
     return text(
         "Rays through %d pixels every %.1f s: the nearest hit on a surface or a landmark against the exact distance, "
         "once the scale's\nstated sigma is below 3 %%; medians. < 3 sigma: share of all hits, also before that. floor: "
-        "from seeing it until its sigma is\nbelow 5 cm. false: surfaces most of which are on nothing.\n\n",
-        kColumns * kRows, kEvery_s);
+        "from seeing it until its sigma is\nbelow 5 cm. false: surfaces most of which are on nothing. taps: how far "
+        "things put down within %.0f m are from "
+        "there on the screen,\nand so when seen from a direction that differs by %.0f degrees.\n\n",
+        kColumns * kRows, kEvery_s, kReach_m, kDeg_per_rad * kAround_rad);
   }
 };
 

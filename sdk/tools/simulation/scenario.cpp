@@ -44,6 +44,7 @@ Scenario::Camera take_camera(const Value& v, const std::string& profile) {
   c.model = v["model"].text;
   if (v["distortion"].given) c.distortion = v["distortion"].reals;
   set(v["focal"], c.focal_px), set(v["rate"], c.rate_hz), set(v["pitch"], c.pitch_rad), set(v["tilt"], c.tilt_rad);
+  set(v["facing"], c.facing_rad);
   set(v["row_time"], c.row_time_s), set(v["exposure"], c.exposure_s);
   set(v["exposure_longest"], c.exposure_longest_s), set(v["exposure_interval"], c.exposure_interval_s);
   set(v["exposure_steps"], c.exposure_steps), set(v["vignetting"], c.vignetting);

@@ -67,7 +67,7 @@ struct Scenario {
     std::string model = "pinhole";
     double focal_px = 500;
     std::vector<double> distortion = {0, 0, 0, 0};  // k1 k2 p1 p2, or Kannala-Brandt's k1 k2 k3 k4
-    double rate_hz = 10, pitch_rad = -0.2, tilt_rad = 0;
+    double rate_hz = 10, pitch_rad = -0.2, tilt_rad = 0, facing_rad = 0;
     double row_time_s = 30e-6, exposure_s = 8e-3;
     double exposure_longest_s = 0, exposure_interval_s = 3;  // 0: always exposure_s
     double exposure_steps = 0.03, vignetting = 0.25, shot_noise = 0.35, read_noise = 1.2;

@@ -125,6 +125,7 @@ Spec camera_spec() {
        real("rate", "Hz", 1, 120, "10", "frames a second"),
        real("pitch", "rad", -1.57, 1.57, "-0.2", "camera elevation when texting; negative is downwards"),
        real("tilt", "rad", -1.6, 1.6, "0", "of the camera in the phone, from straight out of its back towards its top"),
+       real("facing", "rad", -3.15, 3.15, "0", "of the phone in the hand, from the direction of the walk to the right"),
        real("row_time", "s", 0, 1e-3, "30e-6", "rolling shutter: from one row to the next; 0 = global shutter"),
        real("exposure", "s", 0, 0.1, "8e-3", "of a frame; moving pictures blur over it"),
        real("exposure_longest", "s", 0, 0.1, "0", "the exposure changes at random between both; 0 = constant"),

@@ -244,7 +244,7 @@ class Body {
       const Vector3d pocketed(0.10 + 0.06 * v * std::sin(kPi * ph), 0.18, -0.48 * walker_.height_m);
       const double s = swing[i], k = pocket[i], held = std::max(0.0, 1 - s - k - leg[i] - bag[i]);
       const CarriedPose thigh = on_leg(ph, v, walker_.height_m), bagged = swaying.at(i, walker_.height_m);
-      const double facing = heading_[i] + look_yaw_[i];
+      const double facing = heading_[i] + look_yaw_[i] + c_.camera.facing_rad;
       Vector3d offset = held * text + s * swung + k * pocketed + leg[i] * thigh.offset + bag[i] * bagged.offset;
       offset += Vector3d(other(0), other(1), other(2));
       p_[i] = base_[i] + Eigen::AngleAxisd(facing, Vector3d::UnitZ()) * offset;
