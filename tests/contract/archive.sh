@@ -46,6 +46,14 @@ today() { "$work/growth_app_old" "$archived" write "$work/new.odo" && "$work/gro
 "$build/bin/odograph-manifest" "$work/new/every.so"
 holds "today's app and plugin with the archived library" today "$work/new"
 
+# The archived library does not know the kind of today's surface finder, and says so.
+unknown_kind() {
+  "$work/growth_app_old" "$archived" replay "$work/new.odo" "$(cat "$old/every.yaml")
+surface_finder: {plugin: test/every}" "$work/new" "$work/none" old old old
+  grep -q "surface_finder" "$work/log"
+}
+holds "the archived library names 'surface_finder' as unknown" unknown_kind
+
 # All combinations of archived binaries with those of a later minor version, in which every struct has one more field.
 if [ -e "$build/tests/growth/growth_app_new" ]; then
   mkdir "$work/growth"

@@ -1,10 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
  * An attitude that declares every input and emits every event that a plugin may emit, for app.c: in
- * response to a QUESTION it emits one of each, and an ANSWER with its inputs so far. */
+ * response to a QUESTION it emits one of each, and an ANSWER with its inputs so far. Also a front-end, which says
+ * nothing, and a surface finder, which answers with a surface. */
 #include <stdlib.h>
 
 #include <odograph/attitude.h>
+#include <odograph/surface_finder.h>
+#include <odograph/vo_frontend.h>
 
 #include "every.h"
 
@@ -12,6 +15,7 @@ struct odo_instance {
   const odo_host* host;
   const odo_sink* sink;
   uint32_t number;
+  int finds_surfaces, is_attitude;
   struct answer answer;
 };
 
@@ -23,11 +27,19 @@ struct state {
 #endif
 };
 
+static const odo_string kinds[] = {{ODO_INTERFACE_ATTITUDE, sizeof ODO_INTERFACE_ATTITUDE - 1},
+                                   {ODO_INTERFACE_VO_FRONTEND, sizeof ODO_INTERFACE_VO_FRONTEND - 1},
+                                   {ODO_INTERFACE_SURFACE_FINDER, sizeof ODO_INTERFACE_SURFACE_FINDER - 1}};
+
+static int is_kind(const odo_string* kind, int i) {
+  return kind->size == kinds[i].size && memcmp(kind->data, kinds[i].data, (size_t)kind->size) == 0;
+}
+
 static int32_t ODO_CALL create(const odo_host* host, uint32_t number, const odo_string* kind, odo_instance** out) {
-  (void)kind;
   *out = (odo_instance*)calloc(1, sizeof **out);
   if (!*out) return ODO_E_MEMORY;
   (*out)->host = host, (*out)->number = number;
+  (*out)->is_attitude = is_kind(kind, 0), (*out)->finds_surfaces = is_kind(kind, 2);
   for (uint32_t i = 0; i < MAX_ROWS; ++i) (*out)->answer.grown[i] = -2;
   return ODO_OK;
 }
@@ -72,7 +84,19 @@ static int32_t answer(odo_instance* self, int64_t t_ns) {
   return self->sink->emit(self->sink, &self->answer.header);
 }
 
+static int32_t find_surface(odo_instance* self, const odo_batch* batch) {
+  for (uint32_t i = 0; i < batch->count; ++i) {
+    union message surface;
+    if (batch->messages[i]->type != QUESTION) continue;
+    fill(&surface, ODO_TYPE_SURFACE, batch->messages[i]->t_ns);
+    if (self->sink->emit(self->sink, &surface.header) < 0) return ODO_E_ERROR;
+  }
+  return ODO_OK;
+}
+
 static int32_t ODO_CALL process(odo_instance* self, const odo_batch* batch) {
+  if (self->finds_surfaces) return find_surface(self, batch);
+  if (!self->is_attitude) return ODO_OK;
   for (uint32_t i = 0; i < batch->count; ++i) {
     const odo_header* message = batch->messages[i];
     const uint32_t row = row_of(message->type);
@@ -109,7 +133,6 @@ static int32_t ODO_CALL load(odo_instance* self, const void* data, uint64_t size
 }
 
 ODO_EXPORT int32_t ODO_CALL ODO_PLUGIN_ENTRY(const odo_host* host, odo_plugin* out) {
-  static const odo_string kind = {ODO_INTERFACE_ATTITUDE, sizeof ODO_INTERFACE_ATTITUDE - 1};
   static uint32_t inputs[MAX_ROWS] = {QUESTION, LARGE}, outputs[MAX_ROWS] = {ANSWER};
   static odo_parameter row;
   odo_plugin table;
@@ -126,7 +149,7 @@ ODO_EXPORT int32_t ODO_CALL ODO_PLUGIN_ENTRY(const odo_host* host, odo_plugin* o
   memcpy(outputs + 1, events, sizeof events);
   table.struct_size = sizeof table;
   table.abi_major = ODO_ABI_MAJOR, table.abi_minor = ODO_ABI_MINOR;
-  table.interfaces = &kind, table.interface_count = 1;
+  table.interfaces = kinds, table.interface_count = sizeof kinds / sizeof *kinds;
   table.id.data = "test/every", table.id.size = 10, table.version.data = "1.0.0", table.version.size = 5;
   table.summary.data = "For a test.", table.summary.size = 11;
   table.parameters = &row, table.parameter_count = 1, table.parameter_stride = sizeof row;
