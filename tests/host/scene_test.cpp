@@ -193,7 +193,7 @@ TEST_CASE("surfaces have ids of the session; those of a finder that was reset ar
 
 TEST_CASE("the ray of a pixel is the inverse of both lens models, and none where the lens shows nothing") {
   const double radial[] = {-0.3, 0.1, 0.001, -0.002, -0.02}, fisheye[] = {0.02, -0.01, 0.003, -0.001};
-  for (const Eigen::Vector2d p : {Eigen::Vector2d(0, 0), {0.3, -0.2}, {-0.7, 0.5}}) {
+  for (const auto& p : {Eigen::Vector2d(0, 0), Eigen::Vector2d(0.3, -0.2), Eigen::Vector2d(-0.7, 0.5)}) {
     const auto ray = ray_of(radial_tangential(p, {radial, 5}), false, {radial, 5});
     REQUIRE(ray);
     CHECK((ray->head<2>() / ray->z() - p).norm() < 1e-8);

@@ -38,6 +38,9 @@ constexpr Row kRows[] = {
      "gyro_b turns gravity in accel_b the wrong way; expected right-handed rates about the axes of accel_b: "
      "multiply by -1, or convert both from left-handed axes"},
     {"gyro_silent", "gyro_b is 0 while gravity in accel_b turns by %V rad: is there a gyroscope?"},
+    {"gyro_bias",
+     "gyro_b turns at %V rad/s about an axis that is not vertical while gravity in accel_b stays: subtract its mean at "
+     "rest; or is it in degrees per second?"},
     {"imu_axes",
      "accel_b and gyro_b do not have the same axes: gravity would fit the rotation if accel_b were %A of what it is"},
     {"picture_turned",
@@ -99,8 +102,8 @@ constexpr uint32_t kOfSampling = 1u << uint32_t(InputFault::imu_batched) | 1u <<
                                  1u << uint32_t(InputFault::imu_half_filled);
 /// Faults that the shift of the pictures would show too: inertial ones, and what is drawn over them.
 constexpr uint32_t kOfRotation = 1u << uint32_t(InputFault::gyro_in_degrees) | 1u << uint32_t(InputFault::gyro_sign) |
-                                 1u << uint32_t(InputFault::gyro_silent) | 1u << uint32_t(InputFault::imu_axes) |
-                                 1u << uint32_t(InputFault::picture_overlay);
+                                 1u << uint32_t(InputFault::gyro_silent) | 1u << uint32_t(InputFault::gyro_bias) |
+                                 1u << uint32_t(InputFault::imu_axes) | 1u << uint32_t(InputFault::picture_overlay);
 
 std::string words(const Row& row, double value, const SignedAxes& axes) {
   char number[32];

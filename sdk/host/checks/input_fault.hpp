@@ -19,6 +19,7 @@ enum class InputFault : uint8_t {
   gyro_in_degrees,
   gyro_sign,
   gyro_silent,
+  gyro_bias,
   imu_axes,
   picture_turned,
   picture_mirrored,

@@ -60,7 +60,7 @@ void MotionCheck::add(const odo_imu& imu) {
   }
   now_.force += force_b;
   now_.norm += force_b.norm(), now_.norm2 += force_b.squaredNorm();
-  now_.turned_rad += rate_b.norm() * step_s;
+  now_.turned_rad += rate_b.norm() * step_s, now_.rotation += rate_b * step_s;
   ++now_.samples;
   for (int axis = 0; axis < 3; ++axis) ranges_[static_cast<size_t>(axis)].add(force_b[axis]);
   last_ns_ = t_ns;
@@ -144,6 +144,18 @@ bool MotionCheck::swings_too_far() const {
   return true;
 }
 
+/// Where gravity stays in b, the phone can only have turned about the vertical.
+void MotionCheck::check_bias() {
+  if (windows_.size() < kWindows) return;
+  Vector3d rotation = Vector3d::Zero(), force = Vector3d::Zero();
+  for (size_t i = 0; i < kWindows; ++i) rotation += windows_.back(i).rotation, force += windows_.back(i).force;
+  const double about_force = rotation.dot(force.normalized()), turned = rotation.norm();
+  const double across = std::sqrt(std::max(0.0, turned * turned - about_force * about_force));
+  const bool biased = across > p_.biased_rad && std::abs(about_force) < p_.vertical * turned;
+  if (biased || across < 0.5 * p_.biased_rad)
+    found_(InputFault::gyro_bias, biased, turned / (static_cast<double>(kWindows) * p_.window_s), {});
+}
+
 void MotionCheck::check_axes() {
   double least = 1e9, largest = 0;  // of gravity
   for (size_t i = 0; i < windows_.size(); ++i) {
@@ -156,6 +168,7 @@ void MotionCheck::check_axes() {
     const double claimed = turn(0, {});
     const bool degrees = (claimed > p_.claimed_rad && turn(2, {}) < p_.explained * claimed) || swings_too_far();
     if (degrees || claimed < p_.turned_rad) found_(InputFault::gyro_in_degrees, degrees, 0, {});
+    if (!degrees) check_bias();
     return;
   }
   double turned_rad = 0;

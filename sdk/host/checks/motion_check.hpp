@@ -43,8 +43,10 @@ class MotionCheck {
     double cancelled = 0.87, held = 0.97;  ///< norm of the mean over mean norm of gravity that is swung to and fro, and
                                            ///< that is held; judgement
     double explained = 0.25;               ///< share of the contradiction that a better explanation leaves; judgement
-    double silent_rad = 1e-6;              ///< rad in a second: no gyroscope ...
-    double unnoticed_rad = 1;              ///< rad: ... if gravity in b has turned by that meanwhile
+    double biased_rad = 0.8;   ///< rad in eight seconds that gravity does not show: 0.1 rad/s, twice any data sheet's
+    double vertical = 0.8;     ///< cosine, of axis and mean force: a car in a curve of 0.7 g turns about the vertical
+    double silent_rad = 1e-6;  ///< rad in a second: no gyroscope ...
+    double unnoticed_rad = 1;  ///< rad: ... if gravity in b has turned by that meanwhile
   };
 
   explicit MotionCheck(FaultFound found) : found_(std::move(found)) { reset(); }
@@ -69,7 +71,7 @@ class MotionCheck {
     /// By rate and axis of the accelerometer: rotated into a fixed frame as if it was each axis of b (columns), so that
     /// any exchange of axes can be evaluated later.
     std::array<std::array<Eigen::Matrix3d, 3>, kRates> rotated;
-    Eigen::Vector3d force = Eigen::Vector3d::Zero();
+    Eigen::Vector3d force = Eigen::Vector3d::Zero(), rotation = Eigen::Vector3d::Zero();  ///< in b
     double norm = 0, norm2 = 0, turned_rad = 0;
     int samples = 0;
 
@@ -86,6 +88,7 @@ class MotionCheck {
   void check_level(const Window& w);
   void check_range();
   void check_axes();
+  void check_bias();
   double turn(size_t rate, const SignedAxes& axes) const;
   double rotation_in_body() const;
   bool swings_too_far() const;
