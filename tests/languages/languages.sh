@@ -92,6 +92,7 @@ csharp() {
   missing 'C#' mcs mono && return
   say 'C#' mcs -unsafe -warnaserror -out:"$work/Walk.exe" "$bindings"/csharp/*.cs "$walk/Walk.cs" && compare 'C#' mono "$work/Walk.exe" && refuses 'C#' mono "$work/Walk.exe"
   say 'C#' mcs -unsafe -warnaserror -out:"$work/NoCopy.exe" "$bindings"/csharp/*.cs "$here/NoCopy.cs" || return
+  say 'C#' mcs -unsafe -warnaserror -out:"$work/Callbacks.exe" "$bindings"/csharp/*.cs "$here/Callbacks.cs" && say 'C#' mono "$work/Callbacks.exe"
   LD_PRELOAD=$work/count.so mono "$work/NoCopy.exe" || { echo "FAILED: C# copies, keeps or allocates for a frame"; failed=1; }
   say Unity mcs -unsafe -out:"$work/Unity.exe" "$bindings"/csharp/*.cs "$source/samples/unity/OdographProvider.cs" "$here/unity.cs" && say Unity mono "$work/Unity.exe"
 }
@@ -120,9 +121,10 @@ java() {
   home=$(dirname "$(dirname "$(readlink -f "$(command -v javac)")")")
   say Java cc -std=c99 -shared -fPIC -Wall -Wextra -Werror -I"$home/include" -I"$home/include/linux" -I"$source/abi/include" "$bindings"/java/*.c \
     -L"$build/lib" -lodograph -o "$work/libodograph_jni.so" || return
-  say Java javac -Xlint:all -Werror --release 11 -d "$work/java" "$bindings"/java/org/odograph/*.java "$walk/Walk.java" || return
+  say Java javac -Xlint:all -Werror --release 11 -d "$work/java" "$bindings"/java/org/odograph/*.java "$walk/Walk.java" "$here/Callbacks.java" || return
   compare Java "$home/bin/java" -Xcheck:jni -Djava.library.path="$work" -cp "$work/java" Walk
   refuses Java "$home/bin/java" -Djava.library.path="$work" -cp "$work/java" Walk
+  say Java "$home/bin/java" -Xcheck:jni -Djava.library.path="$work" -cp "$work/java" Callbacks
   missing Kotlin kotlinc && return
   say Kotlin kotlinc -cp "$work/java" -d "$work/kotlin.jar" -include-runtime "$walk/Walk.kt" &&
     compare Kotlin "$home/bin/java" -Djava.library.path="$work" -cp "$work/java:$work/kotlin.jar" WalkKt
@@ -139,6 +141,7 @@ javascript() {
   ln -s "$(dirname "$koffi")/@koromix" "$work/node/node_modules/@koromix" # koffi's compiled part
   cp "$walk/walk.mjs" "$work/node/"
   compare JavaScript node --preserve-symlinks "$work/node/walk.mjs"
+  cp "$here/callbacks.mjs" "$work/node/" && say JavaScript node --preserve-symlinks "$work/node/callbacks.mjs"
   refuses JavaScript node --preserve-symlinks "$work/node/walk.mjs"
 }
 

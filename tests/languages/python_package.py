@@ -35,6 +35,30 @@ with Session(config) as session:
     assert session.pose() is None
 refused(session.flush, "closed")
 
+# What on_event raises comes out of push once, and events go on; it cannot close the session.
+for live in (False, True):
+    seen = []
+
+    def on_event(event):
+        seen.append(event)
+        if len(seen) == 20:
+            raise KeyboardInterrupt("once")
+        if len(seen) == 200:
+            session.close()
+
+    raised = []
+    with Session("odograph: 1\nattitude: {plugin: attitude/vqf}\n", live=live, on_event=on_event) as session:
+        for i in range(400):
+            try:
+                session.push_imu(1_000_000_000 + i * 5_000_000, (0.1, 0, 0.02), (0.1, 0.2, 9.8))
+                if live and i % 50 == 49:
+                    session.flush()
+            except BaseException as error:  # pylint: disable=broad-except
+                raised.append(str(error))
+        session.flush()
+    assert len(raised) == 2 and raised[0] == "once" and "on_event" in raised[1], (live, raised)
+    assert len(seen) > 300, (live, len(seen))
+
 # Texts of events are bytes, not arrays of single ones; they take strings too.
 report = odograph.Report()
 report.plugin, report.text = "acme/vo", b"out of light"

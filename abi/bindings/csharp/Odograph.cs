@@ -160,6 +160,7 @@ namespace Odograph {
     readonly GCHandle self;
     Handler handler;
     volatile Exception thrown;
+    volatile System.Threading.Thread calling;  // in the handler
 
     /// `config`: a YAML file, or its text. A text has a line break or ": " in it, as every YAML mapping has; a path with either is taken for one.
     public Session(string config, bool live = false, string pluginPath = "", string assetPath = "", ulong seed = 0) {
@@ -195,10 +196,14 @@ namespace Odograph {
     [MonoPInvokeCallback(typeof(Callback))]
     static void OnEvent(IntPtr user, odo_header* header) {
       var session = (Session)GCHandle.FromIntPtr(user).Target;
+      System.Threading.Thread before = session.calling;
+      session.calling = System.Threading.Thread.CurrentThread;
       try {
         session.handler(new Event(header));
       } catch (Exception e) {  // must not propagate through the library
         session.thrown = e;
+      } finally {
+        session.calling = before;
       }
     }
 
@@ -224,8 +229,8 @@ namespace Odograph {
       frame.planes0.row_stride = rowStride != 0 ? rowStride : (long)(frame.width * pixel);
       frame.planes0.pixel_stride = pixel;
       long end = begin + (frame.height - 1) * frame.planes0.row_stride + (long)frame.width * pixel;
-      if (begin < 0 || frame.height == 0 || end > picture.Length)
-        throw new ArgumentException("a frame of " + frame.width + " x " + frame.height + " ends at byte " + end + " of a picture of " + picture.Length);
+      if (begin < 0 || frame.height == 0 || frame.planes0.row_stride < (long)frame.width * pixel || end > picture.Length)
+        throw new ArgumentException("a frame of " + frame.width + " x " + frame.height + " with rows " + frame.planes0.row_stride + " bytes apart ends at byte " + end + " of a picture of " + picture.Length);
       picture.Lend(ref frame);
       try {
         fixed (Frame* f = &frame) return Push(&f->header);
@@ -302,8 +307,10 @@ namespace Odograph {
     public static string StateText(uint state) { return Marshal.PtrToStringAnsi((IntPtr)Abi.odo_state_text(state)); }
     public static string ReasonText(uint reason) { return Marshal.PtrToStringAnsi((IntPtr)Abi.odo_reason_text(reason)); }
 
+    /// Not within the handler of Listen, where it throws an InvalidOperationException.
     public void Dispose() {
       if (session == null) return;
+      if (calling == System.Threading.Thread.CurrentThread) throw new InvalidOperationException("Dispose within Listen's handler: dispose of the session after Push or Flush has returned");
       Abi.odo_session_destroy(session);
       session = null;
       self.Free();

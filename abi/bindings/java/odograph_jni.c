@@ -3,25 +3,30 @@
  * Native part of the Java binding: addresses of buffers, calls from the library's threads, borrowed pictures.
  */
 #include <jni.h>
+#include <pthread.h>
 #include <stdint.h>
 #include <stdlib.h>
 
 #include <odograph/odograph.h>
 
 static JavaVM* vm;
+static pthread_key_t attached; /* of a thread that was attached here */
 
-/* JNI environment of the calling thread, which stays attached until it ends. */
+static void detach(void* machine) { (*(JavaVM*)machine)->DetachCurrentThread((JavaVM*)machine); }
+
+/* JNI environment of the calling thread, which stays attached until it ends: Android aborts if it ends attached. */
 static JNIEnv* environment(void) {
   JNIEnv* env = NULL;
-  if ((*vm)->GetEnv(vm, (void**)&env, JNI_VERSION_1_6) != JNI_OK)
-    (*vm)->AttachCurrentThreadAsDaemon(vm, (void*)&env, NULL);
+  if ((*vm)->GetEnv(vm, (void**)&env, JNI_VERSION_1_6) == JNI_OK) return env;
+  if ((*vm)->AttachCurrentThreadAsDaemon(vm, (void*)&env, NULL) != JNI_OK) return NULL;
+  pthread_setspecific(attached, vm);
   return env;
 }
 
 JNIEXPORT jint JNICALL JNI_OnLoad(JavaVM* machine, void* reserved) {
   (void)reserved;
   vm = machine;
-  return JNI_VERSION_1_6;
+  return pthread_key_create(&attached, detach) == 0 ? JNI_VERSION_1_6 : JNI_ERR;
 }
 
 JNIEXPORT jlong JNICALL Java_org_odograph_Native_address(JNIEnv* env, jclass self, jobject buffer) {

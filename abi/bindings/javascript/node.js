@@ -68,7 +68,7 @@ export class Odograph {
 }
 
 export class Session {
-  #session; #callback; #thrown = null; #borrowed = new Map(); #next = 1; #retain; #release;
+  #session; #callback; #thrown = null; #calling = false; #borrowed = new Map(); #next = 1; #retain; #release;
 
   constructor(library, {config, plugins = '', seed = 0n, events = 'all', onEvent = () => {}}) {
     this.library = library;
@@ -84,10 +84,14 @@ export class Session {
     this.#retain = koffi.register(hold(1), RETAIN);
     this.#release = koffi.register(hold(-1), RELEASE);
     const call = (_, event) => {
+      const before = this.#calling;
+      this.#calling = true;
       try {
         onEvent(message(event));
       } catch (error) { // must not propagate through the library: push or flush rethrows it
         this.#thrown = error;
+      } finally {
+        this.#calling = before;
       }
     };
     this.#callback = koffi.register(call, CALLBACK);
@@ -183,8 +187,10 @@ export class Session {
     return status === abi.ODO_OK ? null : message;
   }
 
+  /** Not within onEvent, where it throws. */
   close() {
     if (!this.#session) return;
+    if (this.#calling) throw new OdographError(abi.ODO_E_STATE, 'close() within onEvent: close the session after push or flush has returned');
     this.library.odo_session_destroy(this.#session);
     [this.#callback, this.#retain, this.#release].forEach(pointer => koffi.unregister(pointer));
     this.#session = 0n;

@@ -81,7 +81,7 @@ export class Odograph {
 }
 
 export class Session {
-  #session; #pixels = 0; #capacity = 0; #scratch; #callback = 0;
+  #session; #pixels = 0; #capacity = 0; #scratch; #callback = 0; #thrown = null; #calling = false;
 
   constructor(library, config, seed, events, onEvent) {
     this.library = library;
@@ -100,7 +100,18 @@ export class Session {
 
   #listen(events, onEvent) {
     const {library, library: {module}} = this;
-    this.#callback = module.addFunction((user, event) => onEvent(library.message(event)), 'vii');
+    const call = (user, event) => {
+      const before = this.#calling;
+      this.#calling = true;
+      try {
+        onEvent(library.message(event));
+      } catch (error) { // must not propagate through the library: push or flush rethrows it
+        this.#thrown = error;
+      } finally {
+        this.#calling = before;
+      }
+    };
+    this.#callback = module.addFunction(call, 'vii');
     const types = eventTypes(events);
     if (!types) return module._odo_session_set_callback(this.#session, 0, abi.ODO_ALL_EVENTS, this.#callback, 0);
     library.using(4 * types.length + 4, at => {
@@ -114,13 +125,20 @@ export class Session {
     return this.#session;
   }
 
+  #checked(status) {
+    const thrown = this.#thrown;
+    this.#thrown = null;
+    if (thrown) throw thrown;
+    return status;
+  }
+
   /** Pushes any input except a frame. Returns the status; lastError() has the reason. */
   push(message) {
     checkInput(message);
     const {library} = this, at = this.#scratch;
     library.module.HEAPU8.fill(0, at, at + STRUCTS[message.type].size);
     library.write(at, message.type, message);
-    return library.module._odo_session_push(this.#handle, at);
+    return this.#checked(library.module._odo_session_push(this.#handle, at));
   }
 
   /** Pushes an inertial sample: rotation rate (rad/s) and specific force (m/s^2) in b. */
@@ -138,13 +156,13 @@ export class Session {
     const at = this.#scratch;
     module.HEAPU8.fill(0, at, at + STRUCTS.frame.size);
     library.write(at, 'frame', {...fields, ...plane(pixels, width, height, this.#pixels), loan_retain: 0, loan_release: 0});
-    return module._odo_session_push(handle, at);
+    return this.#checked(module._odo_session_push(handle, at));
   }
 
   /** Number of pictures that the library still borrows: always 0, because it copies them. */
   get borrowed() { return 0; }
 
-  flush() { return this.library.module._odo_session_flush(this.#handle); }
+  flush() { return this.#checked(this.library.module._odo_session_flush(this.#handle)); }
 
   /** The pose at a time, by default at the newest sample; null if not available. `smooth`: without jumps, for rendering. `of`: ODO_OF_*. */
   pose(t_ns = LATEST, {smooth = false, of = abi.ODO_OF_PIPELINE} = {}) {
@@ -205,7 +223,9 @@ export class Session {
     return status === abi.ODO_OK ? null : message;
   }
 
+  /** Not within onEvent, where it throws. */
   close() {
+    if (this.#calling) throw new OdographError(abi.ODO_E_STATE, 'close() within onEvent: close the session after push or flush has returned');
     const {module} = this.library;
     module._odo_session_destroy(this.#session);
     if (this.#session) [this.#pixels, this.#scratch].forEach(at => module._free(at)), module.removeFunction(this.#callback);

@@ -50,6 +50,7 @@ class Session:
         self._odo, self._session = library(), c.POINTER(abi.odo_session)()
         self._borrowed = _Borrowed()
         self._failed: BaseException | None = None
+        self._calling: int | None = None  # thread that is in on_event
         text, error, options = os.fspath(config), sized(abi.odo_error), sized(abi.odo_session_options)
         options.run, options.seed = abi.ODO_RUN_LIVE if live else abi.ODO_RUN_REPLAY, seed
         strings = {"config_text" if isinstance(config, str) and ("\n" in config or ": " in config) else "config_path": string(text), "plugin_path": string(plugin_path), "asset_path": string(asset_path)}
@@ -61,10 +62,13 @@ class Session:
 
     def _listen(self, on_event: Callable[[Any], None], types: Sequence[int]) -> None:
         def call(_: Any, event: Any) -> None:
+            before, self._calling = self._calling, threading.get_ident()
             try:
                 on_event(copied(event))
             except BaseException as failed:  # pylint: disable=broad-except; must not propagate through the library: push or flush raises it
                 self._failed = failed
+            finally:
+                self._calling = before
 
         self._callback = abi.odo_callback(call)  # keeps it alive for the library
         numbers = (c.c_uint32 * len(types))(*types) if types else None
@@ -221,6 +225,9 @@ class Session:
         return status == abi.ODO_OK
 
     def close(self) -> None:
+        """Not within on_event, where it raises an OdographError."""
+        if self._calling == threading.get_ident():
+            raise OdographError(abi.ODO_E_STATE, "close() within on_event: close the session after push or flush has returned")
         self._odo.odo_session_destroy(self._session)
         self._session = c.POINTER(abi.odo_session)()
 

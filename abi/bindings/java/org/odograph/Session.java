@@ -10,7 +10,8 @@ import java.util.function.Consumer;
 public final class Session implements java.io.Closeable {
     private long session, listener;
     private Consumer<Event> consumer;
-    private volatile RuntimeException thrown;
+    private volatile Throwable thrown;
+    private volatile Thread calling; // in the consumer
 
     /** `config`: a YAML file, or its text. A text has a line break or ": " in it, as every YAML mapping has; a path with either is taken for one. */
     public Session(String config) { this(config, false, ""); }
@@ -39,7 +40,7 @@ public final class Session implements java.io.Closeable {
     }
 
     /** Calls `consumer` with each event of these types (ODO_TYPE_*), or with all events if none is given: within push and flush, or on
-     * the library's thread when live. The next push or flush rethrows its exceptions. */
+     * the library's thread when live. The next push or flush rethrows what it throws; events go on. */
     public void onEvent(Consumer<Event> consumer, int... types) {
         long before = listener;
         this.consumer = consumer;
@@ -48,19 +49,26 @@ public final class Session implements java.io.Closeable {
     }
 
     private void take(long event) { // called by odograph_jni.c
+        Thread before = calling;
+        calling = Thread.currentThread();
         try {
             consumer.accept(new Event(event));
-        } catch (RuntimeException e) { // must not propagate through the library
+        } catch (Throwable e) { // must not propagate through the library
             thrown = e;
+        } finally {
+            calling = before;
         }
     }
 
     private int checked(int status) {
-        RuntimeException e = thrown;
+        Throwable e = thrown;
         thrown = null;
-        if (e != null) throw e;
+        if (e != null) Session.<RuntimeException>rethrow(e);
         return status;
     }
+
+    @SuppressWarnings("unchecked") // whatever the consumer has thrown, checked or not
+    private static <T extends Throwable> void rethrow(Throwable e) throws T { throw (T) e; }
 
     /** Pushes any input except a frame. Returns ODO_OK, or the status of a rejected message. */
     public int push(Struct message) {
@@ -73,9 +81,10 @@ public final class Session implements java.io.Closeable {
     public int push(Event message) { return checked(Abi.odo_session_push(open(), message.address)); }
 
     /** Pushes a frame whose pixels start at byte `begin` of a direct buffer, which the library shares without copying. Set format,
-     * width and height in the frame; rows are `rowStride` bytes apart. */
+     * width and height in the frame; rows are `rowStride` bytes apart, at least a row's own bytes. */
     public int pushFrame(Abi.Frame frame, ByteBuffer pixels, int begin, int rowStride) {
         int format = frame.format(), pixel = format == Abi.ODO_FORMAT_RGB8 ? 3 : format == Abi.ODO_FORMAT_RGBA8 || format == Abi.ODO_FORMAT_BGRA8 ? 4 : 1;
+        if (begin < 0 || rowStride < (long) frame.width() * pixel) throw new IllegalArgumentException("begin " + begin + ", rowStride " + rowStride + ": expected 0 or more, and at least " + (long) frame.width() * pixel);
         long end = begin + (frame.height() - 1L) * rowStride + (long) frame.width() * pixel;
         if (!pixels.isDirect() || end > pixels.capacity()) throw new IllegalArgumentException("pixels: expected a direct buffer of at least " + end + " bytes");
         frame.plane_count(1).planes0_row_stride(rowStride).planes0_pixel_stride(pixel);
@@ -142,8 +151,10 @@ public final class Session implements java.io.Closeable {
     }
     public void removeAnchor(long id) { OdographException.check(Abi.odo_anchor_remove(open(), id)); }
 
+    /** Not within the consumer of onEvent, where it throws an IllegalStateException. */
     @Override
     public void close() {
+        if (calling == Thread.currentThread()) throw new IllegalStateException("close() within onEvent's consumer: close the session after push or flush has returned");
         Abi.odo_session_destroy(session);
         Native.unlisten(listener);
         session = listener = 0;
