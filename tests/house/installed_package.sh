@@ -48,7 +48,7 @@ cmake --build "$work/vendor" >/dev/null
 # A new plugin of each kind in both languages builds, passes the check and runs; the rest of its pipeline gives the
 # displacement if it does not.
 "$work/prefix/bin/odograph" sim "$work/samples/scenarios/walk_short.yaml" --first 8 -o "$work/short.odo" >/dev/null
-for kind in attitude step_estimator vo_frontend scale_source absolute_fixer; do
+for kind in attitude step_estimator vo_frontend scale_source absolute_fixer surface_finder; do
   for language in "" --c; do
     name=fresh_$kind${language#--}
     "$work/prefix/bin/odograph" plugin new $kind trial/$name "$work/$name" $language >/dev/null

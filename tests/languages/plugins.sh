@@ -22,7 +22,7 @@ for language in $languages; do
     rust) command -v cargo >/dev/null || { echo "SKIPPED: Rust: no cargo"; continue; } ;;
     python) python3 -c 'import numpy' 2>/dev/null || { echo "SKIPPED: Python: no numpy"; continue; } ;;
   esac
-  for kind in ${kinds:-attitude step_estimator vo_frontend scale_source absolute_fixer}; do
+  for kind in ${kinds:-attitude step_estimator vo_frontend scale_source absolute_fixer surface_finder}; do
     name=${language}_$kind folder=$work/${language}_$kind
     if [ "$language" = rust ]; then # as in the vendor's CI
       quietly "$program" plugin new "$kind" "trial/$name" "$folder" --language rust --repository
