@@ -59,6 +59,7 @@ for kind in attitude step_estimator vo_frontend scale_source absolute_fixer surf
     [ "$kind" = scale_source ] && continue  # no steps beside it: the displacement is that of its single speed
     "$work/prefix/bin/odograph" run -c "$work/$name/pipeline.yaml" -i "$work/short.odo" -o "$work/$name/out" --json >/dev/null || [ $? = 1 ]
     python3 -c "import json, sys; m = json.load(open(sys.argv[1]))['distance_m']; sys.exit(not 4 < m < 16 and f'{m} m of 8 m')" "$work/$name/out/summary.json"
+    [ "$kind" != surface_finder ] || grep -q '"kind": "floor"' "$work/$name/out/surfaces.json"
   done
 done
 # As a repository: the commands of its CI, and the report; a failing plugin is reported in red.
