@@ -1,13 +1,26 @@
 // SPDX-License-Identifier: Apache-2.0
-// A sketch of Odograph as the source of a camera's pose in Unity. It is compiled against our own declarations (ctest
-// -R languages) and has not been run in Unity. README.md has the steps.
+// A sketch of Odograph as the source of a camera's pose in Unity, and of hits for content that is placed by a tap. It
+// is compiled against our own declarations (ctest -R languages) and has not been run in Unity. README.md has the steps.
 using System;
+using System.Collections.Generic;
 using Odograph;
 using UnityEngine;
+using Pose = UnityEngine.Pose;  // Odograph has a Pose too
+using Ray = UnityEngine.Ray;    // and a Ray
+
+/// As ARRaycastHit.
+public struct OdographHit {
+  public Pose pose;          // up is the normal of what was hit, forward points away from the camera
+  public float distance;     // from the camera, m
+  public float sigma;        // its standard deviation
+  public ulong trackableId;  // of the surface, 0: none
+  public uint hitType;       // Abi.ODO_HIT_SURFACE, _POINT or _FLOOR
+  internal Hit hit;
+}
 
 public sealed class OdographProvider : MonoBehaviour {
   [TextArea] public string Config = "odograph: 1\nwalker: {height: 1.70 m}\nattitude: {plugin: attitude/vqf}\nstep_estimator: {plugin: step/odograph}\n" +
-                                    "vo_frontend: {plugin: vo/odograph}\ncoupling: {type: localizer}\n";
+                                    "vo_frontend: {plugin: vo/odograph}\nsurface_finder: {plugin: surface/planes}\ncoupling: {type: localizer}\n";
   public string PluginPath = "";
   public long ScreenDelay_ns = 30000000;  // from the newest sample to the light of the screen
   public uint State { get; private set; }
@@ -15,6 +28,8 @@ public sealed class OdographProvider : MonoBehaviour {
   Session session;
   PicturePool pictures;
   Frame frame;
+  readonly Hit[] found = new Hit[8];
+  long shown_ns;
 
   void OnEnable() { session = new Session(Config, live: true, pluginPath: PluginPath); }
 
@@ -41,22 +56,54 @@ public sealed class OdographProvider : MonoBehaviour {
   }
 
   void LateUpdate() {
-    Pose pose;
+    Odograph.Pose pose;
     if (!session.TryGetPose(out pose) || !session.TryGetPose(out pose, pose.header.t_ns + ScreenDelay_ns, smooth: true)) return;
     State = pose.state;
+    shown_ns = pose.header.t_ns;
     if ((pose.header.flags & Abi.ODO_POSE_POSITION) != 0) transform.localPosition = Place(pose.p_n);
     // Without a camera the orientation is that of the phone's axes, which Turned does not convert.
     if ((pose.header.flags & Abi.ODO_POSE_CAMERA) != 0) transform.localRotation = Turned(pose.q_n);
   }
 
+  /// As ARRaycastManager.Raycast: what lies behind a point of the screen, nearest first; false if nothing is known there.
+  /// `types`: Abi.ODO_HIT_*, any of them; 0: all. The camera's field of view must be that of the picture shown behind.
+  public bool Raycast(Vector2 screenPoint, List<OdographHit> hits, uint types = 0) {
+    return Raycast(GetComponent<Camera>().ScreenPointToRay(screenPoint), hits, types);
+  }
+
+  /// As above, for a ray through the camera. It is cast from the camera's own position, not from the near plane.
+  public bool Raycast(Ray ray, List<OdographHit> hits, uint types = 0) {
+    hits.Clear();
+    int count = session.HitTest(new Odograph.Ray {kind = Abi.ODO_RAY_WORLD, world = Abi.ODO_WORLD_SMOOTH, t_ns = shown_ns, wanted = types,
+                                                  origin = FromUnity(transform.localPosition), direction = FromUnity(ray.direction)}, found);
+    for (int i = 0; i < count; ++i)
+      hits.Add(new OdographHit {pose = PoseOf(found[i].q_n, found[i].p_n), distance = (float)found[i].distance_m, sigma = (float)found[i].sigma_m,
+                                trackableId = found[i].surface, hitType = found[i].what, hit = found[i]});
+    return count > 0;
+  }
+
+  /// An anchor where a ray hit, which stays fixed to the surface: its id, 0 while the position is unknown.
+  public ulong AddAnchor(OdographHit hit, string name = "") { return session.CreateAnchor(Session.PlaceOf(hit.hit, Abi.ODO_WORLD_SMOOTH), name); }
+
+  /// Where to draw it in this frame: call it after the camera has moved. False while it is not placed.
+  public bool TryGetAnchor(ulong id, out Pose pose) {
+    Anchor anchor;
+    bool placed = session.TryGetAnchor(id, out anchor, shown_ns, Abi.ODO_WORLD_SMOOTH) && (anchor.flags & Abi.ODO_ANCHOR_PLACED) != 0;
+    pose = placed ? PoseOf(anchor.q_n, anchor.p_n) : default(Pose);
+    return placed;
+  }
+
   /// North-East-Down to Unity's left-handed x right, y up, z ahead: east, up, north.
   public static Vector3 Place(Vector p) { return new Vector3((float)p.y, (float)-p.z, (float)p.x); }
+  static Vector FromUnity(Vector3 v) { return new Vector(v.z, v.x, -v.y); }
 
   /// The camera looks along z in both conventions; its y axis points down in Odograph and up in Unity.
-  public static Quaternion Turned(Rotation q) {
-    Vector ahead = Rotate(q, new Vector(0, 0, 1)), up = Rotate(q, new Vector(0, -1, 0));
-    return Quaternion.LookRotation(Place(ahead), Place(up));
-  }
+  public static Quaternion Turned(Rotation q) { return Facing(q, new Vector(0, 0, 1), new Vector(0, -1, 0)); }
+
+  /// A hit's axes, and those of an anchor made from it: z is the normal, x points away from the camera.
+  static Pose PoseOf(Rotation q, Vector p) { return new Pose(Place(p), Facing(q, new Vector(1, 0, 0), new Vector(0, 0, 1))); }
+
+  static Quaternion Facing(Rotation q, Vector ahead, Vector up) { return Quaternion.LookRotation(Place(Rotate(q, ahead)), Place(Rotate(q, up))); }
 
   static Vector Rotate(Rotation q, Vector v) {
     double tx = 2 * (q.y * v.z - q.z * v.y), ty = 2 * (q.z * v.x - q.x * v.z), tz = 2 * (q.x * v.y - q.y * v.x);

@@ -39,6 +39,14 @@ navigation: {start: {position: [0 m, 0 m, 0 m], heading: 0 deg}}
     return head[0].Length + head[1].Length + head[2].Length + head[3].Length + 4;
   }
 
+  /// Puts an anchor on what lies ahead, 45 degrees down: usually the floor.
+  static void Place(Session session) {
+    Hit hit;
+    if (!session.TryHitTest(new Ray {kind = Abi.ODO_RAY_VIEW, t_ns = Abi.ODO_TIME_LATEST, direction = new Vector(0, 1, 1)}, out hit)) return;
+    ulong anchor = session.CreateAnchor(Session.PlaceOf(hit), "on the floor");
+    Console.WriteLine("hit " + hit.what + " " + hit.surface + " " + Digits(hit.distance_m) + " anchor " + anchor);
+  }
+
   static void Replay(string config, string file) {
     using (var pictures = new PicturePool(1 << 20))
     using (var session = new Session(config))
@@ -58,6 +66,7 @@ navigation: {start: {position: [0 m, 0 m, 0 m], heading: 0 deg}}
         }
       }
       session.Flush();
+      Place(session);
     }
   }
 

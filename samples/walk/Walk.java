@@ -35,6 +35,14 @@ public final class Walk {
         return words[0].length() + words[1].length() + words[2].length() + words[3].length() + 4;
     }
 
+    /** Puts an anchor on what lies ahead, 45 degrees down: usually the floor. */
+    private static void place(Session session) {
+        Abi.Hit hit = session.hitTest(new Abi.Ray().kind(Abi.ODO_RAY_VIEW).t_ns(Abi.ODO_TIME_LATEST).direction(0, 1, 1));
+        if (hit == null) return;
+        long anchor = session.createAnchor(Session.placeOf(hit, Abi.ODO_WORLD_CORRECTED), "on the floor");
+        System.out.println("hit " + hit.what() + " " + hit.surface() + " " + hit.distance_m() + " anchor " + anchor);
+    }
+
     private static void replay(String config, String file) {
         try (Session session = new Session(config); Recording recording = new Recording(file)) {
             session.onEvent(Walk::show, Abi.ODO_TYPE_POSE, Abi.ODO_TYPE_POINTS);
@@ -49,6 +57,7 @@ public final class Walk {
                 }
             }
             session.flush();
+            place(session);
         }
     }
 

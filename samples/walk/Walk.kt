@@ -34,6 +34,13 @@ fun decode(picture: ByteBuffer, frame: Abi.Frame): Int {
     return words.map { it.length + 1 }.sum()
 }
 
+/** Puts an anchor on what lies ahead, 45 degrees down: usually the floor. */
+fun place(session: Session) {
+    val hit = session.hitTest(Abi.Ray().kind(Abi.ODO_RAY_VIEW).t_ns(Abi.ODO_TIME_LATEST).direction(0.0, 1.0, 1.0)) ?: return
+    val anchor = session.createAnchor(Session.placeOf(hit, Abi.ODO_WORLD_CORRECTED), "on the floor")
+    println("hit ${hit.what()} ${hit.surface()} ${hit.distance_m()} anchor $anchor")
+}
+
 fun replay(config: String, file: String) = Session(config).use { session ->
     session.onEvent(Consumer { show(it) }, Abi.ODO_TYPE_POSE, Abi.ODO_TYPE_POINTS)
     Recording(file).use { recording ->
@@ -49,6 +56,7 @@ fun replay(config: String, file: String) = Session(config).use { session ->
         }
     }
     session.flush()
+    place(session)
 }
 
 fun live() {

@@ -42,6 +42,17 @@ void grey(odo_frame& frame, const uint8_t* pixels) {
   frame.planes[0] = {pixels, frame.width, 1, 0};
 }
 
+/// Puts an anchor on what lies ahead, 45 degrees down: usually the floor.
+void place(odo::Session& session) {
+  odo_ray ray{};
+  ray.kind = ODO_RAY_VIEW, ray.t_ns = ODO_TIME_LATEST, ray.direction[1] = ray.direction[2] = 1;
+  for (const odo_hit& hit : session.hit_test(ray, 1)) {
+    const uint64_t anchor = session.create_anchor(odo::Session::place_of(hit), "on the floor");
+    std::printf("hit %u %llu %.17g anchor %llu\n", hit.what, static_cast<unsigned long long>(hit.surface),
+                hit.distance_m, static_cast<unsigned long long>(anchor));
+  }
+}
+
 void replay(const char* config, const char* file) {
   odo::Session session(odo::Options().file(config));
   session.on_event(show, {ODO_TYPE_POSE, ODO_TYPE_POINTS});
@@ -57,6 +68,7 @@ void replay(const char* config, const char* file) {
     }
   }
   session.flush();
+  place(session);
 }
 
 void live() {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Reads a recording, and tracks a walk live, in JavaScript: node walk.mjs CONFIG.yaml RECORDING.odo
-import {load, ODO_ANCHOR_VIEW, TYPES} from '@odograph/node';
+import {load, ODO_ANCHOR_VIEW, ODO_RAY_VIEW, placeOf, TYPES} from '@odograph/node';
 
 const CONFIG = `odograph: 1
 walker: {height: 1.70 m}
@@ -28,6 +28,14 @@ function decode(picture) {
   return {width: Number(width), height: Number(height), pixels: picture.subarray(begin, begin + width * height)};
 }
 
+/** Puts an anchor on what lies ahead, 45 degrees down: usually the floor. */
+function place(session) {
+  const hit = session.hitTest({kind: ODO_RAY_VIEW, direction: [0, 1, 1]});
+  if (!hit) return;
+  const anchor = session.createAnchor({...placeOf(hit), name: 'on the floor'});
+  console.log(`hit ${hit.what} ${hit.surface} ${hit.distance_m} anchor ${anchor}`);
+}
+
 function replay(config, file) {
   const session = odograph.createSession({config, events: ['pose', 'points'], onEvent: show});
   const recording = odograph.openRecording(file);
@@ -37,6 +45,7 @@ function replay(config, file) {
     else if (TYPES[message.type] < 0x1000) session.push(message); // recorded events are not input
   }
   session.flush();
+  place(session);
   recording.close();
   session.close();
 }

@@ -8,7 +8,7 @@ import sys
 
 import numpy as np
 import odograph
-from odograph import Points, Pose, Step
+from odograph import Frame, Points, Pose, Step
 
 CONFIG = """\
 odograph: 1
@@ -30,8 +30,22 @@ def show(event):
     print("pose", event.t_ns, x, y, z, qx, qy, qz, qw)
 
 
+def place(session):
+    """Puts an anchor on what lies ahead, 45 degrees down: usually the floor."""
+    for hit in session.hit_test(odograph.ODO_RAY_VIEW, direction=(0, 1, 1), most=1):
+        anchor = session.create_anchor(odograph.ODO_ANCHOR_HIT, "on the floor", t_ns=hit.t_ns, q=hit.q_n, p=hit.p_n, surface=hit.surface, sigma_m=hit.sigma_m)
+        print("hit", hit.what, hit.surface, hit.distance_m, "anchor", anchor)
+
+
 def replay(config, recording):
-    odograph.run(config, recording, on_event=show)
+    with odograph.Session(config, on_event=show, events=[Pose, Points]) as session:
+        for message in odograph.Recording(recording):
+            if isinstance(message, Frame):
+                session.push_frame(message.t_ns, odograph.decode(message.picture), like=message)
+            elif not 0x1000 <= message.TYPE < 0x2000:  # recorded events are not input
+                session.push(message)
+        session.flush()
+        place(session)
 
 
 def live():

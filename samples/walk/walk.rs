@@ -34,6 +34,17 @@ fn decode(picture: &[u8], frame: &mut Frame) -> usize {
     words.iter().map(|word| word.len() + 1).sum()
 }
 
+/// Puts an anchor on what lies ahead, 45 degrees down: usually the floor.
+fn place(session: &Session) -> Result<()> {
+    let ray = Ray { kind: ODO_RAY_VIEW, t_ns: ODO_TIME_LATEST, direction: [0.0, 1.0, 1.0], ..Ray::default() };
+    for hit in session.hit_test(&ray, 1)? {
+        let on = AnchorPlace { kind: ODO_ANCHOR_HIT, t_ns: hit.t_ns, q: hit.q_n, p: hit.p_n, surface: hit.surface, sigma_m: hit.sigma_m, ..AnchorPlace::default() };
+        let anchor = session.create_anchor(&on, "on the floor")?;
+        println!("hit {} {} {} anchor {anchor}", hit.what, hit.surface, hit.distance_m);
+    }
+    Ok(())
+}
+
 fn replay(config: &str, file: &str) -> Result<()> {
     let mut session = Session::new(&Options { config, ..Options::default() })?;
     session.on_event(&[Pose::TYPE, Points::TYPE], show)?;
@@ -47,7 +58,8 @@ fn replay(config: &str, file: &str) -> Result<()> {
             session.push_event(recorded.message).ok();
         }
     }
-    session.flush()
+    session.flush()?;
+    place(&session)
 }
 
 fn live() -> Result<()> {

@@ -87,7 +87,13 @@ TEST_CASE("an anchor is seen where it was placed, in n and in the view, at the r
   CHECK((Vector3d(a.p_n) - (Vector3d(then.p_n) + q * ahead)).norm() < 1e-9);
   // At the same position of n it is the same; the view at another time differs.
   const uint64_t other = make(app, place(ODO_ANCHOR_POSE, Vector3d(a.p_n)));
-  app.walk(1000, 1600);
+  odo_anchor_place before = place(ODO_ANCHOR_POSE, Vector3d(a.p_n));
+  before.t_ns = ns(800);
+  const uint64_t earlier = make(app, before);
+  CHECK(get(app, earlier).view_sigma_m == 0);  // not known yet
+  app.walk(1000, 1050);
+  CHECK(get(app, earlier).view_sigma_m > 1e-3);
+  app.walk(1050, 1600);
   CHECK((where(app, other) - where(app, id)).norm() < 1e-3);
   CHECK((where(app, id) - Vector3d(a.p_n)).norm() < 0.75);  // the step in progress
   const int64_t t_ns = ns(1400);

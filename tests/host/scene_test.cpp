@@ -353,6 +353,11 @@ TEST_CASE("an anchor on a surface follows it, moves to the one it becomes part o
     REQUIRE(surfaces().size() == events);
   };
   until(2);
+  odo_anchor_place nowhere{.struct_size = sizeof nowhere, .kind = ODO_ANCHOR_HIT, .t_ns = ODO_TIME_LATEST};
+  nowhere.surface = surfaces()[1].id + 1;
+  uint64_t none = 7;
+  CHECK(odo_anchor_create(app.session, &nowhere, &none) == ODO_E_NOT_FOUND);
+  CHECK(none == 0);
   const auto place = [&](const odo_surface& on, double sigma_m = 0) {
     odo_anchor_place at{.struct_size = sizeof at, .kind = ODO_ANCHOR_HIT, .t_ns = ODO_TIME_LATEST, .sigma_m = sigma_m};
     std::copy(on.p_n, on.p_n + 3, at.p);
@@ -389,6 +394,7 @@ TEST_CASE("an anchor on a surface follows it, moves to the one it becomes part o
   CHECK(left.p_n[2] - down_m == doctest::Approx(0.1));
   CHECK(get(second).kind == ODO_ANCHOR_POSE);
   CHECK(odo_surface_list(app.session, nullptr, 0) == 0);
+  CHECK((get(place(surfaces()[0])).flags & ODO_ANCHOR_PLACED) != 0);  // withdrawn since the hit test
   walk_past_wall(app, frames, 30);
   CHECK((Vector3d(get(first).p_n) - Vector3d(left.p_n)).norm() < 0.05);
 }

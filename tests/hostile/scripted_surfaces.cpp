@@ -2,7 +2,6 @@
 // A surface finder by script: two floors, 1 m and 3 m north of the first pose and a metre below it; after 20 poses the
 // first is 0.1 m lower, after 40 the second is part of it, after 60 it is withdrawn.
 #include <odograph/plugin.hpp>
-#include <odograph/surface_finder.h>
 
 class ScriptedSurfaces {
  public:

@@ -48,7 +48,7 @@ cmake --build "$work/vendor" >/dev/null
 # A new plugin of each kind in both languages builds, passes the check and runs; the rest of its pipeline gives the
 # displacement if it does not.
 "$work/prefix/bin/odograph" sim "$work/samples/scenarios/walk_short.yaml" --first 8 -o "$work/short.odo" >/dev/null
-for kind in attitude step_estimator vo_frontend scale_source absolute_fixer; do
+for kind in attitude step_estimator vo_frontend scale_source absolute_fixer surface_finder; do
   for language in "" --c; do
     name=fresh_$kind${language#--}
     "$work/prefix/bin/odograph" plugin new $kind trial/$name "$work/$name" $language >/dev/null
@@ -59,6 +59,7 @@ for kind in attitude step_estimator vo_frontend scale_source absolute_fixer; do
     [ "$kind" = scale_source ] && continue  # no steps beside it: the displacement is that of its single speed
     "$work/prefix/bin/odograph" run -c "$work/$name/pipeline.yaml" -i "$work/short.odo" -o "$work/$name/out" --json >/dev/null || [ $? = 1 ]
     python3 -c "import json, sys; m = json.load(open(sys.argv[1]))['distance_m']; sys.exit(not 4 < m < 16 and f'{m} m of 8 m')" "$work/$name/out/summary.json"
+    [ "$kind" != surface_finder ] || grep -q '"kind": "floor"' "$work/$name/out/surfaces.json"
   done
 done
 # As a repository: the commands of its CI, and the report; a failing plugin is reported in red.

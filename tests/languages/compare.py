@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """compare.py LANGUAGE REFERENCE OUTPUT LIVE: the poses of samples/walk in a language equal the command line's, to the last bit, and its
-landmarks and live result equal that of the other languages (LIVE, written by the first of them)."""
+landmarks, hit test and live result equal those of the other languages (LIVE, written by the first of them)."""
 import os
 import re
 import sys
@@ -33,6 +33,9 @@ if not os.path.exists(live):
 landmarks = [[float(x) for x in (each[1], each[3], each[4])] for each in words(output, "points")]
 if len(landmarks) < 50 or landmarks != [[float(x) for x in (each[1], each[3], each[4])] for each in words(live, "points")]:
     sys.exit(f"{language}: {len(landmarks)} lines of landmarks; expected 50 or more, the same as in the other languages")
+hits = [[float(x) for x in (*each[1:4], each[5])] for each in words(output, "hit")]
+if len(hits) != 1 or hits != [[float(x) for x in (*each[1:4], each[5])] for each in words(live, "hit")] or not hits[0][1] > 0:
+    sys.exit(f"{language}: hits {hits}; expected one of a surface, the same as in the other languages")
 tracked = last(output)
 if tracked != last(live) or tracked[:1] != ["live"] or not tracked[1] >= 15 or tracked[-1] != 0:
     sys.exit(f"{language}: {tracked}; expected {last(live)}, at least 15 steps, and nothing still borrowed")

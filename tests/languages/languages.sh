@@ -94,7 +94,7 @@ csharp() {
   say 'C#' mcs -unsafe -warnaserror -out:"$work/NoCopy.exe" "$bindings"/csharp/*.cs "$here/NoCopy.cs" || return
   say 'C#' mcs -unsafe -warnaserror -out:"$work/Callbacks.exe" "$bindings"/csharp/*.cs "$here/Callbacks.cs" && say 'C#' mono "$work/Callbacks.exe"
   LD_PRELOAD=$work/count.so mono "$work/NoCopy.exe" || { echo "FAILED: C# copies, keeps or allocates for a frame"; failed=1; }
-  say Unity mcs -unsafe -out:"$work/Unity.exe" "$bindings"/csharp/*.cs "$source/samples/unity/OdographProvider.cs" "$here/unity.cs" && say Unity mono "$work/Unity.exe"
+  say Unity mcs -unsafe -out:"$work/Unity.exe" "$bindings"/csharp/*.cs "$source/samples/unity/OdographProvider.cs" "$here/unity.cs" && say Unity mono "$work/Unity.exe" "$work/walk.odo"
 }
 
 rust() {

@@ -22,7 +22,7 @@ for language in $languages; do
     rust) command -v cargo >/dev/null || { echo "SKIPPED: Rust: no cargo"; continue; } ;;
     python) python3 -c 'import numpy' 2>/dev/null || { echo "SKIPPED: Python: no numpy"; continue; } ;;
   esac
-  for kind in ${kinds:-attitude step_estimator vo_frontend scale_source absolute_fixer}; do
+  for kind in ${kinds:-attitude step_estimator vo_frontend scale_source absolute_fixer surface_finder}; do
     name=${language}_$kind folder=$work/${language}_$kind
     if [ "$language" = rust ]; then # as in the vendor's CI
       quietly "$program" plugin new "$kind" "trial/$name" "$folder" --language rust --repository
@@ -40,6 +40,7 @@ for language in $languages; do
     if [ "$kind" != scale_source ]; then # no steps beside it: the displacement is that of its single speed
       "$program" run -c "$folder/pipeline.yaml" -i "$work/short.odo" -o "$folder/out" --json >/dev/null || [ $? = 1 ]
       python3 -c "import json, sys; m = json.load(open(sys.argv[1]))['distance_m']; sys.exit(not 4 < m < 16 and f'$name: {m} m of 8 m')" "$folder/out/summary.json"
+      [ "$kind" != surface_finder ] || grep -q '"kind": "floor"' "$folder/out/surfaces.json"
     fi
     if [ "$name" = python_scale_source ]; then # a parameter that was changed without a build
       sed 's/"gain", /"pace", /; s/self\.gain/self.pace/' "$folder/$name.py" >"$work/changed.py"

@@ -1,6 +1,6 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# Compiles the native parts of samples/android and samples/ios for arm64, against our own declarations
+# Compiles samples/android (C++ for arm64, Kotlin) and the Objective-C of samples/ios against our own declarations
 # (phone_platforms).
 #   phone_samples.sh PROJECT
 set -eu
@@ -13,6 +13,15 @@ if command -v aarch64-linux-gnu-g++ >/dev/null; then
   echo "samples/android: compiles for arm64 Linux"
 else
   echo "SKIPPED: no aarch64-linux-gnu-g++"
+  skipped=77
+fi
+if command -v kotlinc >/dev/null; then
+  classes=$(mktemp -d)
+  trap 'rm -rf "$classes"' EXIT
+  kotlinc -nowarn "$here/android/java" "$1/samples/android/app/src/main/kotlin" -d "$classes"
+  echo "samples/android: the Kotlin compiles"
+else
+  echo "SKIPPED: no kotlinc"
   skipped=77
 fi
 clang --target=arm64-apple-ios16 -x objective-c -fobjc-arc -fblocks -Wall -Wextra -Wno-unused-parameter -Werror -fsyntax-only -nostdlibinc -F"$here/apple" \

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // page_browser.js REPORT SUMMARY: the page of a run in headless Chromium (playwright-core, axe-core from NODE_PATH):
-// it shows the summary's values, with no error, no request, working keys and no
+// it shows the summary's values and the surfaces beside SUMMARY, with no error, no request, working keys and no
 // finding of axe-core, wide and phone-sized, light and dark. 77 without those packages. Prints the times to open and
 // to draw.
 'use strict';
@@ -49,6 +49,23 @@ if (!browser_file) process.exit(77);
     }
     return cost.sort((a, b) => a - b)[25];
   });
+
+  // Landmarks and surfaces: drawn, turned by the keyboard without moving the time, and there as text.
+  const surfaces = JSON.parse(fs.readFileSync(require('path').join(require('path').dirname(process.argv[3]), 'surfaces.json')));
+  const look = () => page.evaluate(() => { redraw(); view.listeners.forEach(listener => listener()); return document.getElementById('map').toDataURL(); });
+  await page.click('#map-tilt');
+  const track = await look();
+  await page.click('#map-scene');
+  const scene = await look(), before_turn = await cursor();
+  check(track !== scene, 'landmarks and surfaces are not drawn');
+  await page.focus('#map');
+  await page.keyboard.press('ArrowLeft');
+  check(await look() !== scene, 'the left arrow does not turn the focused track');
+  check(await cursor() === before_turn, 'the left arrow on the track moves the time');
+  const rows = await page.$$eval('#details tr', all => all.map(row => row.children[0].textContent));
+  check(surfaces.length > 0 && surfaces.every(s => rows.filter(kind => kind === s.kind).length === surfaces.filter(t => t.kind === s.kind).length),
+        `surfaces in the table: ${rows}; in the run: ${surfaces.map(s => s.kind)}`);
+  check(/\d+ landmarks, 1 floor/.test(await page.getAttribute('#map', 'aria-label')), 'the label of the track does not state what it shows');
 
   await page.addScriptTag({path: axe});
   for (const [width, colorScheme] of [[1280, 'light'], [1280, 'dark'], [390, 'light']]) {

@@ -3,7 +3,7 @@
 'use strict';
 const assert = require('assert'), fs = require('fs'), path = require('path'), vm = require('vm');
 const page = vm.createContext({});
-for (const part of ['charts', 'map', 'picture']) vm.runInContext(fs.readFileSync(path.join(process.argv[2], part + '.js'), 'utf8'), page);
+for (const part of ['charts', 'map', 'picture', 'scene']) vm.runInContext(fs.readFileSync(path.join(process.argv[2], part + '.js'), 'utf8'), page);
 const call = text => vm.runInContext(text, page);
 const near = (seen, wanted, what) => wanted.forEach((x, k) => assert(Math.abs(seen[k] - x) < 1e-9, `${what}: ${seen}, expected ${wanted}`));
 
@@ -20,4 +20,9 @@ near(call(`project(${lens('{}')}, [1, 0.5, 2])`), [570, 340], 'pinhole');
 near(call(`project(${lens('{distortion: [0.1, 0.01, 0.02, 0.03]}')}, [1, 0.5, 2])`), [320 + 500 * 0.54548828125, 240 + 400 * 0.274306640625], 'distorted');
 near(call(`project(${lens("{model: 'equidistant'}")}, [1, 0, 1])`), [320 + 500 * Math.PI / 4, 240], 'fisheye without distortion');
 assert.strictEqual(call(`project(${lens('{}')}, [0, 0, -1])`), null);
+near([call('area([0, 0, 0, 2, 0, 0, 2, 0, 3, 0, 0, 3])')], [6], 'area of a wall');
+near([call('heightOf({placed: [0, 0, -1.4]}, {laid: [0, 0, 0.1, 1, 0, 0.1, 0, 1, -0.2]})')], [1.4 * -1 - 0], 'height');
+// Tilted, what is ahead is farther away; from above, what is below.
+assert(call('map.tilt = 1.5, depth([9, 0, 0], 0) > depth([1, 0, 0], 0)'));
+assert(call('map.tilt = 0, depth([0, 0, 3], 0) > depth([0, 0, 1], 0)'));
 console.log('the page computes what it should');

@@ -280,17 +280,24 @@ namespace Odograph {
     }
     public bool RemoveAnchor(ulong id) { return Abi.odo_anchor_remove(session, id) == Abi.ODO_OK; }
 
-    /// The nearest thing that a ray hits: false if there is none, or while position or scale are unknown. Set kind, and pixel or origin and
-    /// direction; t_ns as of the picture shown. To place something there, pass PlaceOf(hit) to CreateAnchor.
+    /// What a ray hits, nearest first, at most hits.Length: returns the number, 0 while position or scale are unknown. Set kind, and pixel or
+    /// origin and direction; t_ns as of the picture shown. To place something there, pass PlaceOf(hit) to CreateAnchor.
+    public int HitTest(Ray ray, Hit[] hits) {
+      if (hits.Length == 0) return 0;
+      hits[0] = new Hit {struct_size = (uint)sizeof(Hit)};
+      fixed (Hit* h = hits) return HitTest(ray, h, hits.Length);
+    }
+    /// The nearest of these; false if there is none.
     public bool TryHitTest(Ray ray, out Hit hit) {
+      hit = new Hit {struct_size = (uint)sizeof(Hit)};
+      fixed (Hit* h = &hit) return HitTest(ray, h, 1) > 0;
+    }
+    int HitTest(Ray ray, Hit* hits, int capacity) {
       uint count;
-      hit = default(Hit);
-      hit.struct_size = (uint)sizeof(Hit);
       ray.struct_size = (uint)sizeof(Ray);
-      int status;
-      fixed (Hit* h = &hit) status = Abi.odo_session_hit_test(session, &ray, h, 1, &count);
+      int status = Abi.odo_session_hit_test(session, &ray, hits, (uint)capacity, &count);
       if (status != Abi.ODO_E_NOT_FOUND) OdographException.Check(status); // no pose of that time: nothing is hit
-      return count > 0;
+      return (int)count;
     }
     public static AnchorPlace PlaceOf(Hit hit, uint world = Abi.ODO_WORLD_CORRECTED) {
       var place = default(AnchorPlace);

@@ -47,7 +47,8 @@ typedef struct odo_anchor_place {
   double geoid_height_m; /* with ODO_HEIGHT_GEOID */
   double sigma_m;        /* GEODETIC, HIT (that of the hit): standard deviation of the given position, in each axis */
   odo_string name;       /* UTF-8, at most 63 bytes */
-  uint64_t surface;      /* HIT, which needs it: id of the surface that was hit, 0: another hit. Since 1.1 */
+  uint64_t surface;      /* HIT, which needs it: id of the surface that was hit, 0: another hit. One that was withdrawn
+                          * or merged since the hit test counts as 0. Since 1.1 */
 } odo_anchor_place;
 
 #define ODO_ANCHOR_PLACED 1u    /* q_n, p_n and their sigmas are valid */
@@ -79,7 +80,8 @@ typedef struct odo_anchor {
                           * the track */
   double position_sigma_m; /* standard deviation of p_n in its worst direction */
   double yaw_sigma_rad;    /* standard deviation of the rotation about the vertical */
-  double view_sigma_m;     /* standard deviation of p_view in its worst direction: the visible error */
+  double view_sigma_m;     /* standard deviation of p_view in its worst direction: the visible error. Of a new
+                            * local anchor it lacks the motion since t_ns until the next odo_pose: 0 is not known yet */
   double latitude_rad;
   double longitude_rad;
   double height_m;       /* above the ellipsoid */
@@ -91,8 +93,9 @@ typedef struct odo_anchor {
  * known. odo_session_load restores saved anchors: look for the name in odo_anchor_list before creating an anchor again.
  * A local anchor is saved if the position of the phone in n is known: on the Earth if n has an origin, otherwise in n.
  * Returns ODO_NOT_READY while the position of the phone is unknown (local anchors), ODO_E_NOT_FOUND for a time outside
- * the stored poses, ODO_E_EXHAUSTED beyond 1024 anchors, ODO_E_ARGUMENT (unknown kind, number not finite, q not a unit
- * quaternion, latitude beyond a pole, longitude beyond 2 pi, name of more than 63 bytes). */
+ * the stored poses or a surface that the session never had, ODO_E_EXHAUSTED beyond 1024 anchors, ODO_E_ARGUMENT
+ * (unknown kind, number not finite, q not a unit quaternion, latitude beyond a pole, longitude beyond 2 pi, name of more
+ * than 63 bytes). */
 ODO_API int32_t ODO_CALL odo_anchor_create(odo_session *session, const odo_anchor_place *place, uint64_t *id);
 
 /* [any] Returns the anchor at a time (ODO_TIME_LATEST: at the newest sample) in a world (ODO_WORLD_*), relative to the

@@ -35,6 +35,7 @@
 #include <odograph/plugin.h>
 #include <odograph/scale_source.h>
 #include <odograph/step_estimator.h>
+#include <odograph/surface_finder.h>
 #include <odograph/vo_frontend.h>
 
 #include <odograph/plugin_messages.hpp>

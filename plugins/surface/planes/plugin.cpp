@@ -3,7 +3,6 @@
 #include <vector>
 
 #include <odograph/plugin.hpp>
-#include <odograph/surface_finder.h>
 
 #include "plugins/surface/planes/plane_finder.hpp"
 #include "sdk/math/frame_landmarks.hpp"

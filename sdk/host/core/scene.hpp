@@ -78,6 +78,8 @@ class Scene {
   bool is_metric() const { return scale_sigma_.has_value(); }
   const std::vector<Surface>& surfaces() const { return surfaces_; }
   const Surface* find(uint64_t id) const;
+  /// Whether a surface has, or had, this id.
+  bool knows(uint64_t id) const { return id <= last_id_; }
   /// Calls each(p_n, sigma_m, t_ns).
   template <class Visit>
   void visit_points(Visit&& each) const {

@@ -93,6 +93,7 @@ int32_t WorldView::create_anchor(const odo_anchor_place& place, uint64_t& id) {
   if (!finite(place.p, 3) || (is_hit && !bounds::kPosition_m.holds(place.sigma_m))) return ODO_E_ARGUMENT;
   if (is_hit && place.sigma_m < 0) return ODO_E_ARGUMENT;
   const std::lock_guard lock(mutex_);  // the poses and the anchor must belong to the same correction
+  if (is_hit && !scene_.knows(place.surface)) return ODO_E_NOT_FOUND;
   odo_pose body{}, view{}, smooth{};
   if (const int32_t status = tracked_body(place.t_ns, body); status != ODO_OK) return status;
   if ((body.header.flags & ODO_POSE_POSITION) == 0) return ODO_NOT_READY;

@@ -130,7 +130,9 @@ int write_new(const NewWish& wish) {
 void add_new(CLI::App& plugin, int& status) {
   auto wish = std::make_shared<NewWish>();
   auto* command = plugin.add_subcommand("new", "Write the source of a new plugin, ready to be built and run");
-  command->add_option("kind", wish->kind, "attitude, step_estimator, vo_frontend, scale_source or absolute_fixer")
+  command
+      ->add_option("kind", wish->kind,
+                   "attitude, step_estimator, vo_frontend, scale_source, absolute_fixer or surface_finder")
       ->required();
   command->add_option("id", wish->id, "group/name")->required();
   command->add_option("folder", wish->folder, "target folder; default: named after the plugin");

@@ -19,7 +19,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const std::vector<std::string> kKinds = {"attitude", "step_estimator", "vo_frontend", "scale_source", "absolute_fixer"};
+const std::vector<std::string> kKinds = {"attitude",     "step_estimator", "vo_frontend",
+                                         "scale_source", "absolute_fixer", "surface_finder"};
 
 using Words = std::vector<std::pair<std::string, std::string>>;
 

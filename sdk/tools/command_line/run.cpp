@@ -153,7 +153,7 @@ void add_run(CLI::App& app, int& status) {
   command
       ->add_option("-o,--output", a->output,
                    "folder for trajectory.tum, corrected.tum, vo.csv, steps.csv, scale.csv, fixes.csv, states.csv, "
-                   "points.ply, summary.json")
+                   "points.ply, surfaces.json, summary.json")
       ->capture_default_str();
   command->add_option("--set", a->set,
                       "PATH=VALUE overrides a value of the config: walker.height=1.8m; in a list, the item is named by "
@@ -168,9 +168,10 @@ void add_run(CLI::App& app, int& status) {
   command->add_option("--faults", a->faults,
                       "YAML file of sensor faults to inject; keys: odograph config schema faults");
   command->add_option("--seed", a->options.seed, "seed of the plugins' random numbers")->capture_default_str();
-  command->add_flag(
-      "--report", a->report,
-      "write report.html: one page with the track, the camera's pictures and charts over a common time axis");
+  command->add_flag("--report", a->report,
+                    "write report.html: one page with the track, landmarks and surfaces, the camera's pictures and "
+                    "charts over a common "
+                    "time axis");
   command->add_flag("--json", a->json, "print the summary as one JSON object");
   command->callback([a, &status] { status = run(*a); });
 }

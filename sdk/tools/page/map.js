@@ -1,5 +1,5 @@
 // The track in space, from above or tilted. Data coordinates are north, east, down in metres.
-const map = {centre: [0, 0, 0], metre_px: 10, turn: 0, tilt: 0, by_error: false, loads: 0};
+const map = {centre: [0, 0, 0], metre_px: 10, turn: 0, tilt: 0, by_error: false, scene: false, loads: 0};
 
 /** Transforms a position from a run's frame to the common drawing frame. */
 function lay(run, p, i) {
@@ -152,14 +152,21 @@ function showMap(data) {
   const largest = Math.max(0, ...data.runs.map(run => run.error.y.reduce((a, y) => Math.max(a, y || 0), 0)));
   document.getElementById('map-error').hidden = !(largest > 0 && data.truth);
   if (largest > 0) data.runs.forEach(run => { run.parts = errorParts(run, largest); });
+  document.getElementById('map-scene').hidden = !seesScene(data);
+  canvas.setAttribute('aria-label', describeScene(data));
+  data.runs.forEach(layScene);
   ++map.loads;
   view.listeners.push(() => {
     if (!map.fitted) { fitMap(data, canvas.clientWidth, canvas.clientHeight); map.fitted = !data.live; }
-    const {g, w, h} = layered(canvas, [map.centre, map.metre_px, map.turn, map.tilt, map.by_error, map.loads], drawUnder);
+    const {g, w, h} = layered(canvas, [map.centre, map.metre_px, map.turn, map.tilt, map.by_error, map.scene, map.loads], drawUnder);
     for (const run of data.runs) drawHere(g, run, w, h);
   });
   function drawUnder(g, w, h) {
     drawGrid(g, w, h);
+    if (map.scene) {
+      data.runs.forEach(run => drawScene(g, run, w, h));
+      drawSceneLegend(g, data, w, h);
+    }
     if (data.truth) drawPath(g, data.truth.p, w, h, () => css('--soft'), 4, []);
     for (const run of data.runs) {
       drawFixes(g, run, w, h);
@@ -175,6 +182,12 @@ function showMap(data) {
       g.fill();
     });
   }
+}
+
+function zoomMap(factor) {
+  map.fitted = true;
+  map.metre_px = Math.max(0.01, Math.min(5000, map.metre_px * factor));
+  redraw();
 }
 
 function setUpMap() {
@@ -199,8 +212,7 @@ function setUpMap() {
     }
     redraw();
   });
-  const scale = factor => { map.fitted = true; map.metre_px = Math.max(0.01, Math.min(5000, map.metre_px * factor)); redraw(); };
-  canvas.addEventListener('wheel', e => { e.preventDefault(); scale(Math.exp(-e.deltaY * 0.0015)); }, {passive: false});
+  canvas.addEventListener('wheel', e => { e.preventDefault(); zoomMap(Math.exp(-e.deltaY * 0.0015)); }, {passive: false});
   document.getElementById('map-top').onclick = () => { map.turn = map.tilt = 0; redraw(); };
   document.getElementById('map-tilt').onclick = () => { map.tilt = 1.0; map.turn = 0.6; redraw(); };
   document.getElementById('map-error').onclick = e => { map.by_error = !map.by_error; e.target.setAttribute('aria-pressed', map.by_error); redraw(); };

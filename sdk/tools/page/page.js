@@ -87,6 +87,7 @@ function setUpDetails() {
   const details = document.getElementById('details');
   details.append(element('h2', 'Figures'), table(data.runs[0].table.map((row, k) => [row[0], ...data.runs.map(run => run.table[k][1])]),
     data.runs.length > 1 ? ['Figure', ...data.runs.map(run => run.name)] : null));
+  setUpSurfaces(details);
   const said = data.runs.flatMap(run => run.reports.map(text => [run.name, text]));
   if (said.length) details.append(element('h2', 'Reported'), table(said));
   details.append(element('h2', 'How it was made'), table(data.about));
@@ -168,6 +169,7 @@ function start() {
   view.whole = [0, 0];
   if (!first.live) view.now = -1;  // from the start; a live run is followed
   setUpMap();
+  setUpScene();
   setUpTime();
   document.querySelectorAll('.save').forEach(button => {
     button.onclick = () => {

@@ -9,6 +9,7 @@
 #include "sdk/math/rotation.hpp"
 #include "sdk/math/time.hpp"
 #include "sdk/tools/page/page_pictures.hpp"
+#include "sdk/tools/page/page_scene.hpp"
 #include "sdk/tools/page/run_page_text.hpp"
 #include "sdk/tools/text/text.hpp"
 
@@ -75,6 +76,7 @@ class PageOfRun {
                 {"table", table()},
                 {"reports", reports()},
                 {"config", r_.config_text}});
+    out.update(page_scene(r_));
     return out;
   }
 

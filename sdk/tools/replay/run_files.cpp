@@ -94,6 +94,17 @@ Json json_of(const RecordingLoss& loss) {
           {"impossible", loss.impossible}};
 }
 
+/// Outlines as trajectory.tum: metres, north, east, down.
+Json json_of(const std::vector<RunResult::Patch>& patches) {
+  Json rows = Json::array();
+  for (const RunResult::Patch& patch : patches) {
+    Json outline = Json::array();
+    for (const Eigen::Vector3d& p : patch.outline_n) outline.push_back({p.x(), p.y(), p.z()});
+    rows.push_back({{"id", patch.id}, {"kind", patch.kind}, {"sigma_m", patch.sigma_m}, {"outline_n", outline}});
+  }
+  return rows;
+}
+
 Json json_of(const std::vector<RunResult::Plugin>& plugins) {
   Json rows = Json::array();
   for (const auto& p : plugins)
@@ -185,7 +196,7 @@ class RunFiles {
     for (OutputFile& file : files_)
       if (const auto done = file.commit(); !done) return done.failure();
     std::error_code error;
-    for (const char* stale : {"corrected.tum", "vo.csv", "points.ply", "report.html"})
+    for (const char* stale : {"corrected.tum", "vo.csv", "points.ply", "surfaces.json", "report.html"})
       if (!names_.contains(stale)) std::filesystem::remove(folder_ / stale, error);
     return true;
   }
@@ -220,6 +231,8 @@ Result<bool> write_run(const std::filesystem::path& folder, const Recording& rec
   files.add("fixes.csv", [&](std::ostream& out) { write_fixes(out, result.fixes); });
   files.add("states.csv", [&](std::ostream& out) { write_states(out, result); });
   if (!result.points.empty()) files.add("points.ply", [&](std::ostream& out) { write_points(out, result.points); });
+  if (!result.patches.empty())
+    files.add("surfaces.json", [&](std::ostream& out) { out << json_of(result.patches).dump(1) << '\n'; });
   files.add("summary.json", [&](std::ostream& out) {
     out << summary_of(recording, result, options).dump(2, ' ', false, Json::error_handler_t::replace) << '\n';
   });

@@ -205,7 +205,6 @@ void push_all(odo_session* session, const Recording& recording, const RunOptions
   }
 }
 
-/// Aligns the track with the recording's waypoints, as the config's replay section requests.
 std::vector<odo_map_point> points_of(odo_session* session) {
   std::vector<odo_map_point> points(ODO_MOST_MAP_POINTS);
   points[0].struct_size = sizeof points[0];
@@ -214,6 +213,28 @@ std::vector<odo_map_point> points_of(odo_session* session) {
   return points;
 }
 
+std::vector<RunResult::Patch> patches_of(odo_session* session) {
+  std::vector<uint64_t> ids(static_cast<size_t>(std::max<int64_t>(0, odo_surface_list(session, nullptr, 0))));
+  odo_surface_list(session, ids.data(), ids.size());
+  std::vector<RunResult::Patch> patches;
+  for (const uint64_t id : ids) {
+    alignas(8) char bytes[ODO_LARGEST_SURFACE];
+    auto& surface = *reinterpret_cast<odo_surface*>(bytes);
+    surface.header.struct_size = sizeof bytes;
+    if (odo_surface_get(session, id, ODO_WORLD_CORRECTED, &surface) != ODO_OK) continue;
+    const char* kind = surface.kind == ODO_SURFACE_FLOOR        ? "floor"
+                       : surface.kind == ODO_SURFACE_HORIZONTAL ? "horizontal"
+                       : surface.kind == ODO_SURFACE_VERTICAL   ? "vertical"
+                                                                : "other";
+    RunResult::Patch& patch = patches.emplace_back(RunResult::Patch{id, kind, surface.sigma_m, {}});
+    const Eigen::Quaterniond q = quaternion(surface.q_n);
+    for (uint32_t i = 0; const odo_vertex* v = ODO_VERTEX_AT(&surface, i); ++i)
+      patch.outline_n.emplace_back(Eigen::Vector3d(surface.p_n) + q * Eigen::Vector3d(v->p[0], v->p[1], 0));
+  }
+  return patches;
+}
+
+/// Aligns the track with the recording's waypoints, as the config's replay section requests.
 void align_tracks(const ReplayConfig& replay, const Recording& recording, RunResult& result) {
   const auto waypoints = recording.waypoints();
   if (!replay.start_at_first_waypoint || waypoints.empty() || result.track.empty()) return;
@@ -222,8 +243,12 @@ void align_tracks(const ReplayConfig& replay, const Recording& recording, RunRes
   const Eigen::Vector3d before = result.track[0].p;
   result.track = align_to_waypoints(result.track, waypoints, result.heading_offset_rad);
   const Eigen::AngleAxisd turn(result.heading_offset_rad, Eigen::Vector3d::UnitZ());
-  for (odo_map_point& point : result.points)
-    Eigen::Vector3d::Map(point.p_n) = result.track[0].p + turn * (Eigen::Vector3d(point.p_n) - before);
+  const auto moved = [&](const Eigen::Vector3d& p) -> Eigen::Vector3d {
+    return result.track[0].p + turn * (p - before);
+  };
+  for (odo_map_point& point : result.points) Eigen::Vector3d::Map(point.p_n) = moved(Eigen::Vector3d(point.p_n));
+  for (RunResult::Patch& patch : result.patches)
+    for (Eigen::Vector3d& p : patch.outline_n) p = moved(p);
   if (!result.corrected.empty())
     result.corrected = align_to_waypoints(result.corrected, waypoints, result.heading_offset_rad);
   for (odo_step& step : result.steps)
@@ -302,6 +327,7 @@ Result<RunResult> replay(const Recording& recording, const RunOptions& options) 
   std::array<double, 3> origin{};
   if (odo_session_to_geodetic(session, p_n, origin.data()) == ODO_OK) result.origin = origin;
   result.points = points_of(session);
+  result.patches = patches_of(session);
 
   result.corrected = collector.corrected();
   align_tracks(config->replay, recording, result);

@@ -45,8 +45,16 @@ struct RunResult {
   std::vector<odo_attitude> attitudes;  // if requested by RunOptions
   std::vector<odo_pose> poses;          // all published poses with covariance; if requested by RunOptions
   odo_statistics statistics{};
-  std::vector<odo_surface> surfaces;    // as published, without outlines
-  std::vector<odo_map_point> points;    // landmarks that the session has at the end, in the n of `corrected`
+  std::vector<odo_surface> surfaces;  // as published, without outlines
+  std::vector<odo_map_point> points;  // landmarks that the session has at the end, in the n of `corrected`
+  /// A surface that the session has at the end, likewise.
+  struct Patch {
+    uint64_t id = 0;
+    std::string kind;  ///< "floor", "horizontal", "vertical" or "other"
+    double sigma_m = 0;
+    std::vector<Eigen::Vector3d> outline_n;
+  };
+  std::vector<Patch> patches;
   std::vector<double> frame_ms;         // work between consecutive camera poses
   std::vector<double> frame_thread_ms;  // the same as processor time of the pushing thread
   std::vector<double> imu_us;           // work of each IMU sample alone
@@ -95,8 +103,8 @@ struct RunOptions {
 Result<RunResult> replay(const Recording& recording, const RunOptions& options);
 
 /// Writes trajectory.tum (from the first metric pose on; all poses if there is none), corrected.tum, vo.csv, steps.csv,
-/// scale.csv, fixes.csv, states.csv, points.ply (if landmarks remain), summary.json: all of them, or none if one cannot
-/// be written. Removes files of an older run that this one does not have.
+/// scale.csv, fixes.csv, states.csv, points.ply and surfaces.json (what remains at the end), summary.json: all of them,
+/// or none if one cannot be written. Removes files of an older run that this one does not have.
 Result<bool> write_run(const std::filesystem::path& folder, const Recording& recording, const RunResult& result,
                        const RunOptions& options);
 

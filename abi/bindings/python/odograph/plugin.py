@@ -62,6 +62,15 @@ def _message(data: bytes) -> Any:
     return message
 
 
+def _packed(event: Any) -> bytes:
+    """The bytes of an event, with the landmarks of a Points or the outline of a Surface behind it."""
+    elements = [bytes(element) for element in (*event.points, *event.outline)]
+    if elements:
+        event.count, event.stride, event.offset = len(elements), len(elements[0]), c.sizeof(event)
+        event.header.struct_size = event.offset + event.count * event.stride
+    return bytes(event) + b"".join(elements)
+
+
 class _Server:
     def __init__(self, kind: Any, built: str) -> None:
         self.kind = kind
@@ -90,7 +99,7 @@ class _Server:
         else:
             message = _message(data)
             if message is not None:
-                emit: Callable[[Any], None] = lambda event: events.extend(bytes(event))
+                emit: Callable[[Any], None] = lambda event: events.extend(_packed(event))
                 self.instances[number].on(message, emit)
         return bytes(events)
 

@@ -49,9 +49,31 @@ pub struct Output {
 impl Output {
     /// Emits an event. `Err` is the status from the host; an event that is newer than the host is no error.
     pub fn emit<M: Message>(&self, event: M) -> Result<(), i32> {
-        let event = sized(&event);
+        self.emit_message(&sized(&event) as *const M as *const odo_header)
+    }
+
+    /// Emits a surface with its outline: x and y of each vertex in m, counterclockwise. Those beyond ODO_MOST_VERTICES are left out.
+    pub fn emit_surface(&self, surface: Surface, outline: &[[f32; 2]]) -> Result<(), i32> {
+        #[repr(C)]
+        struct Outlined {
+            surface: Surface,
+            outline: [Vertex; ODO_MOST_VERTICES as usize],
+        }
+        let mut event = Outlined { surface: sized(&surface), outline: [Vertex::default(); ODO_MOST_VERTICES as usize] };
+        let count = outline.len().min(event.outline.len());
+        for (vertex, p) in event.outline.iter_mut().zip(outline) {
+            vertex.p = *p;
+        }
+        event.surface.count = count as u32;
+        event.surface.stride = size_of::<Vertex>() as u32;
+        event.surface.offset = size_of::<Surface>() as u32;
+        event.surface.header.struct_size = (size_of::<Surface>() + count * size_of::<Vertex>()) as u32;
+        self.emit_message(&event as *const Outlined as *const odo_header)
+    }
+
+    fn emit_message(&self, event: *const odo_header) -> Result<(), i32> {
         let emit = unsafe { self.sink.as_ref() }.and_then(|sink| sink.emit).ok_or(ODO_E_STATE)?;
-        match unsafe { emit(self.sink, &event as *const M as *const odo_header) } {
+        match unsafe { emit(self.sink, event) } {
             status if status < 0 && status != ODO_E_UNSUPPORTED => Err(status),
             _ => Ok(()),
         }

@@ -4,7 +4,11 @@
 #import <AVFoundation/AVFoundation.h>
 #import <CoreMotion/CoreMotion.h>
 
+#include <math.h>
+
+#include <odograph/anchor.h>
 #include <odograph/odograph.h>
+#include <odograph/scene.h>
 
 #include "conversions.h"
 
@@ -35,6 +39,28 @@ static const void *native_picture(void *owner, const char *id, uint64_t size) {
   return size == strlen(ODO_NATIVE_PIXEL_BUFFER) && memcmp(id, ODO_NATIVE_PIXEL_BUFFER, size) == 0 ? owner : NULL;
 }
 
+@implementation OdographRaycastResult {
+ @public
+  odo_hit hit;
+}
+
+- (double)distance {
+  return hit.distance_m;
+}
+
+- (double)sigma {
+  return hit.sigma_m;
+}
+
+- (NSString *)target {
+  if (hit.what == ODO_HIT_POINT) return @"point";
+  if (hit.surface == 0) return @"assumed floor";
+  if (hit.surface_kind == ODO_SURFACE_FLOOR) return @"floor";
+  return hit.surface_kind == ODO_SURFACE_VERTICAL ? @"wall" : @"surface";
+}
+
+@end
+
 @interface OdographTracker () <AVCaptureVideoDataOutputSampleBufferDelegate>
 @end
 
@@ -47,11 +73,13 @@ static const void *native_picture(void *owner, const char *id, uint64_t size) {
   NSOperationQueue *_queue;
   dispatch_queue_t _pictures;
   BOOL _described;
+  odo_calibration _lens;
+  _Atomic int64_t _newest_ns; /* time of the newest picture, 0 before the first: then _lens is not read */
 }
 
 - (nullable instancetype)initWithConfig:(NSString *)config error:(NSError **)error {
   const odo_plugin_entry entries[] = {odo_plugin_entry_attitude_vqf, odo_plugin_entry_step_odograph,
-                                        odo_plugin_entry_vo_odograph, odo_plugin_entry_surface_planes};
+                                      odo_plugin_entry_vo_odograph, odo_plugin_entry_surface_planes};
   odo_session_options options;
   odo_error reason;
   int32_t status = ODO_OK;
@@ -63,7 +91,7 @@ static const void *native_picture(void *owner, const char *id, uint64_t size) {
   options.run = ODO_RUN_LIVE;
   options.config_text.data = config.UTF8String;
   options.config_text.size = strlen(config.UTF8String);
-  for (int i = 0; i < 3 && status == ODO_OK; ++i) status = odo_register_plugin(entries[i], &reason);
+  for (size_t i = 0; i < sizeof entries / sizeof *entries && status == ODO_OK; ++i) status = odo_register_plugin(entries[i], &reason);
   if (status == ODO_OK) status = odo_session_create(&options, &_session, &reason);
   if (status != ODO_OK) {
     if (error) *error = failure([NSString stringWithUTF8String:reason.message]);
@@ -80,6 +108,10 @@ static const void *native_picture(void *owner, const char *id, uint64_t size) {
 - (void)dealloc {
   [self stop];
   odo_session_destroy(_session);
+}
+
+- (AVCaptureSession *)captureSession {
+  return _capture;
 }
 
 - (BOOL)start:(NSError **)error {
@@ -183,12 +215,12 @@ static const void *native_picture(void *owner, const char *id, uint64_t size) {
   frame.loan.native = native_picture;
   if (matrix.length >= 12 * sizeof(float)) phone_intrinsics(&frame, (const float *)matrix.bytes);
   if (!_described) {
-    odo_calibration calibration;
-    phone_calibration(&calibration, &frame, kReadoutS);
-    odo_session_push(_session, &calibration.header);
+    phone_calibration(&_lens, &frame, kReadoutS);
+    odo_session_push(_session, &_lens.header);
     _described = YES;
   }
   odo_session_push(_session, &frame.header);
+  _newest_ns = frame.header.t_ns;
   release_picture(pixels);
 }
 
@@ -205,6 +237,55 @@ static const void *native_picture(void *owner, const char *id, uint64_t size) {
   out->metric = (pose.header.flags & ODO_POSE_METRIC) != 0;
   out->state = pose.state;
   out->distance = statistics.distance_m;
+  return YES;
+}
+
+- (NSArray<OdographRaycastResult *> *)raycastFromPoint:(CGPoint)point {
+  NSMutableArray<OdographRaycastResult *> *results = [NSMutableArray new];
+  odo_hit hits[8];
+  odo_ray ray;
+  uint32_t count = 0;
+  memset(&ray, 0, sizeof ray);
+  ray.struct_size = sizeof ray, hits->struct_size = sizeof *hits;
+  ray.kind = ODO_RAY_PIXEL;
+  ray.t_ns = _newest_ns;
+  if (ray.t_ns == 0) return results;
+  ray.pixel[0] = point.x * _lens.width - 0.5, ray.pixel[1] = point.y * _lens.height - 0.5;
+  if (odo_session_hit_test(_session, &ray, hits, 8, &count) != ODO_OK) return results;
+  for (uint32_t i = 0; i < count; ++i) {
+    OdographRaycastResult *result = [OdographRaycastResult new];
+    result->hit = hits[i];
+    [results addObject:result];
+  }
+  return results;
+}
+
+- (uint64_t)addAnchorAtResult:(OdographRaycastResult *)result {
+  odo_anchor_place place;
+  uint64_t anchor = 0;
+  memset(&place, 0, sizeof place);
+  place.struct_size = sizeof place;
+  place.kind = ODO_ANCHOR_HIT;
+  place.t_ns = result->hit.t_ns;
+  place.surface = result->hit.surface;
+  place.sigma_m = result->hit.sigma_m;
+  memcpy(place.q, result->hit.q_n, sizeof place.q);
+  memcpy(place.p, result->hit.p_n, sizeof place.p);
+  odo_anchor_create(_session, &place, &anchor);
+  return anchor;
+}
+
+- (BOOL)getAnchor:(uint64_t)anchor point:(CGPoint *)point distance:(double *)distance {
+  odo_anchor found;
+  const double *p = found.p_view;
+  const int64_t newest_ns = _newest_ns;
+  memset(&found, 0, sizeof found);
+  found.struct_size = sizeof found;
+  if (newest_ns == 0 || odo_anchor_get(_session, anchor, ODO_WORLD_CORRECTED, newest_ns, &found) != ODO_OK) return NO;
+  if (!(found.flags & ODO_ANCHOR_IN_FRONT)) return NO;
+  point->x = (_lens.fx * p[0] / p[2] + _lens.cx + 0.5) / _lens.width;
+  point->y = (_lens.fy * p[1] / p[2] + _lens.cy + 0.5) / _lens.height;
+  *distance = sqrt(p[0] * p[0] + p[1] * p[1] + p[2] * p[2]);
   return YES;
 }
 

@@ -9,10 +9,11 @@ walker: {height: 1.70 m}
 attitude: {plugin: attitude/vqf}
 step_estimator: {plugin: step/odograph}
 vo_frontend: {plugin: vo/odograph}
+surface_finder: {plugin: surface/planes}
 coupling: {type: localizer}
 """
 
-/// Tracks and shows the phone's position while visible.
+/// Tracks and shows the camera's picture and the phone's position while visible. A tap leaves a mark.
 public struct TrackerView: View {
     @State private var tracker: OdographTracker?
     @State private var text = "move the phone"
@@ -21,7 +22,10 @@ public struct TrackerView: View {
     public init() {}
 
     public var body: some View {
-        Text(text).font(.title2).monospacedDigit().padding()
+        ZStack(alignment: .bottom) {
+            if let tracker { CameraView(tracker: tracker).ignoresSafeArea() }
+            Text(text).font(.title2).monospacedDigit().padding().background(.thinMaterial)
+        }
             .task { await begin() }
             .onReceive(clock) { _ in show() }
             .onDisappear { tracker?.stop(); tracker = nil }

@@ -4,6 +4,7 @@
 #define JNIEXPORT __attribute__((visibility("default")))
 #define JNICALL
 typedef int32_t jint;
+typedef int64_t jlong;
 typedef double jdouble;
 typedef uint8_t jboolean;
 class _jobject;

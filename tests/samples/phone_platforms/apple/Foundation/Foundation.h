@@ -8,6 +8,7 @@
 #define YES __objc_yes
 #define NO __objc_no
 #define nil ((id)0)
+#define NS_SWIFT_NAME(name) __attribute__((swift_name(#name)))
 typedef bool BOOL;
 typedef long NSInteger;
 typedef unsigned long NSUInteger;
@@ -37,6 +38,11 @@ __attribute__((objc_root_class))
 @end
 @interface NSDictionary : NSObject
 + (instancetype)dictionaryWithObjects:(const id[])objects forKeys:(const id<NSCopying>[])keys count:(NSUInteger)count;
+@end
+@interface NSArray<Type> : NSObject
+@end
+@interface NSMutableArray<Type> : NSArray <Type>
+- (void)addObject:(Type)object;
 @end
 @interface NSData : NSObject
 @property(readonly) NSUInteger length;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "camera.hpp"
 
-#include <atomic>
 #include <ctime>
 
 #include <camera/NdkCameraDevice.h>
@@ -258,7 +257,17 @@ void Camera::push(AImage* image, int64_t start_ns, const Result& result) {
     frame.header.flags |= ODO_FRAME_INTRINSICS;
   }
   if (set_planes(image, frame)) odo_session_push(session_, &frame.header);
+  newest_ns_ = t_ns;
   release(picture);
+}
+
+odo_ray Camera::ray(double column, double row) const {
+  odo_ray ray = {};
+  ray.struct_size = sizeof ray;
+  ray.kind = ODO_RAY_PIXEL;
+  ray.t_ns = newest_ns_;
+  ray.pixel[0] = column * kWidth - 0.5, ray.pixel[1] = row * kHeight - 0.5;
+  return ray;
 }
 
 }  // namespace phone

@@ -4,6 +4,7 @@
 #ifndef PHONE_CAMERA_HPP
 #define PHONE_CAMERA_HPP
 
+#include <atomic>
 #include <map>
 #include <mutex>
 #include <string>
@@ -12,6 +13,7 @@
 #include <media/NdkImageReader.h>
 
 #include <odograph/odograph.h>
+#include <odograph/scene.h>
 
 #include "conversions.hpp"
 
@@ -28,6 +30,9 @@ class Camera {
   std::string start();
   /// No picture is pushed after it returns.
   void pause();
+  /// A ray through the newest picture: columns and rows from 0 to 1 of it, in sensor orientation; t_ns 0 before the
+  /// first. [any]
+  odo_ray ray(double column, double row) const;
 
  private:
   /// The capture result of a frame. It arrives separately from its picture, with the same timestamp.
@@ -59,6 +64,7 @@ class Camera {
   std::mutex mutex_;
   std::map<int64_t, Result> results_;
   std::map<int64_t, AImage*> pictures_;
+  std::atomic<int64_t> newest_ns_{0};
 };
 
 }  // namespace phone

@@ -3,9 +3,11 @@
 // Native methods of Tracker.kt. One tracker at a time; Kotlin calls them from its main thread.
 #include <jni.h>
 
+#include <algorithm>
 #include <memory>
 #include <string>
 
+#include <odograph/anchor.h>
 #include <odograph/odograph.h>
 
 #include "camera.hpp"
@@ -55,6 +57,34 @@ std::string start(const std::string& config) {
   return "";
 }
 
+/// An anchor where that point of the newest picture hits a surface, a landmark or the floor; 0 if nothing is known
+/// there.
+uint64_t place(double column, double row) {
+  const odo_ray ray = tracker->camera->ray(column, row);
+  odo_hit hit = {};
+  hit.struct_size = sizeof hit;
+  uint32_t count = 0;
+  if (ray.t_ns == 0 || odo_session_hit_test(tracker->session, &ray, &hit, 1, &count) != ODO_OK || count == 0) return 0;
+  if (hit.sigma_m > 0.1 * hit.distance_m) return 0;  // too uncertain to draw on
+  odo_anchor_place place = {};
+  place.struct_size = sizeof place;
+  place.kind = ODO_ANCHOR_HIT;
+  place.t_ns = hit.t_ns;
+  place.surface = hit.surface;
+  place.sigma_m = hit.sigma_m;
+  std::copy(hit.q_n, hit.q_n + 4, place.q);
+  std::copy(hit.p_n, hit.p_n + 3, place.p);
+  uint64_t anchor = 0;
+  odo_anchor_create(tracker->session, &place, &anchor);
+  return anchor;
+}
+
+jdoubleArray array_of(JNIEnv* env, const double* values, jint count) {
+  jdoubleArray array = env->NewDoubleArray(count);
+  if (array) env->SetDoubleArrayRegion(array, 0, count, values);
+  return array;
+}
+
 }  // namespace
 
 extern "C" JNIEXPORT jstring JNICALL Java_org_odograph_phone_Tracker_start(JNIEnv* env, jobject, jstring config) {
@@ -80,9 +110,22 @@ extern "C" JNIEXPORT jdoubleArray JNICALL Java_org_odograph_phone_Tracker_pose(J
                             double(pose.state),
                             pose.header.flags & ODO_POSE_METRIC ? 1.0 : 0.0,
                             statistics.distance_m};
-  jdoubleArray array = env->NewDoubleArray(6);
-  if (array) env->SetDoubleArrayRegion(array, 0, 6, values);
-  return array;
+  return array_of(env, values, 6);
+}
+
+extern "C" JNIEXPORT jlong JNICALL Java_org_odograph_phone_Tracker_place(JNIEnv*, jobject, jdouble column,
+                                                                         jdouble row) {
+  return tracker ? static_cast<jlong>(place(column, row)) : 0;
+}
+
+/// In the camera's axes, m; null while it is not placed.
+extern "C" JNIEXPORT jdoubleArray JNICALL Java_org_odograph_phone_Tracker_anchor(JNIEnv* env, jobject, jlong id) {
+  odo_anchor anchor = {};
+  anchor.struct_size = sizeof anchor;
+  if (!tracker ||
+      odo_anchor_get(tracker->session, static_cast<uint64_t>(id), ODO_WORLD_SMOOTH, ODO_TIME_LATEST, &anchor) != ODO_OK)
+    return nullptr;
+  return anchor.flags & ODO_ANCHOR_VIEW_POSE ? array_of(env, anchor.p_view, 3) : nullptr;
 }
 
 extern "C" JNIEXPORT jstring JNICALL Java_org_odograph_phone_Tracker_stateText(JNIEnv* env, jobject, jint state) {

@@ -9,26 +9,36 @@ import android.os.Handler
 import android.os.Looper
 import android.view.WindowManager.LayoutParams.FLAG_KEEP_SCREEN_ON
 import android.widget.TextView
+import kotlin.math.sqrt
 
-/** Tracks and shows the phone's position while visible. */
+/** Tracks and shows the phone's position while visible. A tap puts a mark on what lies in the middle of the picture. */
 class MainActivity : Activity() {
     private lateinit var text: TextView
+    private var mark = 0L
     private val handler = Handler(Looper.getMainLooper())
     private val show = object : Runnable {
         override fun run() {
             text.text = Tracker.pose()?.let {
                 val unit = if (it[4] > 0) "m" else "(scale unknown)"
-                "%s\nnorth %.2f, east %.2f, up %.2f %s\nwalked %.1f m".format(
-                    Tracker.stateText(it[3].toInt()), it[0], it[1], -it[2], unit, it[5])
+                "%s\nnorth %.2f, east %.2f, up %.2f %s\nwalked %.1f m%s".format(
+                    Tracker.stateText(it[3].toInt()), it[0], it[1], -it[2], unit, it[5], placed())
             } ?: "move the phone"
             handler.postDelayed(this, 100)
         }
+    }
+
+    private fun placed() = Tracker.anchor(mark)?.let { "\nmark %.2f m away".format(sqrt(it[0] * it[0] + it[1] * it[1] + it[2] * it[2])) } ?: ""
+
+    private fun place() {
+        val made = Tracker.place(0.5, 0.5)
+        if (made != 0L) mark = made  // otherwise: move the phone
     }
 
     override fun onCreate(state: Bundle?) {
         super.onCreate(state)
         window.addFlags(FLAG_KEEP_SCREEN_ON)
         text = TextView(this).apply { textSize = 24f; setPadding(48, 160, 48, 48) }
+        text.setOnClickListener { place() }
         setContentView(text)
         if (checkSelfPermission(CAMERA) != PERMISSION_GRANTED) requestPermissions(arrayOf(CAMERA), 1)
     }

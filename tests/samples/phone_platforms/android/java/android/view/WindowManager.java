@@ -1,0 +1,7 @@
+// SPDX-License-Identifier: Apache-2.0
+package android.view;
+public interface WindowManager {
+  class LayoutParams {
+    public static final int FLAG_KEEP_SCREEN_ON = 128;
+  }
+}
