@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Rotations against Eigen's angle-axis, the matrix exponential and logarithm, and numeric derivatives.
+// Rotations against Eigen's angle-axis, the matrix exponential and logarithm, and numeric derivatives; rays of pixels.
 #include <Eigen/Dense>
 #include <unsupported/Eigen/MatrixFunctions>
 
+#include "sdk/math/lens.hpp"
 #include "sdk/math/rotation.hpp"
 #include "sdk/tools/simulation/random.hpp"
 #include "tests/support/support.hpp"
@@ -109,4 +110,21 @@ TEST_CASE("a rear camera looks away from the viewer, its picture upright on an u
   CHECK(q_b_c * Vector3d::UnitX() == Vector3d::UnitX());
   CHECK(q_b_c * Vector3d::UnitY() == -Vector3d::UnitY());
   CHECK(q_b_c * Vector3d::UnitZ() == -Vector3d::UnitZ());
+}
+
+TEST_CASE("the ray of a pixel is the inverse of both lens models, and none where the lens shows nothing") {
+  const double radial[] = {-0.3, 0.1, 0.001, -0.002, -0.02}, fisheye[] = {0.02, -0.01, 0.003, -0.001};
+  for (const auto& p : {Eigen::Vector2d(0, 0), Eigen::Vector2d(0.3, -0.2), Eigen::Vector2d(-0.7, 0.5)}) {
+    const auto ray = odograph::ray_of(odograph::radial_tangential(p, {radial, 5}), false, {radial, 5});
+    REQUIRE(ray);
+    CHECK((ray->head<2>() / ray->z() - p).norm() < 1e-8);
+  }
+  for (const double theta : {0.0, 0.4, 1.2, 1.8}) {  // the last one looks backwards
+    const Eigen::Vector2d seen = odograph::kannala_brandt(theta, {fisheye, 4}) * Eigen::Vector2d(0.6, 0.8);
+    const auto ray = odograph::ray_of(seen, true, {fisheye, 4});
+    REQUIRE(ray);
+    CHECK((*ray - Vector3d(0.6 * std::sin(theta), 0.8 * std::sin(theta), std::cos(theta))).norm() < 1e-7);
+  }
+  const double turning[] = {-0.5};  // r (1 - r^2 / 2) is never above 0.55
+  CHECK_FALSE(odograph::ray_of({0.6, 0}, false, {turning, 1}));
 }

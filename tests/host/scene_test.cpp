@@ -7,7 +7,6 @@
 #include <odograph/scene.h>
 
 #include "sdk/host/core/scene.hpp"
-#include "sdk/math/lens.hpp"
 #include "sdk/math/rotation.hpp"
 #include "tests/support/session_app.hpp"
 #include "tests/support/test_plugins.hpp"
@@ -189,23 +188,6 @@ TEST_CASE("surfaces have ids of the session; those of a finder that was reset ar
   const auto orphans = scene.take_orphans(3, 1);
   REQUIRE(orphans.size() == 1);
   CHECK(orphans[0].id == 1);
-}
-
-TEST_CASE("the ray of a pixel is the inverse of both lens models, and none where the lens shows nothing") {
-  const double radial[] = {-0.3, 0.1, 0.001, -0.002, -0.02}, fisheye[] = {0.02, -0.01, 0.003, -0.001};
-  for (const auto& p : {Eigen::Vector2d(0, 0), Eigen::Vector2d(0.3, -0.2), Eigen::Vector2d(-0.7, 0.5)}) {
-    const auto ray = ray_of(radial_tangential(p, {radial, 5}), false, {radial, 5});
-    REQUIRE(ray);
-    CHECK((ray->head<2>() / ray->z() - p).norm() < 1e-8);
-  }
-  for (const double theta : {0.0, 0.4, 1.2, 1.8}) {  // the last one looks backwards
-    const Eigen::Vector2d seen = kannala_brandt(theta, {fisheye, 4}) * Eigen::Vector2d(0.6, 0.8);
-    const auto ray = ray_of(seen, true, {fisheye, 4});
-    REQUIRE(ray);
-    CHECK((*ray - Vector3d(0.6 * std::sin(theta), 0.8 * std::sin(theta), std::cos(theta))).norm() < 1e-7);
-  }
-  const double turning[] = {-0.5};  // r (1 - r^2 / 2) is never above 0.55
-  CHECK_FALSE(ray_of({0.6, 0}, false, {turning, 1}));
 }
 
 namespace {
