@@ -246,6 +246,20 @@ void Mistakes::sampling() {
   gravity.imu = [](odo_imu& m) { Vector3d::Map(m.accel_b) = 9.80665 * Vector3d(m.accel_b).normalized(); };
 }
 
+/// Positions of a walk on a circle of 7 m in 31 s, clockwise.
+std::function<void(App&, int64_t)> circle(bool exchanged, double sign) {
+  return [=](App& app, int64_t t_ns) {
+    const double turned = 0.2e-9 * static_cast<double>(t_ns - kStart_ns), earth_m = 6371000;
+    with<odo_gnss>(ODO_TYPE_GNSS, [&](odo_gnss& m) {
+      m.header.flags = ODO_GNSS_POSITION | ODO_GNSS_COVARIANCE;
+      m.latitude_rad = 0.84 + 7 * std::sin(turned) / earth_m;
+      m.longitude_rad = sign * (0.25 - 7 * std::cos(turned) / earth_m / std::cos(0.84));
+      if (exchanged) std::swap(m.latitude_rad, m.longitude_rad);
+      m.covariance_n[0] = m.covariance_n[4] = m.covariance_n[8] = 1;
+    })(app, t_ns);
+  };
+}
+
 void Mistakes::others() {
   with_camera("no principal point", "principal_point", "cx").calibration = [](odo_calibration& c) { c.cx = c.cy = 0; };
   const auto place = [](double latitude_rad) {
@@ -257,6 +271,11 @@ void Mistakes::others() {
   };
   auto& old = add("the last known position again and again", "gnss_repeated", "old position");
   old.seconds = 25, old.further = place(0.84);
+  auto& exchanged = add("latitude and longitude exchanged", "gnss_mirrored", "exchanged");
+  exchanged.seconds = 60, exchanged.motion = {0.1, 2.5, kNoSurge, 0.2}, exchanged.further = circle(true, 1);
+  auto& unsigned_west = add("a longitude without its sign", "gnss_mirrored", "West");
+  unsigned_west.seconds = 60, unsigned_west.motion = {0.1, 2.5, kNoSurge, 0.2},
+  unsigned_west.further = circle(false, -1);
   auto& field = add("a field in the axes of the camera", "magnetometer_axes", "axes of accel_b");
   field.seconds = 20;
   field.further = [=, m = field.motion](App& app, int64_t t_ns) {
@@ -314,6 +333,15 @@ TEST_CASE("right input is not called wrong: hands, rest, a bus, a roundabout, ca
       CHECK(said == "");
       CHECK(outcome.tracks_at_end);
     }
+}
+
+TEST_CASE(
+    "a way that bends as the gyroscope turns is not mirrored; one of a phone that is turned in the hand neither") {
+  for (const double yaw_radps : {0.2, 0.0, -0.4}) {
+    Input input;
+    input.seconds = 60, input.motion = {0.1, 2.5, kNoSurge, yaw_radps}, input.further = circle(false, 1);
+    CHECK(run(input).warnings.count("gnss_mirrored") == 0);
+  }
 }
 
 TEST_CASE("a pause is no batch of samples") {

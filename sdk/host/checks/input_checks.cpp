@@ -84,6 +84,10 @@ constexpr Row kRows[] = {
     {"gnss_repeated",
      "all positions are the same since %V s of walking: an old position? Expected those that the receiver measures, "
      "with the time of each"},
+    {"gnss_mirrored",
+     "the way by gnss bends to the other side than gyro_b turns (%V rad): latitude and longitude exchanged, or the "
+     "sign "
+     "of one lost? West and south are negative"},
     {"magnetometer_axes",
      "the magnetic field's inclination is %V rad, of the other hemisphere: is field_b in the axes of accel_b?"},
 };
@@ -162,6 +166,7 @@ void InputChecks::on_sample(const odo_header& sample) {
 
 void InputChecks::add(const odo_gnss& gnss) {
   if ((gnss.header.flags & ODO_GNSS_POSITION) == 0) return;
+  course_.add(gnss, [this](auto... what) { found(what...); });
   const bool same = gnss.latitude_rad == place_.latitude_rad && gnss.longitude_rad == place_.longitude_rad;
   if (!same) place_ = gnss, walked_s_ = motion_.walked_s(), places_ = 0;
   ++places_;
@@ -187,13 +192,18 @@ void InputChecks::on_imu(const odo_imu& imu) {
   if ((imu.header.flags & ODO_IMU_GYRO) == 0) return;
   picture_.add(imu);
   if (imu.header.flags & ODO_IMU_ACCEL) motion_.add(imu);
+  const double step_s = seconds(saturating_difference(imu.header.t_ns, std::exchange(turned_ns_, imu.header.t_ns)));
+  const Eigen::Vector3d up_b = motion_.force_b();
+  if (!up_b.isZero() && step_s > 0 && step_s < p_.max_step_s)
+    course_.turn(-step_s * up_b.normalized().dot(Eigen::Vector3d(imu.gyro_b)));
 }
 
 void InputChecks::reset() {
   wrong_ = 0;
   motion_.reset();
   picture_.reset();
-  place_ = {}, places_ = wrong_dips_ = 0, dip_ns_ = 0;
+  course_.reset();
+  place_ = {}, places_ = wrong_dips_ = 0, dip_ns_ = turned_ns_ = 0;
 }
 
 }  // namespace odograph

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <mutex>
 
+#include "sdk/host/checks/course_check.hpp"
 #include "sdk/host/checks/motion_check.hpp"
 #include "sdk/host/checks/picture_check.hpp"
 #include "sdk/host/checks/sampling_check.hpp"
@@ -28,6 +29,7 @@ class InputChecks {
     int repeated_places = 5;
     /// The field points down in the north and up in the south. Its inclination is 18 to 69 degrees in real recordings.
     double min_latitude_rad = 0.35, min_dip_rad = 0.35;  ///< 20 degrees
+    double max_step_s = 0.2;                             ///< between inertial samples that are integrated
     int wrong_dips = 10;                                 ///< seconds in a row
   };
 
@@ -54,13 +56,15 @@ class InputChecks {
   std::atomic<uint32_t> wrong_{0};  // by InputFault
   MotionCheck motion_;
   PictureCheck picture_;
+  CourseCheck course_;
   uint32_t camera_ = 0;
   bool has_camera_ = false;
-  odo_gnss place_{};     // the newest one that differs from those before
-  double walked_s_ = 0;  // until it, see MotionCheck
-  int places_ = 0;       // the same, since then
-  int64_t dip_ns_ = 0;   // of the newest inclination
-  int wrong_dips_ = 0;   // in a row
+  odo_gnss place_{};       // the newest one that differs from those before
+  double walked_s_ = 0;    // until it, see MotionCheck
+  int places_ = 0;         // the same, since then
+  int64_t turned_ns_ = 0;  // of the newest inertial sample
+  int64_t dip_ns_ = 0;     // of the newest inclination
+  int wrong_dips_ = 0;     // in a row
 
   std::mutex mutex_;            // guards what follows
   int64_t imu_ns_ = INT64_MIN;  // of the newest sample pushed

@@ -36,6 +36,7 @@ enum class InputFault : uint8_t {
   imu_repeated,
   imu_half_filled,
   gnss_repeated,
+  gnss_mirrored,
   magnetometer_axes,
   kCount
 };

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <odograph/samples.h>
+
+#include "sdk/host/checks/input_fault.hpp"
+
+namespace odograph {
+
+/// Compares the bends of the path by positions with those by the gyroscope: they bend to the other side where latitude
+/// and longitude are exchanged, or one has lost its sign. No allocation. Not thread-safe.
+class CourseCheck {
+ public:
+  struct Parameters {
+    double min_way_m = 8,
+           sigmas = 4;  ///< of a leg, also in standard deviations of a position: its direction to 0.25 rad
+    double bend_rad = 0.6, most_rad = 2.4;  ///< of a bend that tells: more than legs are off, less than a turning back
+    double same_rad = 0.6;                  ///< by which both may differ; exchanged axes distort a right angle by 0.4
+    int opposed = 3;                        ///< in a row
+  };
+
+  void add(const odo_gnss& gnss, const FaultFound& found);
+  /// `turn_rad`: to the right about the vertical, since the sample before.
+  void turn(double turn_rad) { turned_rad_ += turn_rad, sum_rad_ += turned_rad_, ++samples_; }
+  void reset() { *this = CourseCheck(); }
+
+ private:
+  Parameters p_;
+  double latitude_rad_ = 0, longitude_rad_ = 0;  // where the leg begins
+  int legs_ = -1;                                // -1: no position yet
+  double turned_rad_ = 0, sum_rad_ = 0;          // since the beginning; summed over the samples of this leg
+  int samples_ = 0;
+  double course_rad_ = 0, mean_turned_rad_ = 0;  // of the leg before
+  int opposed_ = 0;
+};
+
+}  // namespace odograph
