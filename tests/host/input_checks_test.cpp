@@ -119,9 +119,9 @@ void Mistakes::units() {
   fast.motion.swing_rad = 1, fast.imu = scaled(180 / EIGEN_PI, 1);
   add("rates of the opposite sign", "gyro_sign", "-1").imu = scaled(-1, 1);
   auto& biased = add("a gyroscope with a bias of 0.2 rad/s", "gyro_bias", "mean at rest");
-  biased.motion.swing_rad = 0.1, biased.imu = [](odo_imu& m) { m.gyro_b[0] += 0.2; };
+  biased.seconds = 20, biased.motion.swing_rad = 0.1, biased.imu = [](odo_imu& m) { m.gyro_b[0] += 0.2; };
   auto& in_degrees_at_rest = add("a bias of half a degree a second, in degrees, at rest", "gyro_bias", "degrees");
-  in_degrees_at_rest.motion = {0, 0, kNoSurge, 0};
+  in_degrees_at_rest.seconds = 20, in_degrees_at_rest.motion = {0, 0, kNoSurge, 0};
   in_degrees_at_rest.imu = [](odo_imu& m) { m.gyro_b[2] = 0.5, m.gyro_b[0] = m.gyro_b[1] = 0.1; };
   auto& silent = add("no gyroscope", "gyro_silent", "gyroscope");
   silent.motion.swing_rad = 0.9, silent.imu = scaled(0, 1);

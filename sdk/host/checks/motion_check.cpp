@@ -39,11 +39,10 @@ void MotionCheck::Range::add(double value) {
 void MotionCheck::reset() {
   windows_.clear();
   now_ = {};
-  for (auto& of_rate : now_.rotated) of_rate.fill(Matrix3d::Zero());
   ranges_ = {};
   q_e_b_.fill(Quaterniond::Identity());
   begun_ns_ = last_ns_ = 0;
-  in_g_ = without_ = off_ = filtered_ = range_windows_ = 0;
+  in_g_ = without_ = off_ = filtered_ = biased_ = range_windows_ = 0;
 }
 
 void MotionCheck::add(const odo_imu& imu) {
@@ -76,7 +75,6 @@ void MotionCheck::end_window() {
     check_axes();
   }
   now_ = {};
-  for (auto& of_rate : now_.rotated) of_rate.fill(Matrix3d::Zero());
 }
 
 void MotionCheck::check_level(const Window& w) {
@@ -148,12 +146,18 @@ bool MotionCheck::swings_too_far() const {
 void MotionCheck::check_bias() {
   if (windows_.size() < kWindows) return;
   Vector3d rotation = Vector3d::Zero(), force = Vector3d::Zero();
-  for (size_t i = 0; i < kWindows; ++i) rotation += windows_.back(i).rotation, force += windows_.back(i).force;
+  double way_rad = 0;
+  for (size_t i = 0; i < kWindows; ++i) {
+    const Window& w = windows_.back(i);
+    rotation += w.rotation, force += w.force, way_rad += w.turned_rad;
+  }
   const double about_force = rotation.dot(force.normalized()), turned = rotation.norm();
   const double across = std::sqrt(std::max(0.0, turned * turned - about_force * about_force));
-  const bool biased = across > p_.biased_rad && std::abs(about_force) < p_.vertical * turned;
-  if (biased || across < 0.5 * p_.biased_rad)
-    found_(InputFault::gyro_bias, biased, turned / (static_cast<double>(kWindows) * p_.window_s), {});
+  const bool straight = turned > p_.straight * way_rad;  // rates of a swinging leg do not add up to its rotation
+  const bool biased = straight && across > p_.biased_rad && std::abs(about_force) < p_.vertical * turned;
+  biased_ = biased ? biased_ + 1 : 0;
+  if (biased_ >= p_.biased_windows || across < 0.5 * p_.biased_rad)
+    found_(InputFault::gyro_bias, biased_ > 0, turned / (static_cast<double>(kWindows) * p_.window_s), {});
 }
 
 void MotionCheck::check_axes() {

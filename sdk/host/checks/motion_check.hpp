@@ -43,7 +43,9 @@ class MotionCheck {
     double cancelled = 0.87, held = 0.97;  ///< norm of the mean over mean norm of gravity that is swung to and fro, and
                                            ///< that is held; judgement
     double explained = 0.25;               ///< share of the contradiction that a better explanation leaves; judgement
-    double biased_rad = 0.8;   ///< rad in eight seconds that gravity does not show: 0.1 rad/s, twice any data sheet's
+    double biased_rad = 1.2;   ///< rad in eight seconds that gravity does not show: 0.15 rad/s; real sensors have 0.1
+    int biased_windows = 4;    ///< in a row
+    double straight = 0.4;     ///< rotation over the sum of its parts, of a phone that is held; judgement
     double vertical = 0.8;     ///< cosine, of axis and mean force: a car in a curve of 0.7 g turns about the vertical
     double silent_rad = 1e-6;  ///< rad in a second: no gyroscope ...
     double unnoticed_rad = 1;  ///< rad: ... if gravity in b has turned by that meanwhile
@@ -68,6 +70,9 @@ class MotionCheck {
   static constexpr double kRate[kRates] = {1, -1, 0.017453292519943295};
   /// Sums over the samples of a window.
   struct Window {
+    Window() {
+      for (auto& of_rate : rotated) of_rate.fill(Eigen::Matrix3d::Zero());
+    }
     /// By rate and axis of the accelerometer: rotated into a fixed frame as if it was each axis of b (columns), so that
     /// any exchange of axes can be evaluated later.
     std::array<std::array<Eigen::Matrix3d, 3>, kRates> rotated;
@@ -100,7 +105,7 @@ class MotionCheck {
   std::array<Range, 3> ranges_;
   std::array<Eigen::Quaterniond, kRates> q_e_b_;
   int64_t begun_ns_ = 0, last_ns_ = 0;
-  int in_g_ = 0, without_ = 0, off_ = 0, filtered_ = 0;  // windows in a row
+  int in_g_ = 0, without_ = 0, off_ = 0, filtered_ = 0, biased_ = 0;  // windows in a row
   double walked_s_ = 0;
   int range_windows_ = 0;  // since the ranges began
 };
