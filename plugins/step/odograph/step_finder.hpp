@@ -15,16 +15,19 @@ namespace odograph::steps {
 struct FoundStep {
   int64_t t_start_ns, t_end_ns;  ///< one foot's contact to the other's
   double swing_mps2;             ///< maximum minus minimum of the smoothed vertical acceleration
-  double rise_m;                 ///< of the trunk within the step, smoothed: maximum minus minimum
-  double whole_rise_m;           ///< the same, corrected for the attenuation by the smoothing
+  double rise_m;                 ///< of the trunk, maximum minus minimum, mean of the last two steps: those of one leg
+                                 ///< or arm differ
   double gyro_radps;             ///< mean angular rate
   double frequency_hz;           ///< of the steps around it
   double vertical_part;          ///< of the power of the alternating acceleration, over the last steps
   double repetition;             ///< autocorrelation after a stride, over the last steps: regularity of the walk
+  double turning_radps = 0;      ///< rate at which the path bends, over the last strides
+  double second_harmonic = 0;    ///< of the vertical acceleration (WalkSignal), over the last steps
   Eigen::Vector2d surge_n = Eigen::Vector2d::Zero();  ///< horizontal acceleration at a walk's phase lead over the
                                                       ///< vertical one, divided by its amplitude
   bool gentle;                                        ///< found by the finder of gentle steps
   int since_stood = 100;                              ///< steps since the walker stood, without this one (GaitFinder)
+  bool on_leg = false;                                ///< the phone swings with a leg (CarryModeClassifier)
 };
 
 /// Resuming a walk that has just ended, for a few steps. Set on the 80 mall walks.
@@ -59,7 +62,12 @@ class StepFinder {
     double strides_alike = 0.8;       ///< min repetition of all axes over two strides to start
     double strides_swing_mps2 = 1.5;  ///< min mean swing to start: softer steps are left to the other finder
     double rotating_radps = 1.6, rotating_alike = 0.6;  ///< above both a hand draws eights: on a leg the feet differ
-    double foot_alike = 0.3;  ///< max difference of two intervals of one foot to start, relative to the mean interval
+    double quick_hz = 2.1, quick_swing_mps2 = 5.0;      ///< min of a quick gait (running, stairs), mean of a run
+    double quick_regularity = 0.9, quick_part = 0.5;    ///< its min autocorrelation at the step lag and vertical part
+    double max_rise_m = 0.12;                           ///< of a trunk, also in running: more is a shaken phone
+    double min_symmetry = 0, symmetric_hz = 0;  ///< min repetition of all axes after a stride, from that frequency on
+    double missed_foot = 2.6;  ///< max interval with one foot's contact missing, relative to the typical one
+    double foot_alike = 0.3;   ///< max difference of two intervals of one foot to start, relative to the mean interval
     double swing_per_rate = 3.5;       ///< min m/s^2 per rad/s to start: a moving hand rotates more
     double max_tilting_radps = 1e9;    ///< rms tilting above which a hand's motion hides steps
     double swing_per_tilting = 0;      ///< m/s^2 per rad/s above which tilting hides none
@@ -78,6 +86,7 @@ class StepFinder {
     double max_swing_ratio = 3.0;      ///< max ratio of swings to start
     double part_over_s = 0.8;          ///< averaging time of the vertical part and of the hand's tilting
     double gentle_over_s = 2.0;        ///< the same, in addition, for gentle steps
+    double turning_over_s = 4.0;       ///< averaging time of the path's bend: two to four strides
     double arm_lag_s = 0.03;           ///< lag of the hand behind the trunk
     /// Phase lead of the forward surge over the push up; RIDI: 1.1 on legs, 1.8 elsewhere.
     double surge_lead_rad = 1.75;
@@ -113,8 +122,11 @@ class StepFinder {
   Run run_from(size_t first) const;
   bool steps_alike(const WalkSignal& signal, const Run& run) const;
   bool strides_alike(const WalkSignal& signal, const Run& run) const;
+  bool quick_gait(const WalkSignal& signal, const Run& run) const;
+  bool rises_too_far(const Run& run) const;
   bool resembles_last_walk(const WalkSignal& signal, const Run& run) const;
   double standing_s(const Run& run) const;  // since the last walk
+  double longest_s(const WalkSignal& signal) const;
   void start(const WalkSignal& signal, const Run& run, double repetition);
   bool hand_moves(const WalkSignal& signal, double swing_mps2, double seconds) const;
   bool may_be_walk(const WalkSignal& signal, double swing_mps2, size_t first, size_t last) const;
@@ -124,6 +136,7 @@ class StepFinder {
   void continue_walk(const WalkSignal& signal);
   double repetition(const WalkSignal& signal, double interval_s, size_t intervals) const;
   double stride_repetition(const WalkSignal& signal, double interval_s, size_t strides) const;
+  double harmonic_before(const WalkSignal& signal, size_t end) const;
   void emit(const WalkSignal& signal, const Peak& from, const Peak& to);
   double interval_s(size_t newer) const;
 
@@ -137,7 +150,8 @@ class StepFinder {
   size_t peak_count_ = 0;
   int invalid_ = 0;
   double walked_ = 0;  // steps of the present or last walk, including those before it resumed
-  double typical_swing_ = 0, typical_s_ = 0.55, typical_part_ = 0, typical_repetition_ = 0;
+  double typical_swing_ = 0, typical_s_ = 0.55, typical_part_ = 0, typical_repetition_ = 0, typical_harmonic_ = 0,
+         last_rise_m_ = 0;
   std::array<FoundStep, kMaxPeaks> found_{};
   size_t found_count_ = 0;
 };
