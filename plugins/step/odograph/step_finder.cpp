@@ -29,7 +29,7 @@ StepFinder::Parameters StepFinder::Parameters::of_gentle_steps() {
   p.weak = 0.4;
   p.min_alternating_part = 0.05;
   p.min_symmetry = 0.6, p.symmetric_hz = 1.8;  // a car's body rings so quickly, but has no strides
-  p.min_stride_peaks = kMaxPeaks + 1;          // never: strides are the task of the other finder
+  p.strides.min_peaks = kMaxPeaks + 1;         // never: strides are the task of the other finder
   return p;
 }
 
@@ -71,15 +71,15 @@ void StepFinder::update(const WalkSignal& signal) {
 /// repeat.
 double StepFinder::longest_s(const WalkSignal& signal) const {
   const double usual_s = std::min(p_.longest_s, p_.missing * typical_s_);
-  if (p_.gentle || stride_repetition(signal, typical_s_, 1) < p_.strides_alike) return usual_s;
-  return std::max(usual_s, p_.missed_foot * typical_s_);
+  if (p_.gentle || stride_repetition(signal, typical_s_, 1) < p_.strides.alike) return usual_s;
+  return std::max(usual_s, p_.strides.missed_foot * typical_s_);
 }
 
 void StepFinder::confirm(const WalkSignal& signal) {
   candidate_ = false;
   low_ = 1e9;
   for (size_t i = best_.index; i < signal.smooth_count(); ++i) low_ = std::min(low_, signal.smooth(i));
-  const double longest = walking_ ? std::max(p_.longest_s, p_.missed_foot * typical_s_) : p_.longest_s;
+  const double longest = walking_ ? std::max(p_.longest_s, p_.strides.missed_foot * typical_s_) : p_.longest_s;
   if (peak_count_ > 0 && (best_.t_ns - peaks_[peak_count_ - 1].t_ns) * 1e-9 > longest) peak_count_ = 0;
   if (peak_count_ == p_.kept_peaks)
     std::copy(peaks_.begin() + 1, peaks_.begin() + static_cast<long>(peak_count_--), peaks_.begin());
@@ -111,8 +111,8 @@ void StepFinder::continue_walk(const WalkSignal& signal) {
   if (peak_count_ < 2) return;
   const Peak& from = peaks_[peak_count_ - 2];
   const double interval = interval_s(peak_count_ - 1);
-  const bool missed = !p_.gentle && interval > p_.missed_foot / 1.6 * typical_s_ &&
-                      stride_repetition(signal, 0.5 * interval, 1) >= p_.strides_alike;
+  const bool missed = !p_.gentle && interval > p_.strides.both_feet * typical_s_ &&
+                      stride_repetition(signal, 0.5 * interval, 1) >= p_.strides.alike;
   const double step_s = missed ? 0.5 * interval : interval;
   typical_s_ += p_.learn_interval * (std::min(step_s, p_.longest_s) - typical_s_);
   typical_swing_ += p_.learn_swing * (best_.value - best_.low - typical_swing_);
@@ -162,10 +162,10 @@ StepFinder::Run StepFinder::run_from(size_t first) const {
 
 /// Running and stairs: so quick, strong and even that a swinging arm does not matter.
 bool StepFinder::quick_gait(const WalkSignal& signal, const Run& run) const {
-  return !p_.gentle && run.mean_s * p_.quick_hz < 1 && run.mean_swing > p_.quick_swing_mps2 &&
+  return !p_.gentle && run.mean_s * kQuickGait.hz < 1 && run.mean_swing > kQuickGait.swing_mps2 &&
          run.longest_s <= p_.alike * run.shortest_s && run.strongest <= p_.max_swing_ratio * run.weakest &&
-         signal.vertical_part_between(peaks_[run.first].index, peaks_[peak_count_ - 1].index) > p_.quick_part &&
-         repetition(signal, run.mean_s, 2) >= p_.quick_regularity;
+         signal.vertical_part_between(peaks_[run.first].index, peaks_[peak_count_ - 1].index) > kQuickGait.part &&
+         repetition(signal, run.mean_s, 2) >= kQuickGait.regularity;
 }
 
 bool StepFinder::steps_alike(const WalkSignal& signal, const Run& run) const {
@@ -177,11 +177,11 @@ bool StepFinder::steps_alike(const WalkSignal& signal, const Run& run) const {
 
 bool StepFinder::strides_alike(const WalkSignal& signal, const Run& run) const {
   const double rate = signal.gyro_between(peaks_[run.first].index, peaks_[peak_count_ - 1].index);
-  if (run.mean_swing < p_.strides_swing_mps2) return false;
-  if (rate > p_.rotating_radps && repetition(signal, run.mean_s, 2) > p_.rotating_alike) return false;
+  if (run.mean_swing < p_.strides.swing_mps2) return false;
+  if (rate > p_.strides.rotating_radps && repetition(signal, run.mean_s, 2) > p_.strides.rotating_alike) return false;
   for (size_t i = run.first + 3; i < peak_count_; ++i)
-    if (std::abs(interval_s(i) - interval_s(i - 2)) > p_.foot_alike * run.mean_s) return false;
-  return stride_repetition(signal, run.mean_s, 2) >= p_.strides_alike;
+    if (std::abs(interval_s(i) - interval_s(i - 2)) > p_.strides.foot_alike * run.mean_s) return false;
+  return stride_repetition(signal, run.mean_s, 2) >= p_.strides.alike;
 }
 
 /// Of a sine with that swing and frequency.
@@ -199,7 +199,7 @@ bool StepFinder::resembles_last_walk(const WalkSignal& signal, const Run& run) c
   return run.longest_s < kResume.interval * typical_s_ && run.shortest_s > typical_s_ / kResume.interval &&
          run.weakest > kResume.swing * typical_swing_ && run.strongest <= p_.max_swing_ratio * run.weakest &&
          (may_be_walk(signal, run.mean_swing, run.first, peak_count_ - 1) ||
-          stride_repetition(signal, typical_s_, 1) >= p_.strides_alike);
+          stride_repetition(signal, typical_s_, 1) >= p_.strides.alike);
 }
 
 /// Starts a walk when the last peaks are alike.
@@ -212,8 +212,8 @@ void StepFinder::try_start(const WalkSignal& signal) {
   if (rises_too_far(steps)) return;
   if (steps_alike(signal, steps) || quick_gait(signal, steps))
     return start(signal, steps, stride_repetition(signal, steps.mean_s, 1));
-  if (peak_count_ < p_.min_stride_peaks) return;
-  const Run strides = run_from(peak_count_ - p_.min_stride_peaks);
+  if (peak_count_ < p_.strides.min_peaks) return;
+  const Run strides = run_from(peak_count_ - p_.strides.min_peaks);
   if (!rises_too_far(strides) && strides_alike(signal, strides))
     start(signal, strides, stride_repetition(signal, strides.mean_s, 1));
 }

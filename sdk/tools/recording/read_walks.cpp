@@ -247,12 +247,16 @@ Result<Recording> read_trundle_wheel(const fs::path& file) {
   std::vector<WheelSample> samples;
   const auto done =
       read_columns(file, ';', names, [&](const std::vector<double>& v, const TextRow& row) -> Result<bool> {
+        // A fix has the receiver's clock: it counts as of the motion sample before it.
+        if (places && finite(three(v, 8)) && v[10] > 0) {
+          if (!samples.empty()) add_place(recording, samples.back().t_ns, three(v, 8));
+          return true;
+        }
         const auto t_ns = time_of(1e-3 * v[0], row);
         if (!t_ns) return t_ns.failure();
         if (finite(three(v, 1)) && finite(three(v, 4)))
           samples.push_back({*t_ns, {kRad_per_deg * v[4], kRad_per_deg * v[5], kRad_per_deg * v[6]}, three(v, 1)});
         if (std::isfinite(v[7])) recording.true_distances.push_back({*t_ns, v[7]});
-        if (places && finite(three(v, 8)) && v[10] > 0) add_place(recording, *t_ns, three(v, 8));
         return true;
       });
   add_normalised(recording, samples);
