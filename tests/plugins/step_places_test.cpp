@@ -66,6 +66,41 @@ TEST_CASE(
     }
 }
 
+TEST_CASE("a swinging arm that hides every other contact does not end a walk") {
+  Random random(4, 1);
+  const auto steps = found_gait(40, [&](double t) {
+    const double on = t > 4 && t < 34 ? 1 : 0, phase = kPi * 1.85 * (t - 4);  // of the stride
+    const double hidden = t > 15 && t < 21 ? 0.0 : 0.7;
+    const auto push = [&](double at) { return std::exp(4 * (std::cos(phase - at) - 1)); };
+    const double up = on * 5 * (push(0) + hidden * push(kPi) - 0.3), swing = on * 4 * std::cos(phase + 0.4);
+    return WalkSample{.vertical = up + 0.05 * random.normal(),
+                      .level = std::abs(swing),
+                      .gyro = on * 1.4,
+                      .horizontal_n = {swing, 0.05 * random.normal()}};
+  });
+  CHECK(std::abs(static_cast<double>(steps.size()) - 30 * 1.85) <= 3);
+  for (size_t i = 1; i < steps.size(); ++i) CHECK(steps[i].t_start_ns - steps[i - 1].t_end_ns < 300'000'000);
+}
+
+TEST_CASE("steps at 2.4 to 3 Hz are found in a swinging hand, and the same motion four times as large is shaking") {
+  const auto found_at = [](double hz, double swing_mps2) {
+    Random random(8, 1);
+    return found_gait(16, [&](double t) {
+      const double on = t > 4 && t < 12 ? 1 : 0, phase = 2 * kPi * hz * (t - 4);
+      const double level = on * 0.3 * swing_mps2 * std::cos(0.5 * phase);
+      return WalkSample{.vertical = on * 0.5 * swing_mps2 * std::cos(phase) + 0.05 * random.normal(),
+                        .level = std::abs(level),
+                        .gyro = on * 0.4 * swing_mps2,
+                        .horizontal_n = {level, 0.05 * random.normal()}};
+    });
+  };
+  for (const double hz : {2.4, 3.0}) {
+    CAPTURE(hz);
+    CHECK(std::abs(static_cast<double>(found_at(hz, 14).size()) - 8 * hz) <= 3);
+  }
+  CHECK(found_at(1.6, 4 * 14).size() <= 4);  // of the decay after its end
+}
+
 TEST_CASE("equally strong motion by a hand without rhythm is no walk") {
   size_t found = 0;
   for (const uint64_t seed : {1, 2, 3}) {
@@ -125,19 +160,46 @@ TEST_CASE("a thigh that swings a little less for a few steps stays one, and the 
   CHECK_FALSE(carry.on_leg());
 }
 
-TEST_CASE("a small bounce gives no short step, and an irregular walk has shorter and less certain steps") {
+namespace {
+
+const FoundStep kUsualStep{
+    .rise_m = 0.03, .gyro_radps = 0.5, .frequency_hz = 1.8, .vertical_part = 0.7, .repetition = 0.9};
+
+}  // namespace
+
+TEST_CASE("a step's length grows with cadence, rise and a second hump, and shrinks on a bending path") {
   const LengthModel model;
-  const FoundStep softened{
-      .rise_m = 0.015, .gyro_radps = 0.5, .frequency_hz = 1.9, .vertical_part = 0.7, .repetition = 0.9};
-  FoundStep felt = softened, strolled = softened;
-  felt.rise_m = 0.05, strolled.repetition = 0.6;
-  CHECK(model.length_m(softened) > 0.57);
-  CHECK(model.length_m(felt) > 1.15 * model.length_m(softened));
-  CHECK(model.length_m(strolled) < 0.92 * model.length_m(softened));
-  CHECK(model.own_sigma(strolled) > 1.5 * model.own_sigma(softened));
-  // The fitted data contain no running: extrapolation is bounded.
-  const FoundStep run{.rise_m = 0.09, .gyro_radps = 1, .frequency_hz = 2.8, .vertical_part = 0.8, .repetition = 0.95};
-  CHECK(model.length_m(run) > 0.75);
+  const auto relative = [&](auto FoundStep::*what, double value) {
+    FoundStep step = kUsualStep;
+    step.*what = value;
+    return model.length_m(step) / model.length_m(kUsualStep);
+  };
+  CHECK(relative(&FoundStep::frequency_hz, 1.3) < 0.85);
+  CHECK(relative(&FoundStep::frequency_hz, 2.1) == doctest::Approx(1));  // among people a quick cadence is no pace
+  CHECK(relative(&FoundStep::rise_m, 0.06) == doctest::Approx(std::pow(2, 0.22)));
+  CHECK(relative(&FoundStep::rise_m, 0.015) > 0.8);  // cloth dampens the rise: a small one gives no short step
+  CHECK(relative(&FoundStep::turning_radps, 0.2) < 0.9);
+  CHECK(relative(&FoundStep::turning_radps, 5) == relative(&FoundStep::turning_radps, 0.3));
+  CHECK(relative(&FoundStep::second_harmonic, 0.3) < 0.95);
+  CHECK(relative(&FoundStep::rise_m, 1e3) < 1.5);  // beyond the fitted data the extrapolation is bounded
+  CHECK(model.length_m({.rise_m = 0, .frequency_hz = 0}) > 0.1);
+}
+
+TEST_CASE("a length is less certain where the law has no data, and one of an irregular walk by itself") {
+  const LengthModel model;
+  const auto common = [&](auto FoundStep::*what, auto value) {
+    FoundStep step = kUsualStep;
+    step.*what = value;
+    return model.estimate(step).common_sigma;
+  };
+  const double usual = model.estimate(kUsualStep).common_sigma;
+  CHECK(common(&FoundStep::rise_m, 0.1) > usual + 0.05);
+  CHECK(common(&FoundStep::rise_m, 0.008) > usual + 0.05);
+  CHECK(common(&FoundStep::frequency_hz, 3.0) > usual + 0.1);
+  CHECK(common(&FoundStep::on_leg, true) > usual + 0.02);
+  FoundStep strolled = kUsualStep;
+  strolled.repetition = 0.6;
+  CHECK(model.estimate(strolled).own_sigma > 1.3 * model.estimate(kUsualStep).own_sigma);
 }
 
 TEST_CASE("a bag swings with its strap's own period, with damping") {
@@ -216,6 +278,49 @@ TEST_CASE("real steps match those counted by a switch in each shoe" * doctest::t
   const auto errors = errors_in(folder, "_accelerometer.csv");
   CHECK(percentile(sizes(errors, &Error::count_percent), 0.5) < 2);
   CHECK(percentile(sizes(errors, &Error::count_percent), 1) < 5);
+}
+
+TEST_CASE("a drive and a shaken phone have no steps, and quick stairs in a swinging hand do" *
+          doctest::test_suite("steps_data")) {
+  const auto folder = data_or_skip("pace_walks");
+  if (folder.empty()) return;
+  const auto steps_of = [&](const char* name) {
+    return run_of(recorded(folder / name), source("samples/configs/pocket_walk.yaml")).steps;
+  };
+  CHECK(steps_of("car.txt").size() <= 3);
+  CHECK(steps_of("shaken.txt").size() <= 3);
+  const auto stairs = steps_of("steps_ladder.txt");
+  for (const auto& [from_s, to_s] : {std::pair{114.8, 118.4}, {119.7, 122.7}}) {  // 2.4 Hz, visible in the acceleration
+    const auto inside = std::count_if(stairs.begin(), stairs.end(), [&](const odo_step& step) {
+      const double end_s = static_cast<double>(step.t_end_ns) * 1e-9;
+      return end_s > from_s && end_s < to_s + 0.1;
+    });
+    CHECK(std::abs(static_cast<double>(inside) - 2.4 * (to_s - from_s)) <= 1.5);
+  }
+}
+
+TEST_CASE("lengths follow one man's pace, with true lengths from 0.55 to 0.86 m" * doctest::test_suite("steps_data")) {
+  const auto folder = data_or_skip("pace_walks");
+  if (folder.empty()) return;
+  constexpr double kWalk_m = 31.91;
+  double sum = 0, sum_true = 0, products = 0, squares = 0, n = 0;
+  for (const auto& [name, count] : {std::pair{"walk_A", 42.0},
+                                    {"walk_B", 42},
+                                    {"walk_C", 39},
+                                    {"walk_D", 58},
+                                    {"walk_E", 37},
+                                    {"walk_F", 57},
+                                    {"walk_G", 43}}) {
+    const Recording recording = recorded(folder / (std::string(name) + ".txt"));
+    const RunResult result = run_of(recording, source("samples/configs/pocket_walk.yaml"));
+    const WalkTruthFigures f = walk_truth_figures(recording, result.steps, result.track);
+    const double truth = kWalk_m / count, estimate = f.estimated_m / count;
+    n += 1, sum += estimate, sum_true += truth, products += estimate * truth, squares += truth * truth;
+  }
+  const double slope = (products - sum * sum_true / n) / (squares - sum_true * sum_true / n);
+  CHECK(slope > 0.75);
+  CHECK(slope < 1.1);
+  CHECK(std::abs(sum / sum_true - 1) < 0.18);
 }
 
 namespace {

@@ -165,6 +165,26 @@ TEST_CASE("a trundle wheel's distances and empty fields are read") {
   CHECK(as<odo_imu>(recording->messages[0].message.header()).gyro_b[0] == doctest::Approx(1.5708).epsilon(1e-4));
 }
 
+TEST_CASE("a trundle wheel's accelerations are brought to gravity, and a fix counts as of the sample before it") {
+  const TemporaryFolder folder;
+  const auto recording = read_recording(
+      write_text(folder / "walk.csv",
+                 "time;m_accG_x;m_accG_y;m_accG_z;m_rotTate_alpha;m_rotTate_beta;m_rotTate_gamma;p_lat;p_long;p_alt;"
+                 "p_acc;steps;distance\n"
+                 "100;0;0;11.3;90;0;0;;;;;;\n1691050804000;;;;;;;55.6;13;;12;;\n116;0;0;11.3;90;0;0;;;;;;\n"));
+  REQUIRE_MESSAGE(recording.ok(), (recording.ok() ? "" : recording.failure().text));
+  size_t fixes = 0;
+  for (const auto& m : recording->messages) {
+    if (m.message.header().type == ODO_TYPE_IMU)
+      CHECK(as<odo_imu>(m.message.header()).accel_b[2] == doctest::Approx(9.80665));
+    if (m.message.header().type != ODO_TYPE_GNSS) continue;
+    ++fixes;
+    CHECK(m.message.header().t_ns == 100'000'000);
+    CHECK(as<odo_gnss>(m.message.header()).covariance_n[0] == doctest::Approx(72));
+  }
+  CHECK(fixes == 1);
+}
+
 TEST_CASE("a walk's figures are distance, position after alignment, direction and consistency") {
   Recording recording;
   recording.format = "RIDI";

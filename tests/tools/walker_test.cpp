@@ -37,10 +37,10 @@ double learnt(double factor, double fix_sigma_m, int fixes, int wrong_fix, uint6
     heading += 0.01 * random.normal();
     p += factor * length * Eigen::Vector2d(std::cos(heading), std::sin(heading));
     walked += factor * length;
-    walker.on_step(length, heading, 0.06);
+    walker.on_step({.m = length, .pace = 0, .own_sigma = 0.06, .common_sigma = 0}, heading);
     if (walked > 50 * (fix + 1)) ++fix, seen(fix == wrong_fix);
   }
-  return walker.factor();
+  return walker.factor(0);
 }
 
 }  // namespace
@@ -55,13 +55,14 @@ TEST_CASE("fixes every 50 m calibrate the walker's factor within 200 m") {
   CHECK(percentile(errors, 0.8) < 0.015);
 }
 
-TEST_CASE("gentle steps have a separate factor, which a metric camera calibrates within 15 m of a crooked path") {
+TEST_CASE("slow steps have a slope of their own, which a metric camera calibrates within 15 m of a crooked path") {
+  constexpr double kSlow = -0.4;  // 1.15 Hz
   for (const double ratio : {0.75, 1.2}) {
     CAPTURE(ratio);
     std::vector<double> errors;
     for (uint64_t seed = 1; seed <= 40; ++seed) {
       Walker walker({});
-      const double brisk_before = walker.factor();
+      const double brisk_before = walker.factor(0);
       Random random(seed, 6);
       Eigen::Vector2d p(0, 0);
       double heading = random.uniform(-3, 3), since_m = 0, walked_m = 0, hand = 0;
@@ -72,12 +73,13 @@ TEST_CASE("gentle steps have a separate factor, which a metric camera calibrates
         hand = 0.9 * hand + 0.15 * std::sqrt(1 - 0.81) * random.normal();
         p += ratio * length * Eigen::Vector2d(std::cos(heading), std::sin(heading));
         since_m += ratio * length, walked_m += ratio * length;
-        walker.on_step(length, heading + hand, 0.3, true);
+        walker.on_step({.m = length, .pace = kSlow, .own_sigma = 0.3, .common_sigma = 0, .gentle = true},
+                       heading + hand);
         if (since_m > 5) since_m = 0, walker.on_fix(p, 0.1);
       }
-      errors.push_back(std::abs(walker.factor() * walker.gentle_ratio() / ratio - 1));
+      errors.push_back(std::abs(walker.factor(kSlow) / ratio - 1));
       // His brisk steps do not differ by as much.
-      CHECK(std::abs(walker.factor() - brisk_before) < 0.35 * std::abs(ratio - 1));
+      CHECK(std::abs(walker.factor(0) - brisk_before) < 0.35 * std::abs(ratio - 1));
     }
     CHECK(percentile(errors, 0.5) < 0.027);
     CHECK(percentile(errors, 0.9) < 0.034);
@@ -93,18 +95,39 @@ TEST_CASE("one wrong fix of 20 m does not spoil the estimate") {
   CHECK(spoilt <= 5);
 }
 
-TEST_CASE("the estimate is saved, and invalid data is not loaded") {
+TEST_CASE("a known walker's steps grow with the cadence above the usual one, an unknown walker's do not") {
+  constexpr double kUsual = 0.1, kFast = 0.3;
+  Walker walker({});
+  CHECK(walker.factor(kFast) == walker.factor(kUsual));
+  const double sigma = walker.factor_sigma(kUsual);
+  double north_m = 0;
+  for (int i = 0; i < 200; ++i) {
+    if (i % 50 == 0) walker.on_fix({north_m, 0}, 0.3);
+    walker.on_step({.m = 0.7, .pace = kUsual, .own_sigma = 0.06, .common_sigma = 0}, 0);
+    north_m += 1.15 * 0.7;
+  }
+  CHECK(walker.factor(kUsual) == doctest::Approx(1.15).epsilon(0.01));
+  CHECK(walker.factor_sigma(kUsual) < 0.3 * sigma);
+  CHECK(walker.factor(kFast) / walker.factor(kUsual) == doctest::Approx(std::exp(0.8 * 0.2)).epsilon(0.03));
+  Walker next({});
+  const auto bytes = walker.save();
+  REQUIRE(next.load(bytes.data(), bytes.size()));
+  CHECK(next.factor(kFast) == doctest::Approx(walker.factor(kFast)).epsilon(0.02));
+}
+
+TEST_CASE("the estimate is saved, one of an earlier law is not used, and invalid data is not loaded") {
   Walker walker({});
   walker.set_factor(1.07);
   Walker other({});
   const auto bytes = walker.save();
   CHECK(other.load(bytes.data(), bytes.size()));
-  CHECK(other.factor() == 1.07);
-  CHECK(other.load(bytes.data(), 16));  // without gentle steps
+  CHECK(other.factor(0) == 1.07);
+  const double earlier[4] = {0.9, 1e-3, 1.0, 0.04};
+  CHECK(other.load(reinterpret_cast<const uint8_t*>(earlier), sizeof earlier));
   CHECK_FALSE(other.load(bytes.data(), 3));
   std::vector<uint8_t> wrong(bytes.size(), 0xff);
   CHECK_FALSE(other.load(wrong.data(), wrong.size()));
-  CHECK(other.factor() == 1.07);
+  CHECK(other.factor(0) == 1.07);
 }
 
 TEST_SUITE_BEGIN("world");

@@ -38,7 +38,6 @@ void GaitFinder::take(const FoundStep& step) {
     last_vivid_ns_ = kept.t_end_ns;
   } else if (kept.t_end_ns - last_vivid_ns_ < kSlowingDown_ns) {
     kept.gentle = false;
-    kept.rise_m = kept.whole_rise_m * signal_.gain(kept.frequency_hz);
   }
 }
 

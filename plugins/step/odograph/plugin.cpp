@@ -29,7 +29,7 @@ class OdographSteps {
   std::array<double, 3> forward_axis{0.0, 1.0, -1.0};
 
   static constexpr odo::Description description{
-      "step/odograph", "1.0.0", "Steps from regular peaks of the vertical acceleration, lengths from the trunk's rise",
+      "step/odograph", "1.1.0", "Steps from regular peaks of the vertical acceleration, lengths from pace and rise",
       ODO_INTERFACE_STEP_ESTIMATOR};
 
   static std::vector<odo::Parameter<OdographSteps>> parameters() {
@@ -82,10 +82,11 @@ class OdographSteps {
     if (!accel.allFinite() || !gyro.allFinite()) return;
     // Without an attitude the norm replaces the vertical component.
     const Vector3d force = has_attitude_ ? Vector3d(q_n_b_ * accel) : Vector3d(0, 0, -accel.norm());
-    const Vector2d horizontal = force.head<2>(), tilting = Vector3d(q_n_b_ * gyro).head<2>();
+    const Vector2d horizontal = force.head<2>();
+    const Vector3d rotating = q_n_b_ * gyro;
     resampler_.push(
         {imu.header.t_ns, -force.z() - odograph::kStandardGravity_mps2, horizontal.norm(), gyro.norm(), horizontal,
-         tilting},
+         rotating.head<2>(), rotating.z()},
         [&](const WalkSample& s) { on_sample(s, output); }, [&] { finder_.reset(); });
   }
 
@@ -131,22 +132,23 @@ class OdographSteps {
     }
   }
 
-  void emit(const FoundStep& step, int64_t now_ns, odo::Output& output) {
+  void emit(FoundStep step, int64_t now_ns, odo::Output& output) {
     const Vector3d up_b = q_n_b_.conjugate() * Vector3d(0, 0, -1);
     if (std::exchange(carry_mode_, mode_of(classifier_.classify(step, up_b))) != carry_mode_) direction_.reset();
-    const double model_length = model.length_m(step);
-    const double own_sigma = model.own_sigma(step);
-    const double learnt = walker_->factor() * (step.gentle ? walker_->gentle_ratio() : 1.0);
-    stairs_.add_step(step.t_start_ns, step.t_end_ns, learnt * model_length);
+    step.on_leg = classifier_.on_leg();
+    const ModelLength length = model.estimate(step);
+    const double length_m = walker_->factor(length.pace) * length.m;
+    stairs_.add_step(step.t_start_ns, step.t_end_ns, length_m);
     const uint32_t mode = walking_mode();
     set_mode(mode, std::max(classifier_.since_ns(), since_ns(mode, step)), output);
     auto event = odo::make<odo_step>(now_ns);
     event.t_start_ns = step.t_start_ns, event.t_end_ns = step.t_end_ns;
     event.frequency_hz = 1e9 / static_cast<double>(std::max<int64_t>(1, step.t_end_ns - step.t_start_ns));
     const bool treads = mode == ODO_MODE_STAIRS;  // on stairs the tread length applies, not the walker's
-    event.length_m = treads ? stairs_.parameters().tread_m : learnt * model_length;
+    event.length_m = treads ? stairs_.parameters().tread_m : length_m;
     event.sigma_m =
-        treads ? stairs_.parameters().tread_sigma_m : walker_->sigma_m(event.length_m, own_sigma, step.gentle);
+        treads ? stairs_.parameters().tread_sigma_m
+               : length_m * std::hypot(walker_->factor_sigma(length.pace), length.common_sigma, length.own_sigma);
     event.mode = mode;
     event.index = count_++;
     event.header.flags |= ODO_FLAG_QUALITY;
@@ -155,11 +157,12 @@ class OdographSteps {
       event.heading_rad = std::atan2(f.y(), f.x());
       direction_.add(step.surge_n, event.heading_rad);
       // On a leg the phone's axis is arbitrary; elsewhere it is the better estimate (README).
-      if (classifier_.on_leg() && direction_.sigma_rad() < kKnownDirection_rad)
+      if (step.on_leg && direction_.sigma_rad() < kKnownDirection_rad)
         event.heading_rad = std::remainder(event.heading_rad + direction_.offset_rad(), 2 * M_PI);
       event.header.flags |= ODO_STEP_HEADING;
-      walker_->on_step(treads ? stairs_.parameters().tread_m / factor : model_length, event.heading_rad, own_sigma,
-                       step.gentle);
+      ModelLength walked = length;
+      if (treads) walked.m = stairs_.parameters().tread_m / walker_->factor(length.pace);
+      walker_->on_step(walked, event.heading_rad);
     }
     output.emit(event);
   }

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <utility>
 
+#include "sdk/math/scalar.hpp"
+
 namespace odograph::steps {
 
 StepFinder::Parameters StepFinder::Parameters::of_gentle_steps() {
@@ -26,7 +28,8 @@ StepFinder::Parameters StepFinder::Parameters::of_gentle_steps() {
   p.kept_peaks = 16;
   p.weak = 0.4;
   p.min_alternating_part = 0.05;
-  p.min_stride_peaks = kMaxPeaks + 1;  // never: strides are the task of the other finder
+  p.min_symmetry = 0.6, p.symmetric_hz = 1.8;  // a car's body rings so quickly, but has no strides
+  p.strides.min_peaks = kMaxPeaks + 1;         // never: strides are the task of the other finder
   return p;
 }
 
@@ -39,7 +42,7 @@ void StepFinder::update(const WalkSignal& signal) {
   const double before = signal.smooth(n - 3), here = signal.smooth(n - 2), after = signal.smooth(n - 1);
   const auto now_ns = static_cast<double>(signal.smooth_ns(n - 1));
   const double since_peak_s = peak_count_ > 0 ? (now_ns - peaks_[peak_count_ - 1].t_ns) * 1e-9 : 1e9;
-  if (walking_ && since_peak_s > std::min(p_.longest_s, p_.missing * typical_s_)) {
+  if (walking_ && since_peak_s > longest_s(signal)) {
     walking_ = false;
     since_ns_ = static_cast<int64_t>(peaks_[peak_count_ - 1].t_ns);
     peak_count_ = 0;
@@ -64,11 +67,20 @@ void StepFinder::update(const WalkSignal& signal) {
   if (candidate_ && now_ns - best_.t_ns > p_.confirm_s * 1e9) confirm(signal);
 }
 
+/// Time after the last contact, at which a walk is over. A swinging arm hides every other contact, while the strides
+/// repeat.
+double StepFinder::longest_s(const WalkSignal& signal) const {
+  const double usual_s = std::min(p_.longest_s, p_.missing * typical_s_);
+  if (p_.gentle || stride_repetition(signal, typical_s_, 1) < p_.strides.alike) return usual_s;
+  return std::max(usual_s, p_.strides.missed_foot * typical_s_);
+}
+
 void StepFinder::confirm(const WalkSignal& signal) {
   candidate_ = false;
   low_ = 1e9;
   for (size_t i = best_.index; i < signal.smooth_count(); ++i) low_ = std::min(low_, signal.smooth(i));
-  if (peak_count_ > 0 && (best_.t_ns - peaks_[peak_count_ - 1].t_ns) * 1e-9 > p_.longest_s) peak_count_ = 0;
+  const double longest = walking_ ? std::max(p_.longest_s, p_.strides.missed_foot * typical_s_) : p_.longest_s;
+  if (peak_count_ > 0 && (best_.t_ns - peaks_[peak_count_ - 1].t_ns) * 1e-9 > longest) peak_count_ = 0;
   if (peak_count_ == p_.kept_peaks)
     std::copy(peaks_.begin() + 1, peaks_.begin() + static_cast<long>(peak_count_--), peaks_.begin());
   best_.may_be_foot = p_.gentle ? !hand_moves(signal, best_.value - best_.low, p_.part_over_s)
@@ -97,13 +109,23 @@ void StepFinder::continue_walk(const WalkSignal& signal) {
     return;
   }
   if (peak_count_ < 2) return;
-  typical_s_ += p_.learn_interval * (std::min(interval_s(peak_count_ - 1), p_.longest_s) - typical_s_);
+  const Peak& from = peaks_[peak_count_ - 2];
+  const double interval = interval_s(peak_count_ - 1);
+  const bool missed = !p_.gentle && interval > p_.strides.both_feet * typical_s_ &&
+                      stride_repetition(signal, 0.5 * interval, 1) >= p_.strides.alike;
+  const double step_s = missed ? 0.5 * interval : interval;
+  typical_s_ += p_.learn_interval * (std::min(step_s, p_.longest_s) - typical_s_);
   typical_swing_ += p_.learn_swing * (best_.value - best_.low - typical_swing_);
-  typical_part_ +=
-      p_.learn_part * (signal.vertical_part_between(peaks_[peak_count_ - 2].index, best_.index) - typical_part_);
+  typical_part_ += p_.learn_part * (signal.vertical_part_between(from.index, best_.index) - typical_part_);
   typical_repetition_ += p_.learn_interval * (stride_repetition(signal, typical_s_, 1) - typical_repetition_);
-  ++walked_;
-  if (!invalid) emit(signal, peaks_[peak_count_ - 2], best_);
+  typical_harmonic_ += p_.learn_interval * (harmonic_before(signal, best_.index) - typical_harmonic_);
+  walked_ += missed ? 2 : 1;
+  if (invalid) return;
+  if (!missed) return emit(signal, from, best_);
+  Peak between = best_;
+  between.index = (from.index + best_.index) / 2, between.t_ns = 0.5 * (from.t_ns + best_.t_ns);
+  emit(signal, from, between);
+  emit(signal, between, best_);
 }
 
 /// Retries without weak peaks, which may be second harmonics of slow steps.
@@ -138,7 +160,16 @@ StepFinder::Run StepFinder::run_from(size_t first) const {
   return run;
 }
 
+/// Running and stairs: so quick, strong and even that a swinging arm does not matter.
+bool StepFinder::quick_gait(const WalkSignal& signal, const Run& run) const {
+  return !p_.gentle && run.mean_s * kQuickGait.hz < 1 && run.mean_swing > kQuickGait.swing_mps2 &&
+         run.longest_s <= p_.alike * run.shortest_s && run.strongest <= p_.max_swing_ratio * run.weakest &&
+         signal.vertical_part_between(peaks_[run.first].index, peaks_[peak_count_ - 1].index) > kQuickGait.part &&
+         repetition(signal, run.mean_s, 2) >= kQuickGait.regularity;
+}
+
 bool StepFinder::steps_alike(const WalkSignal& signal, const Run& run) const {
+  if (run.mean_s * p_.symmetric_hz < 1 && stride_repetition(signal, run.mean_s, 1) < p_.min_symmetry) return false;
   return run.longest_s <= p_.alike * run.shortest_s && run.strongest <= p_.max_swing_ratio * run.weakest &&
          may_be_walk(signal, run.mean_swing, run.first, peak_count_ - 1) &&
          repetition(signal, run.mean_s, 2) >= p_.start_regularity;
@@ -146,11 +177,16 @@ bool StepFinder::steps_alike(const WalkSignal& signal, const Run& run) const {
 
 bool StepFinder::strides_alike(const WalkSignal& signal, const Run& run) const {
   const double rate = signal.gyro_between(peaks_[run.first].index, peaks_[peak_count_ - 1].index);
-  if (run.mean_swing < p_.strides_swing_mps2) return false;
-  if (rate > p_.rotating_radps && repetition(signal, run.mean_s, 2) > p_.rotating_alike) return false;
+  if (run.mean_swing < p_.strides.swing_mps2) return false;
+  if (rate > p_.strides.rotating_radps && repetition(signal, run.mean_s, 2) > p_.strides.rotating_alike) return false;
   for (size_t i = run.first + 3; i < peak_count_; ++i)
-    if (std::abs(interval_s(i) - interval_s(i - 2)) > p_.foot_alike * run.mean_s) return false;
-  return stride_repetition(signal, run.mean_s, 2) >= p_.strides_alike;
+    if (std::abs(interval_s(i) - interval_s(i - 2)) > p_.strides.foot_alike * run.mean_s) return false;
+  return stride_repetition(signal, run.mean_s, 2) >= p_.strides.alike;
+}
+
+/// Of a sine with that swing and frequency.
+bool StepFinder::rises_too_far(const Run& run) const {
+  return run.strongest * squared(run.mean_s / (2 * M_PI)) > p_.max_rise_m;
 }
 
 double StepFinder::standing_s(const Run& run) const {
@@ -162,20 +198,24 @@ bool StepFinder::resembles_last_walk(const WalkSignal& signal, const Run& run) c
   if (p_.gentle || walked_ < kResume.after_steps || standing_s(run) > kResume.within_s) return false;
   return run.longest_s < kResume.interval * typical_s_ && run.shortest_s > typical_s_ / kResume.interval &&
          run.weakest > kResume.swing * typical_swing_ && run.strongest <= p_.max_swing_ratio * run.weakest &&
-         may_be_walk(signal, run.mean_swing, run.first, peak_count_ - 1);
+         (may_be_walk(signal, run.mean_swing, run.first, peak_count_ - 1) ||
+          stride_repetition(signal, typical_s_, 1) >= p_.strides.alike);
 }
 
 /// Starts a walk when the last peaks are alike.
 void StepFinder::try_start(const WalkSignal& signal) {
   if (peak_count_ >= kResume.peaks)
-    if (const Run few = run_from(peak_count_ - kResume.peaks); resembles_last_walk(signal, few))
+    if (const Run few = run_from(peak_count_ - kResume.peaks); !rises_too_far(few) && resembles_last_walk(signal, few))
       return start(signal, few, typical_repetition_);  // three peaks are too few for a repetition
   if (peak_count_ < p_.min_peaks) return;
   const Run steps = run_from(peak_count_ - p_.min_peaks);
-  if (steps_alike(signal, steps)) return start(signal, steps, stride_repetition(signal, steps.mean_s, 1));
-  if (peak_count_ < p_.min_stride_peaks) return;
-  const Run strides = run_from(peak_count_ - p_.min_stride_peaks);
-  if (strides_alike(signal, strides)) start(signal, strides, stride_repetition(signal, strides.mean_s, 1));
+  if (rises_too_far(steps)) return;
+  if (steps_alike(signal, steps) || quick_gait(signal, steps))
+    return start(signal, steps, stride_repetition(signal, steps.mean_s, 1));
+  if (peak_count_ < p_.strides.min_peaks) return;
+  const Run strides = run_from(peak_count_ - p_.strides.min_peaks);
+  if (!rises_too_far(strides) && strides_alike(signal, strides))
+    start(signal, strides, stride_repetition(signal, strides.mean_s, 1));
 }
 
 /// Includes the peaks before the run that were weaker or slower because the walker was starting.
@@ -184,11 +224,13 @@ void StepFinder::start(const WalkSignal& signal, const Run& run, double repetiti
   const double mean_s = run.mean_s;
   walking_ = true;
   invalid_ = 0;
+  last_rise_m_ = 0;
   if (standing_s(run) > kResume.within_s) walked_ = 0;
   walked_ += static_cast<double>(last - run.first);
   typical_s_ = mean_s;
   typical_swing_ = run.mean_swing;
   typical_repetition_ = repetition;
+  typical_harmonic_ = harmonic_before(signal, peaks_[last].index);
   typical_part_ = 0;
   for (size_t i = run.first + 1; i <= last; ++i)
     typical_part_ +=
@@ -196,7 +238,8 @@ void StepFinder::start(const WalkSignal& signal, const Run& run, double repetiti
   size_t first = run.first;
   const auto belongs = [&](size_t i) {
     return interval_s(i + 1) < p_.initiation_interval * mean_s && peaks_[i].may_be_foot &&
-           peaks_[i].value - peaks_[i].low > p_.weakest * typical_swing_;
+           peaks_[i].value - peaks_[i].low > p_.weakest * typical_swing_ &&
+           peaks_[i].value - peaks_[i].low < p_.max_swing_ratio * typical_swing_;
   };
   while (first > 0 && belongs(first - 1)) --first;
   // The very first peak is the first foot's contact or, if it is weak, the push-off.
@@ -238,19 +281,28 @@ double StepFinder::stride_repetition(const WalkSignal& signal, double interval_s
   return best;
 }
 
+/// Of the stride that ends there.
+double StepFinder::harmonic_before(const WalkSignal& signal, size_t end) const {
+  const auto stride = static_cast<size_t>(std::lround(2 * typical_s_ * WalkSignal::kRate_hz));
+  return end > stride ? signal.second_harmonic_between(end - stride, end) : 0.0;
+}
+
 void StepFinder::emit(const WalkSignal& signal, const Peak& from, const Peak& to) {
   const auto lag = static_cast<int64_t>(p_.arm_lag_s * 1e9);
   FoundStep& step = found_[found_count_++];
   step.t_start_ns = static_cast<int64_t>(from.t_ns) - lag;
   step.t_end_ns = static_cast<int64_t>(to.t_ns) - lag;
   step.swing_mps2 = to.value - to.low;
-  step.rise_m = signal.rise_between(from.index, to.index);
   step.surge_n = signal.surge_between(from.index, to.index, p_.surge_lead_rad);
   step.gyro_radps = signal.gyro_between(from.index, to.index);
   step.frequency_hz = 1 / typical_s_;
-  step.whole_rise_m = step.rise_m / signal.gain(step.frequency_hz);
+  const double rise_m = signal.rise_between(from.index, to.index) / signal.gain(step.frequency_hz);
+  step.rise_m = last_rise_m_ > 0 ? 0.5 * (rise_m + last_rise_m_) : rise_m;
+  last_rise_m_ = rise_m;
   step.vertical_part = typical_part_;
   step.repetition = typical_repetition_;
+  step.turning_radps = signal.turning(p_.turning_over_s);
+  step.second_harmonic = typical_harmonic_;
   step.gentle = p_.gentle;
 }
 

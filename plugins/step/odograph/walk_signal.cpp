@@ -149,6 +149,27 @@ Eigen::Vector2d WalkSignal::surge_between(size_t from, size_t to, double lead_ra
   return {(north * reference).real(), (east * reference).real()};
 }
 
+double WalkSignal::turning(double seconds) const {
+  const size_t n = std::min({count_, kKept, static_cast<size_t>(seconds * kRate_hz)});
+  double sum = 0;
+  for (size_t i = count_ - n; i < count_; ++i) sum += raw_[i % kKept].yaw_radps;
+  return n > 0 ? std::abs(sum) / static_cast<double>(n) : 0.0;
+}
+
+double WalkSignal::second_harmonic_between(size_t from, size_t to) const {
+  if (to - from < 8 || to - from > kKept / 2) return 0;
+  std::complex<double> first = 0, second = 0, phase = 1;
+  const std::complex<double> rotation = std::polar(1.0, -4 * M_PI / static_cast<double>(to - from));
+  double mean = 0;
+  for (size_t i = from; i < to; ++i) mean += raw_[i % kKept].vertical / static_cast<double>(to - from);
+  for (size_t i = from; i < to; ++i, phase *= rotation) {
+    const double vertical = raw_[i % kKept].vertical - mean;
+    first += vertical * phase, second += vertical * phase * phase;
+  }
+  const double size = std::abs(first);
+  return size > 0 ? (second / (first * first)).real() * size : 0.0;
+}
+
 double WalkSignal::regularity(size_t lag, size_t window) const {
   if (smooth_count_ < half_ + lag + window + 1 || lag + window + half_ > kKept) return 0;
   double product = 0, now = 0, before = 0;

@@ -17,6 +17,7 @@ struct WalkSample {
   double gyro = 0;                                         ///< norm of the rotation rate, rad/s
   Eigen::Vector2d horizontal_n = Eigen::Vector2d::Zero();  ///< acceleration, m/s^2
   Eigen::Vector2d tilting_n = Eigen::Vector2d::Zero();     ///< rotation rate about horizontal axes, rad/s
+  double yaw_radps = 0;                                    ///< about the vertical
 
   /// Adds `weight` times the value interpolated between `a` and `b` at the fraction `x`.
   void add(double weight, const WalkSample& a, const WalkSample& b, double x) {
@@ -25,6 +26,7 @@ struct WalkSample {
     gyro += weight * (a.gyro + (b.gyro - a.gyro) * x);
     horizontal_n += weight * (a.horizontal_n + (b.horizontal_n - a.horizontal_n) * x);
     tilting_n += weight * (a.tilting_n + (b.tilting_n - a.tilting_n) * x);
+    yaw_radps += weight * (a.yaw_radps + (b.yaw_radps - a.yaw_radps) * x);
   }
 };
 
@@ -118,6 +120,13 @@ class WalkSignal {
   /// Component of the horizontal acceleration between two smoothed values, one period, at that phase lead over the
   /// vertical one, divided by the vertical amplitude.
   Eigen::Vector2d surge_between(size_t from, size_t to, double lead_rad) const;
+  /// Rate at which the path bends: size of the mean rate about the vertical over the last `seconds`, in which the sway
+  /// of strides cancels, rad/s.
+  double turning(double seconds) const;
+  /// Shape of the vertical acceleration between two values, a stride: the second harmonic of its steps in phase with
+  /// the first, relative to it, before smoothing. Positive for a sharp push with a long rest, zero or negative for two
+  /// humps per step.
+  double second_harmonic_between(size_t from, size_t to) const;
   /// Autocorrelation of the smoothed signal at `lag` samples over the last `window` ones: -1 to 1.
   double regularity(size_t lag, size_t window) const;
   /// The same for all three axes together, each with its mean removed: regularity of a walk from stride to stride,

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// `odograph bench steps --data`: step estimators on real walks, by data set, carrying place and person.
+// `odograph bench steps --data`: step estimators on real walks, by data set, carrying place, pace and person.
 #include <algorithm>
 #include <cmath>
 
@@ -44,6 +44,32 @@ double half_interval(const Rows& rows, const std::string& key, bool absolute) {
   return 0.5 * (percentile_or_nan(means, 0.975) - percentile_or_nan(means, 0.025));
 }
 
+/// Percentage of the walks whose value is below a limit; NaN without values.
+double share_below(const Rows& rows, const std::string& key, double limit) {
+  const auto values = numbers_at(rows, key, false);
+  const auto below = std::count_if(values.begin(), values.end(), [&](double x) { return x < limit; });
+  return values.empty() ? std::nan("") : 100 * static_cast<double>(below) / static_cast<double>(values.size());
+}
+
+/// Percentage of the distance on walks whose error exceeds three stated standard deviations.
+double share_beyond_3_sigma(const Rows& rows) {
+  double all_m = 0, beyond_m = 0;
+  for (const Json& row : rows) {
+    const double true_m = number_at(row, "true_m"), nees = number_at(row, "_walk_nees");
+    if (!(true_m > 0) || !std::isfinite(nees)) continue;
+    all_m += true_m, beyond_m += nees > 9 ? true_m : 0;
+  }
+  return all_m > 0 ? 100 * beyond_m / all_m : std::nan("");
+}
+
+/// By the true speed while walking, where a distance is known, m/s; about two thirds of people choose a usual one.
+std::string pace_of(const WalkTruthFigures& f) {
+  constexpr double kSlow_mps = 1.05, kFast_mps = 1.45;
+  if (!(f.true_m > 0 && f.walked_s > 0)) return "unknown";
+  const double speed_mps = f.true_m / f.walked_s;
+  return speed_mps < kSlow_mps ? "slow" : speed_mps < kFast_mps ? "usual" : "fast";
+}
+
 Json line_of(const Json& labels, const Rows& rows) {
   const auto sizes = [&](const char* key, double part) { return percentile_at(rows, key, part, true); };
   const auto mean = [&](const char* key, bool absolute = false) {
@@ -73,6 +99,9 @@ Json line_of(const Json& labels, const Rows& rows) {
                    {"heading", sizes("_heading_deg", 0.5)},
                    {"heading_p90", sizes("_heading_deg", 0.9)},
                    {"nees", mean("_normalised_error")},
+                   {"walk_nees", mean("_walk_nees")},
+                   {"within_sigma", share_below(rows, "_walk_nees", 1)},
+                   {"beyond_3_sigma", share_beyond_3_sigma(rows)},
                    {"floors", floors > 0 ? floors : std::nan("")},
                    {"wrong_floors", floors > 0 ? wrong : std::nan("")},
                    {"floor_right", places > 0 ? 100 * right / places : std::nan("")},
@@ -138,7 +167,7 @@ std::string adaptive_against_fixed(const Rows& all) {
 
 std::string table_by(const Rows& rows, const std::string& by) {
   Rows lines;
-  for (const auto& [set, of_set] : groups_of(rows, "data"))
+  const auto add = [&](const Json& set, const Rows& of_set) {
     for (const auto& [value, own] : groups_of(of_set, by))
       for (const auto& [config, of_config] : groups_of(own, "config")) {
         Json labels{{"data", set}};
@@ -146,6 +175,9 @@ std::string table_by(const Rows& rows, const std::string& by) {
         labels["config"] = config;
         lines.push_back(line_of(labels, of_config));
       }
+  };
+  for (const auto& [set, of_set] : groups_of(rows, "data")) add(set, of_set);
+  if (by == "pace") add("all", rows);
   Table table{by == "data" ? "" : "by " + by, {{"data", "data"}}, {}};
   if (by != "data") table.labels.push_back({by, by});
   table.labels.push_back({"config", "config", true});
@@ -164,6 +196,9 @@ std::string table_by(const Rows& rows, const std::string& by) {
                    {"heading", "deg", "heading", 1},
                    {"", "90 %", "heading_p90", 1},
                    {"NEES", "", "nees", 2},
+                   {"of walks", "", "walk_nees", 2},
+                   {"in sigma", "%", "within_sigma", 0},
+                   {"beyond 3", "% of m", "beyond_3_sigma", 1},
                    {"floors", "", "floors", 0},
                    {"wrong", "", "wrong_floors", 0},
                    {"number", "right %", "floor_right", 1},
@@ -205,8 +240,10 @@ Json step_data_row(const Recording& recording, const RunResult& result) {
                      {"wrong", "", "wrong_floors", 0, f.wrong_floors, none}});
   row.update(Json{{"person", name.person},
                   {"place", name.place},
+                  {"pace", pace_of(f)},
                   {"_heading_deg", f.heading_deg},
                   {"_normalised_error", f.normalised_error},
+                  {"_walk_nees", f.sigma_m > 0 ? std::pow((f.estimated_m - f.true_m) / f.sigma_m, 2) : std::nan("")},
                   {"_counted", f.counted},
                   {"_floor_places", f.floor_places},
                   {"_floor_right", f.floor_right},
@@ -219,8 +256,8 @@ Json step_data_row(const Recording& recording, const RunResult& result) {
 }
 
 std::string step_data_report(const Rows& rows) {
-  return table_by(rows, "data") + '\n' + table_by(rows, "place") + '\n' + table_by(rows, "person") + '\n' +
-         adaptive_against_fixed(rows);
+  return table_by(rows, "data") + '\n' + table_by(rows, "place") + '\n' + table_by(rows, "pace") + '\n' +
+         table_by(rows, "person") + '\n' + adaptive_against_fixed(rows);
 }
 
 }  // namespace odograph

@@ -61,9 +61,9 @@ std::vector<TrueStretch> stretches_of(const Recording& recording, const std::vec
   return all;
 }
 
-/// Length and number of the steps within a time, and the sum of their standard deviations.
+/// Length, number and duration of the steps within a time, and the sum of their standard deviations.
 struct Walked {
-  double length_m = 0, sigma_m = 0, count = 0;
+  double length_m = 0, sigma_m = 0, count = 0, walked_s = 0;
 };
 Walked walked(const std::vector<odo_step>& steps, int64_t from_ns, int64_t to_ns) {
   Walked sum;
@@ -72,6 +72,7 @@ Walked walked(const std::vector<odo_step>& steps, int64_t from_ns, int64_t to_ns
     if (inside <= 0) continue;
     const double part = static_cast<double>(inside) / static_cast<double>(step.t_end_ns - step.t_start_ns);
     sum.length_m += part * step.length_m, sum.sigma_m += part * step.sigma_m, sum.count += part;
+    sum.walked_s += seconds(inside);
   }
   return sum;
 }
@@ -87,7 +88,7 @@ void add_distance(const std::vector<odo_step>& steps, const std::vector<TrueStre
     for (size_t i = 1; i < path.size(); ++i) f.true_m += (path[i].p - path[i - 1].p).head<2>().norm();
   }
   const Walked whole = walked(steps, stretches.front().from_ns, stretches.back().to_ns);
-  f.estimated_m = whole.length_m, f.counted = whole.count;
+  f.estimated_m = whole.length_m, f.counted = whole.count, f.walked_s = whole.walked_s, f.sigma_m = whole.sigma_m;
   for (const TrueStretch& s : stretches) {
     const Walked own = walked(steps, s.from_ns, s.to_ns);
     const double whole_s = seconds(s.to_ns - s.from_ns);

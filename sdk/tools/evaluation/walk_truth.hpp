@@ -31,7 +31,8 @@ struct WalkTruthFigures {
   /// Places with a known floor; of them, those whose number relative to the first the floor estimator finds from the
   /// track's heights, and the mean of its probabilities; NaN without floors.
   double floor_places = 0, floor_right = 0, floor_probability = 0;
-  double counted = 0;  ///< steps within the time with truth, fractions included
+  double counted = 0;                ///< steps within the time with truth, fractions included
+  double walked_s = 0, sigma_m = 0;  ///< their duration, and the sum of their standard deviations
   /// Antigny et al. 2019, Table 5: the same steps and headings with their own lengths and with a fixed one. Aligned at
   /// the first place and rotated about it onto the others. NaN without places or headings.
   struct Composed {

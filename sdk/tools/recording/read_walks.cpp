@@ -8,6 +8,7 @@
 #include <map>
 #include <string_view>
 
+#include "sdk/math/gravity.hpp"
 #include "sdk/math/scalar.hpp"
 #include "sdk/math/number_text.hpp"
 #include "sdk/math/time.hpp"
@@ -201,20 +202,64 @@ Result<Recording> read_oxford_steps(const fs::path& accelerometer) {
   return complete(std::move(recording), steps);
 }
 
+namespace {
+
+struct WheelSample {
+  int64_t t_ns;
+  Vector gyro, accel;
+};
+
+/// The acceleration "including gravity" of this set's browser has a scale error of 4 to 16 %: the median norm is
+/// brought to gravity.
+void add_normalised(Recording& recording, const std::vector<WheelSample>& samples) {
+  std::vector<double> norms;
+  for (const WheelSample& s : samples) norms.push_back(Eigen::Vector3d(s.accel.data()).norm());
+  if (norms.empty()) return;
+  const auto median = norms.begin() + static_cast<long>(norms.size() / 2);
+  std::nth_element(norms.begin(), median, norms.end());
+  const double scale = *median > 0 ? kStandardGravity_mps2 / *median : 1.0;
+  for (const WheelSample& s : samples)
+    add_imu(recording, s.t_ns, ODO_IMU_GYRO | ODO_IMU_ACCEL, s.gyro,
+            {scale * s.accel[0], scale * s.accel[1], scale * s.accel[2]});
+}
+
+/// Latitude and longitude in degrees, accuracy in metres: the rms of both axes together.
+void add_place(Recording& recording, int64_t t_ns, const Vector& place) {
+  auto m = make_message<odo_gnss>(ODO_TYPE_GNSS, t_ns);
+  m.header.flags = ODO_GNSS_POSITION | ODO_GNSS_COVARIANCE;
+  m.latitude_rad = kRad_per_deg * place[0], m.longitude_rad = kRad_per_deg * place[1];
+  m.covariance_n[0] = m.covariance_n[4] = 0.5 * place[2] * place[2];
+  m.covariance_n[8] = 4 * place[2] * place[2];
+  recording.add(m.header);
+}
+
+}  // namespace
+
 Result<Recording> read_trundle_wheel(const fs::path& file) {
   Recording recording{.format = "Trundle wheel", .path = file};
-  const auto done = read_columns(
-      file, ';',
-      {"time", "m_accG_x", "m_accG_y", "m_accG_z", "m_rotTate_alpha", "m_rotTate_beta", "m_rotTate_gamma", "distance"},
-      [&](const std::vector<double>& v, const TextRow& row) -> Result<bool> {
+  std::vector<std::string> names{"time",           "m_accG_x",        "m_accG_y", "m_accG_z", "m_rotTate_alpha",
+                                 "m_rotTate_beta", "m_rotTate_gamma", "distance"};
+  std::string head;
+  std::ifstream stream(file, std::ios::binary);
+  std::getline(stream, head);
+  const bool places = head.find("p_lat;p_long;p_alt;p_acc") != std::string::npos;
+  if (places) names.insert(names.end(), {"p_lat", "p_long", "p_acc"});
+  std::vector<WheelSample> samples;
+  const auto done =
+      read_columns(file, ';', names, [&](const std::vector<double>& v, const TextRow& row) -> Result<bool> {
+        // A fix has the receiver's clock: it counts as of the motion sample before it.
+        if (places && finite(three(v, 8)) && v[10] > 0) {
+          if (!samples.empty()) add_place(recording, samples.back().t_ns, three(v, 8));
+          return true;
+        }
         const auto t_ns = time_of(1e-3 * v[0], row);
         if (!t_ns) return t_ns.failure();
         if (finite(three(v, 1)) && finite(three(v, 4)))
-          add_imu(recording, *t_ns, ODO_IMU_GYRO | ODO_IMU_ACCEL,
-                  {kRad_per_deg * v[4], kRad_per_deg * v[5], kRad_per_deg * v[6]}, three(v, 1));
+          samples.push_back({*t_ns, {kRad_per_deg * v[4], kRad_per_deg * v[5], kRad_per_deg * v[6]}, three(v, 1)});
         if (std::isfinite(v[7])) recording.true_distances.push_back({*t_ns, v[7]});
         return true;
       });
+  add_normalised(recording, samples);
   return complete(std::move(recording), done);
 }
 
