@@ -20,8 +20,8 @@ class CourseCheck {
   };
 
   void add(const odo_gnss& gnss, const FaultFound& found);
-  /// `turn_rad`: to the right about the vertical, since the sample before.
-  void turn(double turn_rad) { turned_rad_ += turn_rad, sum_rad_ += turned_rad_, ++samples_; }
+  /// `yaw_rad`: to the right about the vertical, since the sample before.
+  void turn(double yaw_rad) { turned_rad_ += yaw_rad, sum_rad_ += turned_rad_, ++samples_; }
   void reset() { *this = CourseCheck(); }
 
  private:

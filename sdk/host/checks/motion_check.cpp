@@ -146,14 +146,14 @@ bool MotionCheck::swings_too_far() const {
 void MotionCheck::check_bias() {
   if (windows_.size() < kWindows) return;
   Vector3d rotation = Vector3d::Zero(), force = Vector3d::Zero();
-  double way_rad = 0;
+  double whole_rad = 0;
   for (size_t i = 0; i < kWindows; ++i) {
     const Window& w = windows_.back(i);
-    rotation += w.rotation, force += w.force, way_rad += w.turned_rad;
+    rotation += w.rotation, force += w.force, whole_rad += w.turned_rad;
   }
   const double about_force = rotation.dot(force.normalized()), turned = rotation.norm();
   const double across = std::sqrt(std::max(0.0, turned * turned - about_force * about_force));
-  const bool straight = turned > p_.straight * way_rad;  // rates of a swinging leg do not add up to its rotation
+  const bool straight = turned > p_.straight * whole_rad;  // rates of a swinging leg do not add up to its rotation
   const bool biased = straight && across > p_.biased_rad && std::abs(about_force) < p_.vertical * turned;
   biased_ = biased ? biased_ + 1 : 0;
   if (biased_ >= p_.biased_windows || across < 0.5 * p_.biased_rad)
