@@ -15,14 +15,14 @@ void CourseCheck::add(const odo_gnss& gnss, const FaultFound& found) {
       kEarth_m * std::cos(gnss.latitude_rad) * std::remainder(gnss.longitude_rad - longitude_rad_, 2 * kPi);
   const double sigma_m =
       gnss.header.flags & ODO_GNSS_COVARIANCE ? std::sqrt(std::max(gnss.covariance_n[0], gnss.covariance_n[4])) : 0.0;
-  if (legs_ >= 0 && std::hypot(north_m, east_m) < std::max(p_.min_way_m, p_.sigmas * sigma_m)) return;
+  if (legs_ >= 0 && std::hypot(north_m, east_m) < std::max(p_.min_leg_m, p_.sigmas * sigma_m)) return;
   latitude_rad_ = gnss.latitude_rad, longitude_rad_ = gnss.longitude_rad;
   const double mean = samples_ > 0 ? sum_rad_ / samples_ : turned_rad_, course = std::atan2(east_m, north_m);
   sum_rad_ = 0, samples_ = 0;
   if (legs_ < 2) ++legs_;
   if (legs_ >= 2) {
     const double bend = std::remainder(course - course_rad_, 2 * kPi), turn = mean - mean_turned_rad_;
-    const auto tells = [&](double x) { return std::abs(x) > p_.bend_rad && std::abs(x) < p_.most_rad; };
+    const auto tells = [&](double x) { return std::abs(x) > p_.bend_rad && std::abs(x) < p_.max_bend_rad; };
     if (tells(bend) && tells(turn)) {
       if (std::abs(bend + turn) < p_.same_rad) ++opposed_;
       if (std::abs(bend - turn) < p_.same_rad) opposed_ = 0;

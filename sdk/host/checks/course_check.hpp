@@ -12,11 +12,12 @@ namespace odograph {
 class CourseCheck {
  public:
   struct Parameters {
-    double min_way_m = 8,
+    double min_leg_m = 8,
            sigmas = 4;  ///< of a leg, also in standard deviations of a position: its direction to 0.25 rad
-    double bend_rad = 0.6, most_rad = 2.4;  ///< of a bend that tells: more than legs are off, less than a turning back
-    double same_rad = 0.6;                  ///< by which both may differ; exchanged axes distort a right angle by 0.4
-    int opposed = 3;                        ///< in a row
+    double bend_rad = 0.6,
+           max_bend_rad = 2.4;  ///< of a bend that tells: more than legs are off, less than a turning back
+    double same_rad = 0.6;      ///< by which both may differ; exchanged axes distort a right angle by 0.4
+    int opposed = 3;            ///< in a row
   };
 
   void add(const odo_gnss& gnss, const FaultFound& found);
