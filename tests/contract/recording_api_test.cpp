@@ -2,6 +2,14 @@
 //
 // Recordings through the C API: frames, damage, validation, bit-identical replays, concurrent recorders. What is read
 // back as written is a subject of the conformance suite.
+#if defined(__linux__)
+#include <csignal>
+
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+#endif
+
 #include <odograph/messages.h>
 #include <odograph/odograph.hpp>
 #include <odograph/recording.h>
@@ -210,3 +218,33 @@ TEST_CASE("a closed recording without messages is complete, an unclosed one is d
   std::filesystem::resize_file(folder / "empty.odo", 16);
   CHECK(recording(folder / "empty.odo", ODO_E_DATA) == nullptr);
 }
+
+#if defined(__linux__)
+TEST_CASE(
+    "a limit of file size is an error of the recorder and not the end of the app, which keeps its own rule for the "
+    "signal") {
+  const TemporaryFolder folder;
+  const pid_t child = fork();
+  REQUIRE(child >= 0);
+  if (child == 0) {
+    const rlimit limit{1 << 16, 1 << 16};
+    if (setrlimit(RLIMIT_FSIZE, &limit) != 0) _exit(2);
+    odo_recorder* out = recorder(folder / "limited.odo");
+    auto imu = make_message<odo_imu>(ODO_TYPE_IMU, 0);
+    int refused = 0;
+    for (int i = 0; i < 4000; ++i) {
+      imu.header.t_ns = i * 5'000'000LL;
+      refused += odo_recorder_write(out, &imu.header, nullptr, 0) < 0;
+    }
+    const bool closed = odo_recorder_close(out) == ODO_OK;
+    sigset_t pending, blocked;
+    sigpending(&pending), pthread_sigmask(SIG_BLOCK, nullptr, &blocked);
+    const bool untouched = sigismember(&pending, SIGXFSZ) == 0 && sigismember(&blocked, SIGXFSZ) == 0;
+    _exit(refused == 0 ? 3 : closed ? 4 : untouched ? 0 : 5);
+  }
+  int status = 0;
+  REQUIRE(waitpid(child, &status, 0) == child);
+  CHECK_FALSE(WIFSIGNALED(status));
+  CHECK(WEXITSTATUS(status) == 0);
+}
+#endif

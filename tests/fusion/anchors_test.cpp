@@ -353,7 +353,7 @@ TEST_CASE("a sensor clock that is set back moves the anchors with the phone") {
   CHECK((where(app, id) - phone(app)).norm() < 15);  // ten seconds of walking in between
 }
 
-TEST_CASE("an anchor in neither world or with a name of more than 63 bytes is rejected") {
+TEST_CASE("an anchor in neither world, farther away than any place or with a name of more than 63 bytes is rejected") {
   App app(kWalk + kInertial + kStart);
   app.walk(0, 500);
   odo_anchor_place at = place(ODO_ANCHOR_POSE);
@@ -361,6 +361,12 @@ TEST_CASE("an anchor in neither world or with a name of more than 63 bytes is re
   uint64_t id = 7;
   CHECK(odo_anchor_create(app.session, &at, &id) == ODO_E_ARGUMENT);
   at.world = ODO_WORLD_CORRECTED;
+  for (const double far : {1.1e9, -1e154, 1e308}) {
+    odo_anchor_place away = at, above = place(ODO_ANCHOR_GEODETIC), vague = above;
+    away.p[1] = far, above.height_m = far, vague.sigma_m = std::abs(far);
+    for (const odo_anchor_place& each : {away, above, vague})
+      CHECK(odo_anchor_create(app.session, &each, &id) == ODO_E_ARGUMENT);
+  }
   std::string name;
   for (int i = 0; i < 32; ++i) name += "\xc3\xbc";
   at.name = {name.data(), 64};

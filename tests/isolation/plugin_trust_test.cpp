@@ -205,6 +205,23 @@ TEST_CASE("a library allowed by its hash is opened as hashed, whatever its file 
   CHECK(((*first)->table().process != (*apart)->table().process));
 }
 
+TEST_CASE(
+    "a sealed copy whose descriptor the app has closed and used for another file is made again, under another number") {
+  const TemporaryFolder folder;
+  const HostServices host(0, {"."}, nullptr);
+  const Manifest manifest = put_library(folder, "good", "closed");
+  const auto before = required(sealed_copy(manifest));
+  const int number = std::stoi(before->filename().string());
+  CHECK(close(number) == 0);
+  const int other = open("/dev/null", O_RDONLY);
+  const auto after = required(sealed_copy(manifest));
+  CHECK(*after != *before);
+  CHECK(read_text(*after) == read_text(hostile("good")) + "closed");
+  CHECK(PluginLibrary::load(manifest, LibraryCheck::sealed, &host).ok());
+  close(other);
+  CHECK(*required(sealed_copy(manifest)) == *after);
+}
+
 TEST_CASE("a sealed copy has all bytes of a library whose last read gives a single one") {
   const TemporaryFolder folder;
   const size_t padding = (1 << 20) + 1 - read_text(hostile("good")).size() % (1 << 20);  // it is read by MiB

@@ -3,6 +3,8 @@
 
 #include <utility>
 
+#include "sdk/host/platform/file_access.hpp"
+
 namespace odograph {
 namespace fs = std::filesystem;
 
@@ -37,6 +39,7 @@ OutputFile::OutputFile(OutputFile&& other) noexcept
 
 OutputFile::~OutputFile() {
   if (part_file_.empty()) return;
+  const FileSizeLimit limit;
   out_.close();
   std::error_code error;
   fs::remove(part_file_, error);
@@ -68,6 +71,7 @@ Result<OutputFile> OutputFile::create(const fs::path& file, PartFile part_file) 
 }
 
 Result<bool> OutputFile::commit() {
+  const FileSizeLimit limit;
   out_.close();
   std::error_code error;
   if (out_ && !part_file_.empty()) fs::rename(part_file_, file_, error);
@@ -79,6 +83,7 @@ Result<bool> OutputFile::commit() {
 Result<bool> write_whole_file(const fs::path& file, std::string_view content) {
   auto out = OutputFile::create(file);
   if (!out) return out.failure();
+  const FileSizeLimit limit;
   out->stream().write(content.data(), static_cast<std::streamsize>(content.size()));
   return out->commit();
 }

@@ -9,6 +9,7 @@
 #include <Eigen/Eigenvalues>
 
 #include "sdk/host/core/saved_anchor.hpp"
+#include "sdk/host/messages/bounds.hpp"
 #include "sdk/math/rotation.hpp"
 #include "sdk/math/scalar.hpp"
 
@@ -29,7 +30,8 @@ Quaterniond rotation(const double* wxyz) {
 double largest_variance(const Matrix3d& covariance) {
   Eigen::SelfAdjointEigenSolver<Matrix3d> solver;
   solver.computeDirect(0.5 * (covariance + covariance.transpose()), Eigen::EigenvaluesOnly);
-  return std::max(0.0, solver.eigenvalues()[2]);
+  const double largest = solver.eigenvalues()[2];
+  return std::isfinite(largest) ? std::max(0.0, largest) : bounds::kMaxVariance;
 }
 
 std::array<double, 3> array(const Vector3d& v) { return {v.x(), v.y(), v.z()}; }

@@ -21,11 +21,9 @@ static_assert(sizeof(SavedAnchor) == 168);
 inline constexpr uint32_t kSavedGeodetic = 1, kSavedNavigation = 2;
 
 inline bool is_valid(const SavedAnchor& saved) {
-  const auto finite = [](const double* x, int n) {
-    return std::all_of(x, x + n, [](double v) { return std::isfinite(v); });
-  };
-  if (!finite(saved.geodetic, 3) || !finite(saved.q, 4) || !finite(saved.p, 3) || !std::isfinite(saved.sigma_m))
-    return false;
+  using bounds::are_numbers;
+  if (!are_numbers(saved.geodetic, 3) || !are_numbers(saved.q, 4) || !are_numbers(saved.p, 3)) return false;
+  if (!are_numbers(&saved.sigma_m, 1) || saved.sigma_m < 0) return false;
   const double norm = Eigen::Map<const Eigen::Vector4d>(saved.q).norm();
   return norm > 0.9 && norm < 1.1 && bounds::kLatitude_rad.holds(saved.geodetic[0]) &&
          bounds::kLongitude_rad.holds(saved.geodetic[1]) &&

@@ -37,10 +37,6 @@ void put(const Rigid& from, double* q, double* p) {
   Vector3d::Map(p) = from.p;
 }
 
-bool finite(const double* x, int n) {
-  return std::all_of(x, x + n, [](double v) { return std::isfinite(v); });
-}
-
 bool is_rotation(const double* q) {
   constexpr double kRounded = 0.01;  // of the norm: accepts a quaternion of floats, or one written with few digits
   const double norm = Eigen::Map<const Eigen::Vector4d>(q).norm();
@@ -78,11 +74,11 @@ int32_t WorldView::create_anchor(const odo_anchor_place& place, uint64_t& id) {
   if (place.kind < ODO_ANCHOR_POSE || place.kind > ODO_ANCHOR_HIT || place.world > ODO_WORLD_SMOOTH)
     return ODO_E_ARGUMENT;
   if (place.name.size > Anchors::kLongestName || (place.name.size > 0 && !place.name.data)) return ODO_E_ARGUMENT;
-  if (!finite(place.q, 4) || !is_rotation(place.q)) return ODO_E_ARGUMENT;
+  if (!bounds::are_numbers(place.q, 4) || !is_rotation(place.q)) return ODO_E_ARGUMENT;
   if (place.kind == ODO_ANCHOR_GEODETIC) {
     const double numbers[] = {place.latitude_rad, place.longitude_rad, place.height_m, place.geoid_height_m,
                               place.sigma_m};
-    if (!finite(numbers, 5) || !bounds::kLatitude_rad.holds(place.latitude_rad) ||
+    if (!bounds::are_numbers(numbers, 5) || !bounds::kLatitude_rad.holds(place.latitude_rad) ||
         !bounds::kLongitude_rad.holds(place.longitude_rad) || place.sigma_m < 0)
       return ODO_E_ARGUMENT;
     if (place.height_above < ODO_HEIGHT_ELLIPSOID || place.height_above > ODO_HEIGHT_TERRAIN) return ODO_E_ARGUMENT;
@@ -90,7 +86,7 @@ int32_t WorldView::create_anchor(const odo_anchor_place& place, uint64_t& id) {
     return id != 0 ? ODO_OK : ODO_E_EXHAUSTED;
   }
   const bool is_hit = place.kind == ODO_ANCHOR_HIT;
-  if (!finite(place.p, 3) || (is_hit && !bounds::kPosition_m.holds(place.sigma_m))) return ODO_E_ARGUMENT;
+  if (!bounds::are_numbers(place.p, 3) || (is_hit && !bounds::kPosition_m.holds(place.sigma_m))) return ODO_E_ARGUMENT;
   if (is_hit && place.sigma_m < 0) return ODO_E_ARGUMENT;
   const std::lock_guard lock(mutex_);  // the poses and the anchor must belong to the same correction
   if (is_hit && !scene_.knows(place.surface)) return ODO_E_NOT_FOUND;
@@ -247,7 +243,8 @@ int32_t WorldView::hit_test(const odo_ray& ray, std::span<odo_hit> hits, uint32_
   constexpr size_t kMost = 64;  // as of the C API
   count = 0;
   if (ray.kind < ODO_RAY_PIXEL || ray.kind > ODO_RAY_WORLD || ray.world > ODO_WORLD_SMOOTH) return ODO_E_ARGUMENT;
-  if (!finite(ray.pixel, 2) || !finite(ray.origin, 3) || !finite(ray.direction, 3) || !(ray.max_distance_m >= 0))
+  if (!bounds::are_numbers(ray.pixel, 2) || !bounds::are_numbers(ray.origin, 3) ||
+      !bounds::are_numbers(ray.direction, 3) || !(ray.max_distance_m >= 0))
     return ODO_E_ARGUMENT;
   if (ray.kind != ODO_RAY_PIXEL && !(Vector3d(ray.direction).norm() > 0)) return ODO_E_ARGUMENT;
   const std::lock_guard lock(mutex_);  // poses and scene must belong to the same correction

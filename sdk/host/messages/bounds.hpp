@@ -4,6 +4,7 @@
 // through message_fault(). The ranges are wide on purpose: plausibility is checked by the pipeline's gates.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -20,6 +21,9 @@ struct Bounds {
 
 /// Default for every field without a narrower bound; 1e9 m is far beyond any distance on the Earth.
 inline constexpr Bounds kAnything = {-1e9, 1e9, "a number within +-1e9"};
+inline bool are_numbers(const double* x, size_t n) {
+  return std::all_of(x, x + n, [](double v) { return kAnything.holds(v); });
+}
 inline constexpr Bounds kLatitude_rad = {-1.5707963267948966, 1.5707963267948966, "-pi/2 to pi/2 (degrees?)"};
 inline constexpr Bounds kLongitude_rad = {-6.283185307179587, 6.283185307179587, "-2 pi to 2 pi (degrees?)"};
 /// Ellipsoidal: the deepest trench is 11 km deep; space begins at 100 km.

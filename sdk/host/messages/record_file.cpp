@@ -7,6 +7,8 @@
 #include <string_view>
 #include <utility>
 
+#include "sdk/host/platform/file_access.hpp"
+
 namespace odograph {
 namespace {
 
@@ -261,6 +263,7 @@ Result<bool> RecordWriter::finish() {
 }
 
 bool RecordWriter::write(uint32_t type, std::span<const unsigned char> head, std::span<const unsigned char> tail) {
+  const FileSizeLimit limit;
   auto& out = file_.stream();
   if (uint64_t(head.size()) + tail.size() > RecordReader::Parameters().largest_payload) return false;
   const auto size = static_cast<uint32_t>(head.size() + tail.size());

@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sdk/host/plugin_host/sealed_copy.hpp"
 
+#include "sdk/host/platform/file_access.hpp"
 #include "sdk/host/plugin_host/library.hpp"
 
 #if defined(__linux__)
 #include <map>
 #include <mutex>
+#include <set>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include <cerrno>
@@ -49,6 +53,7 @@ struct Descriptor {
 };
 
 bool write_all(int fd, const char* bytes, size_t size) {
+  const FileSizeLimit limit;
   while (size > 0) {
     const ssize_t written = write(fd, bytes, size);
     if (written < 0 && errno == EINTR) continue;
@@ -71,13 +76,30 @@ bool copy_all(int from, int to) {
   return false;
 }
 
+/// A file in memory, under the number of its descriptor.
+struct Copy {
+  int fd;
+  dev_t device;
+  ino_t file;
+};
+
+/// False once somebody has closed the descriptor: its number may be another file's.
+bool is_there(const Copy& copy) {
+  struct stat now {};
+  return fstat(copy.fd, &now) == 0 && now.st_dev == copy.device && now.st_ino == copy.file;
+}
+
+fs::path path_of(const Copy& copy) { return "/proc/self/fd/" + std::to_string(copy.fd); }
+
 }  // namespace
 
 Result<fs::path> sealed_copy(const Manifest& manifest) {
   static std::mutex mutex;
-  static std::map<std::string, fs::path> copies;  // by hash
+  static std::map<std::string, Copy> copies;  // by hash
+  static std::set<int> used;                  // numbers: the loader knows a library by its path
   const std::lock_guard lock(mutex);
-  if (const auto known = copies.find(manifest.sha256); known != copies.end()) return known->second;
+  if (const auto known = copies.find(manifest.sha256); known != copies.end() && is_there(known->second))
+    return path_of(known->second);
   const std::string who = manifest.library.string();
   const Descriptor file{open(manifest.library.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK)};  // a pipe would block
   struct stat kind {};
@@ -90,10 +112,17 @@ Result<fs::path> sealed_copy(const Manifest& manifest) {
       fcntl(memory.fd, F_ADD_SEALS, F_SEAL_WRITE | F_SEAL_GROW | F_SEAL_SHRINK | F_SEAL_SEAL) != 0)
     return Failure{ODO_E_EXHAUSTED,
                    who + ": no sealed copy could be made, which plugins allowed by hash or signature require"};
-  const fs::path path = "/proc/self/fd/" + std::to_string(memory.fd);
-  if (const auto same = has_hash_of(manifest, path); !same) return same.failure();
-  memory.keep();  // permanently: the loader would mistake another library under this number for this one
-  return copies.emplace(manifest.sha256, path).first->second;
+  while (used.count(memory.fd) != 0) {
+    const int other = fcntl(memory.fd, F_DUPFD_CLOEXEC, memory.fd + 1);
+    if (other < 0) return Failure{ODO_E_EXHAUSTED, who + ": no descriptor is left"};
+    close(std::exchange(memory.fd, other));
+  }
+  if (fstat(memory.fd, &kind) != 0) return Failure{ODO_E_IO, who + ": its sealed copy cannot be read"};
+  const Copy copy{memory.fd, kind.st_dev, kind.st_ino};
+  if (const auto same = has_hash_of(manifest, path_of(copy)); !same) return same.failure();
+  used.insert(memory.keep());  // permanently: the loader would mistake another library under this number for this one
+  copies.insert_or_assign(manifest.sha256, copy);
+  return path_of(copy);
 }
 #else
 Result<fs::path> sealed_copy(const Manifest& manifest) {

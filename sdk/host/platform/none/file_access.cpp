@@ -5,4 +5,7 @@ namespace odograph {
 
 bool is_world_writable(const std::filesystem::path&, bool) { return false; }
 
+FileSizeLimit::FileSizeLimit() = default;
+FileSizeLimit::~FileSizeLimit() = default;
+
 }  // namespace odograph

@@ -50,4 +50,7 @@ bool is_world_writable(const std::filesystem::path& path, bool owners_only_is_sa
   return (rights & (owners_only_is_safe ? replace : write)) != 0;
 }
 
+FileSizeLimit::FileSizeLimit() = default;
+FileSizeLimit::~FileSizeLimit() = default;
+
 }  // namespace odograph
