@@ -275,6 +275,11 @@ bool RecordWriter::write(uint32_t type, std::span<const unsigned char> head, std
   return static_cast<bool>(out);
 }
 
+bool RecordWriter::flush() {
+  const FileSizeLimit limit;
+  return static_cast<bool>(file_.stream().flush());
+}
+
 bool RecordWriter::write(const odo_header& message, std::span<const unsigned char> picture) {
   AnyMessage copy;
   if (message.type == 0 || !copy.assign(message)) return false;

@@ -97,7 +97,7 @@ class RecordWriter {
   /// Writes a message, without the pointers of a frame, and its picture. False also for an invalid message.
   bool write(const odo_header& message, std::span<const unsigned char> picture);
   /// Flushes to the operating system: the data survives a crash of the program.
-  bool flush() { return static_cast<bool>(file_.stream().flush()); }
+  bool flush();
   /// Writes the end mark and moves the file to its path. If this or an earlier write fails, the previous file remains.
   Result<bool> finish();
   /// Leaves the incomplete file in place, without an end mark.
