@@ -38,11 +38,10 @@ OutputFile::OutputFile(OutputFile&& other) noexcept
       out_(std::move(other.out_)) {}
 
 OutputFile::~OutputFile() {
-  if (part_file_.empty()) return;
   const FileSizeLimit limit;
   out_.close();
   std::error_code error;
-  fs::remove(part_file_, error);
+  if (!part_file_.empty()) fs::remove(part_file_, error);
 }
 
 Result<OutputFile> OutputFile::create(const fs::path& file, PartFile part_file) {
