@@ -94,8 +94,8 @@ typedef struct odo_anchor {
  * A local anchor is saved if the position of the phone in n is known: on the Earth if n has an origin, otherwise in n.
  * Returns ODO_NOT_READY while the position of the phone is unknown (local anchors), ODO_E_NOT_FOUND for a time outside
  * the stored poses or a surface that the session never had, ODO_E_EXHAUSTED beyond 1024 anchors, ODO_E_ARGUMENT
- * (unknown kind, number beyond 1e9, q not a unit quaternion, latitude beyond a pole, longitude beyond 2 pi, name of more
- * than 63 bytes). */
+ * (unknown kind, number not finite or beyond 1e9, q not a unit quaternion, latitude beyond a pole, longitude beyond 2 pi,
+ * name of more than 63 bytes). */
 ODO_API int32_t ODO_CALL odo_anchor_create(odo_session *session, const odo_anchor_place *place, uint64_t *id);
 
 /* [any] Returns the anchor at a time (ODO_TIME_LATEST: at the newest sample) in a world (ODO_WORLD_*), relative to the
