@@ -23,11 +23,10 @@ void CourseCheck::add(const odo_gnss& gnss, const FaultFound& found) {
   if (legs_ >= 2) {
     const double bend = std::remainder(course - course_rad_, 2 * kPi), turn = mean - mean_turned_rad_;
     const auto tells = [&](double x) { return std::abs(x) > p_.bend_rad && std::abs(x) < p_.max_bend_rad; };
-    if (tells(bend) && tells(turn)) {
-      if (std::abs(bend + turn) < p_.same_rad) ++opposed_;
-      if (std::abs(bend - turn) < p_.same_rad) opposed_ = 0;
-      found(InputFault::gnss_mirrored, opposed_ >= p_.opposed, turn, {});
-    }
+    const auto zero = [&](double x) { return std::abs(std::remainder(x, 2 * kPi)) < p_.same_rad; };
+    const bool mirrored = zero(bend + turn), right = zero(bend - turn), tell = tells(bend) && tells(turn);
+    opposed_ = !mirrored ? 0 : opposed_ + (tell && !right);
+    if (opposed_ >= p_.opposed || (tell && right && !mirrored)) found(InputFault::gnss_mirrored, mirrored, turn, {});
   }
   course_rad_ = course, mean_turned_rad_ = mean;
 }

@@ -17,7 +17,8 @@ class CourseCheck {
     double bend_rad = 0.6,
            max_bend_rad = 2.4;  ///< of a bend that tells: more than legs are off, less than a turning back
     double same_rad = 0.6;      ///< by which both may differ; exchanged axes distort a right angle by 0.4
-    int opposed = 3;            ///< in a row
+    int opposed = 4;            ///< with no leg between them that contradicts: a phone that is turned in the hand or
+                                ///< positions that are reflected by buildings give two or three by chance
   };
 
   void add(const odo_gnss& gnss, const FaultFound& found);
