@@ -72,7 +72,7 @@ TEST_CASE("no fault is found in real recordings, cut in pieces of half a minute"
   constexpr int64_t kPiece_ns = 30 * kSecond_ns;
   int pieces = 0;
   for (const char* set :
-       {"phone_walks", "ridi", "ipin2023_t3", "pace_walks", "oxford_steps", "euroc_mh05", "phone_house"})
+       {"phone_walks", "ridi", "ipin2023_t3/trials", "pace_walks", "oxford_steps", "euroc_mh05", "phone_house"})
     for (const fs::path& path : recordings_in(set)) {
       auto walk = read_walk(path);  // the layouts of published sets
       const auto recording = walk ? std::move(*walk) : read_recording(path);
