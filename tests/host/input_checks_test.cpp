@@ -123,6 +123,8 @@ void Mistakes::units() {
   auto& in_degrees_at_rest = add("a bias of half a degree a second, in degrees, at rest", "gyro_bias", "degrees");
   in_degrees_at_rest.seconds = 20, in_degrees_at_rest.motion = {0, 0, kNoSurge, 0};
   in_degrees_at_rest.imu = [](odo_imu& m) { m.gyro_b[2] = 0.5, m.gyro_b[0] = m.gyro_b[1] = 0.1; };
+  add("rates of a range twice as large", "gyro_wrong", "scale factor").imu = scaled(2, 1);
+  add("angles since the sample before for rates", "gyro_wrong", "rad/s").imu = scaled(0.005, 1);
   auto& silent = add("no gyroscope", "gyro_silent", "gyroscope");
   silent.motion.swing_rad = 0.9, silent.imu = scaled(0, 1);
 }
@@ -135,6 +137,7 @@ void Mistakes::axes() {
   add("accelerometer -x y z", "imu_axes", "axes").imu = exchanged({0, 1, 2}, {-1, 1, 1});
   add("accelerometer x y -z", "imu_axes", "axes").imu = exchanged({0, 1, 2}, {1, 1, -1});
   add("gyroscope y x z", "imu_axes", "axes").imu = exchanged({1, 0, 2}, plus, false, true);
+  add("gyroscope x y -z", "imu_axes", "gyro_b were (x, y, -z)").imu = exchanged({0, 1, 2}, {1, 1, -1}, false, true);
   add("a left-handed engine's axes", "gyro_sign", "left-handed").imu = exchanged({0, 1, 2}, {1, 1, -1}, true);
 }
 
@@ -269,6 +272,8 @@ void Mistakes::others() {
       m.covariance_n[0] = m.covariance_n[4] = m.covariance_n[8] = 25;
     });
   };
+  add("positions of 0, 0", "gnss_unset", "no position").further =
+      with<odo_gnss>(ODO_TYPE_GNSS, [](odo_gnss& m) { m.header.flags = ODO_GNSS_POSITION; });
   auto& old = add("the last known position again and again", "gnss_repeated", "old position");
   old.seconds = 25, old.further = place(0.84);
   auto& exchanged = add("latitude and longitude exchanged", "gnss_mirrored", "exchanged");

@@ -12,7 +12,8 @@
 namespace odograph {
 namespace {
 
-/// What is said of a fault: %V the measured value, %A the axes that would fit. docs/input_checks.md has the limits.
+/// What is said of a fault: %V the measured value, %A the axes that would fit, %B of what. docs/input_checks.md has the
+/// limits.
 struct Row {
   const char* key;
   const char* text;
@@ -42,7 +43,11 @@ constexpr Row kRows[] = {
      "gyro_b turns at %V rad/s about an axis that is not vertical while gravity in accel_b stays: subtract its mean at "
      "rest; or is it in degrees per second?"},
     {"imu_axes",
-     "accel_b and gyro_b do not have the same axes: gravity would fit the rotation if accel_b were %A of what it is"},
+     "accel_b and gyro_b do not have the same axes: gravity would fit the rotation if %B were %A of what it is"},
+    {"gyro_wrong",
+     "gravity in accel_b turns, and gyro_b turns it otherwise (%V rad are left), which no unit and no exchange of axes "
+     "explains; expected rad/s about all three axes at the time of accel_b: a wrong scale factor, one axis in another "
+     "unit, old or empty values?"},
     {"picture_turned",
      "pictures are turned clockwise by %V degrees against the camera's mount: turn them back, or q_b_c with them (by "
      "180 also where accel_b and gyro_b are in left-handed axes)"},
@@ -81,6 +86,10 @@ constexpr Row kRows[] = {
     {"imu_half_filled",
      "accel_b or gyro_b is 0 in %V % of the inertial samples: set ODO_IMU_GYRO and ODO_IMU_ACCEL only where the values "
      "are filled"},
+    {"gnss_unset",
+     "the position of gnss is latitude 0, longitude 0: not filled? Expected no position (without ODO_GNSS_POSITION, or "
+     "no "
+     "sample at all) until the receiver has one"},
     {"gnss_repeated",
      "all positions are the same since %V s of walking: an old position? Expected those that the receiver measures, "
      "with the time of each"},
@@ -107,13 +116,16 @@ constexpr uint32_t kOfSampling = 1u << uint32_t(InputFault::imu_batched) | 1u <<
 /// Faults that the shift of the pictures would show too: inertial ones, and what is drawn over them.
 constexpr uint32_t kOfRotation = 1u << uint32_t(InputFault::gyro_in_degrees) | 1u << uint32_t(InputFault::gyro_sign) |
                                  1u << uint32_t(InputFault::gyro_silent) | 1u << uint32_t(InputFault::gyro_bias) |
-                                 1u << uint32_t(InputFault::imu_axes) | 1u << uint32_t(InputFault::picture_overlay);
+                                 1u << uint32_t(InputFault::imu_axes) | 1u << uint32_t(InputFault::gyro_wrong) |
+                                 1u << uint32_t(InputFault::picture_overlay);
 
 std::string words(const Row& row, double value, const SignedAxes& axes) {
   char number[32];
   std::snprintf(number, sizeof number, "%.4g", value);
   std::string out = row.text;
-  for (const auto& [mark, text] : {std::pair<const char*, std::string>{"%V", number}, {"%A", axes.text()}})
+  for (const auto& [mark, text] : {std::pair<const char*, std::string>{"%V", number},
+                                   {"%A", axes.text()},
+                                   {"%B", value < 0 ? "gyro_b" : "accel_b"}})
     if (const size_t at = out.find(mark); at != std::string::npos) out.replace(at, 2, text);
   return out;
 }
@@ -166,6 +178,9 @@ void InputChecks::on_sample(const odo_header& sample) {
 
 void InputChecks::add(const odo_gnss& gnss) {
   if ((gnss.header.flags & ODO_GNSS_POSITION) == 0) return;
+  const bool unset = gnss.latitude_rad == 0 && gnss.longitude_rad == 0;
+  found(InputFault::gnss_unset, unset, 0, {});
+  if (unset) return;
   course_.add(gnss, [this](auto... what) { found(what...); });
   const bool same = gnss.latitude_rad == place_.latitude_rad && gnss.longitude_rad == place_.longitude_rad;
   if (!same) place_ = gnss, walked_s_ = motion_.walked_s(), places_ = 0;

@@ -80,7 +80,7 @@ void MotionCheck::end_window() {
 void MotionCheck::check_level(const Window& w) {
   const double n = w.samples, norm = w.norm / n, share = w.force.norm() / w.norm;
   const double scatter_mps2 = std::sqrt(std::max(0.0, w.norm2 / n - norm * norm));
-  const bool quiet = scatter_mps2 < p_.quiet_mps2;
+  const bool quiet = scatter_mps2 < p_.quiet_mps2 && w.turned_rad < p_.unturned_rad;
   if (scatter_mps2 > p_.walking_mps2) walked_s_ += p_.window_s;
   const auto count = [](int& windows, bool holds) { windows = holds ? windows + 1 : 0; };
   const bool in_g = norm > p_.one_g_low && norm < p_.one_g_high && share > p_.with_gravity;
@@ -160,6 +160,24 @@ void MotionCheck::check_bias() {
     found_(InputFault::gyro_bias, biased_ > 0, turned / (static_cast<double>(kWindows) * p_.window_s), {});
 }
 
+/// Whether the phone was turned far, and the gyroscope's rotation leaves about as much, again and again.
+bool MotionCheck::is_unexplained() const {
+  double swept = 0, left = 0;
+  int steps = 0;
+  for (size_t i = 0; i < windows_.size(); ++i) {
+    const Window& w = windows_.back(i);
+    const Vector3d direction = w.direction(0, {});
+    const double level = w.force.norm() / w.samples;
+    if (level < p_.low_mps2 || level > p_.high_mps2) return false;
+    for (size_t k = i + 1; k < windows_.size(); ++k) {
+      const double off = angle(direction, windows_.back(k).direction(0, {}));
+      swept = std::max(swept, angle(w.force, windows_.back(k).force)), left = std::max(left, off);
+      steps += k == i + 1 && off > p_.step_rad;
+    }
+  }
+  return swept > p_.swept_rad && left > p_.left_rad && steps >= p_.steps;
+}
+
 void MotionCheck::check_axes() {
   double least = 1e9, largest = 0;  // of gravity
   for (size_t i = 0; i < windows_.size(); ++i) {
@@ -168,6 +186,7 @@ void MotionCheck::check_axes() {
   }
   if (largest > p_.steady_level * least) return;  // a sensor that fails or a phone that falls
   const double shown = rotation_in_body();
+  if (shown < p_.turned_rad && largest > p_.high_mps2) return;  // carried round a curve
   if (shown < p_.turned_rad) {  // it stays in b: a gyroscope that claims large turns of it has another unit
     const double claimed = turn(0, {});
     const bool degrees = (claimed > p_.claimed_rad && turn(2, {}) < p_.explained * claimed) || swings_too_far();
@@ -189,11 +208,14 @@ void MotionCheck::check_axes() {
       if (const double left = turn(k, each); left < 0.6 * best) best = left, axes = each, rate = k;
   const bool right = contradiction < p_.explained * shown || (contradiction < p_.turned_rad);
   const bool wrong = !right && best < p_.explained * contradiction;
+  const bool unexplained = !right && !wrong && is_unexplained();
+  if (right || wrong || unexplained) found_(InputFault::gyro_wrong, unexplained, contradiction, {});
   if (!right && !wrong) return;
   const bool exchanged = axes.changes() > 0;
   found_(InputFault::gyro_in_degrees, wrong && rate == 2, 0, {});
   found_(InputFault::gyro_sign, wrong && rate == 1 && !exchanged, 0, {});
-  found_(InputFault::imu_axes, wrong && rate < 2 && exchanged, kRate[rate], axes);
+  // Axes of the gyroscope: of a rate, whose sign is that of the rotation too.
+  found_(InputFault::imu_axes, wrong && rate < 2 && exchanged, kRate[rate], rate == 1 ? axes.of_opposite_rate() : axes);
 }
 
 }  // namespace odograph

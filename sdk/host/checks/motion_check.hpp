@@ -25,12 +25,14 @@ class MotionCheck {
     int min_samples = 20;                     ///< of a window
     int steady = 3;                           ///< windows in a row for a statement about the accelerometer alone
     double quiet_mps2 = 0.3;                  ///< m/s^2 rms of the norm: a phone that lies or is held still; judgement
-    double low_mps2 = 8.8, high_mps2 = 10.8;  ///< m/s^2, norm at rest: beyond any data sheet's scale error and bias
+    double unturned_rad = 0.03;               ///< turned within a window: a car in a roundabout turns by 0.2 or more
+    double low_mps2 = 8.8, high_mps2 = 10.8;  ///< m/s^2, norm at rest: beyond any data sheet's scale error and bias;
+                                              ///< a curve leaned into has more, whose force stays in b though b turns
     double one_g_low = 0.75, one_g_high = 1.3;  ///< the same, of a number of g
     double still = 0.5;                         ///< m/s^2, norm at rest without gravity, at most
     double moving = 6;                          ///< m/s^2, mean norm of a walk without gravity: 1 to 4; judgement
     double with_gravity = 0.8, without_gravity = 0.4;  ///< norm of the mean over mean norm; judgement
-    double fast_mps2 = 13;         ///< m/s^2, norm of the mean: a second of more than 0.3 g is no walk and no lift
+    double fast_mps2 = 20;         ///< m/s^2, norm of the mean: twice gravity, an aircraft that is banked by 60 degrees
     double clipped_share = 0.05;   ///< of the samples at one extreme; a sine has 1.4 % within a thousandth of it
     double clipped_scatter = 1;    ///< m/s^2 rms of an axis that can be called clipped
     double filtered_mps2 = 0.003;  ///< rms of the norm; honest at least 0.032, of 22 real recordings
@@ -43,10 +45,15 @@ class MotionCheck {
     double cancelled = 0.87, held = 0.97;  ///< norm of the mean over mean norm of gravity that is swung to and fro, and
                                            ///< that is held; judgement
     double explained = 0.25;               ///< share of the contradiction that a better explanation leaves; judgement
-    double biased_rad = 1.2;   ///< rad in eight seconds that gravity does not show: 0.15 rad/s; real sensors have 0.1
-    int biased_windows = 4;    ///< in a row
-    double straight = 0.4;     ///< rotation over the sum of its parts, of a phone that is held; judgement
-    double vertical = 0.8;     ///< cosine, of axis and mean force: a car in a curve of 0.7 g turns about the vertical
+    double biased_rad = 1.2;  ///< rad in eight seconds that gravity does not show: 0.15 rad/s; real sensors have 0.1
+    int biased_windows = 4;   ///< in a row
+    double straight = 0.4;    ///< rotation over the sum of its parts, of a phone that is held; judgement
+    double vertical = 0.8;    ///< cosine, of axis and mean force: a car in a curve of 0.7 g turns about the vertical
+    /// rad, between two directions of gravity in b, and after the rotation by the gyroscope: an acceleration that turns
+    /// them as far makes the norm exceed `high_mps2`, by which it may be at most 0.86 rad.
+    double swept_rad = 1.0, left_rad = 0.88;
+    double step_rad = 0.35;    ///< rad, in steps from one second to the next of more than this; judgement
+    int steps = 3;             ///< a fall or a spin that exceeds the gyroscope's range is in two of them
     double silent_rad = 1e-6;  ///< rad in a second: no gyroscope ...
     double unnoticed_rad = 1;  ///< rad: ... if gravity in b has turned by that meanwhile
   };
@@ -97,6 +104,7 @@ class MotionCheck {
   double turn(size_t rate, const SignedAxes& axes) const;
   double rotation_in_body() const;
   bool swings_too_far() const;
+  bool is_unexplained() const;
 
   Parameters p_;
   FaultFound found_;

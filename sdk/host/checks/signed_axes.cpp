@@ -23,6 +23,16 @@ std::array<SignedAxes, 48> make_all() {
 
 }  // namespace
 
+SignedAxes SignedAxes::of_opposite_rate() const {
+  const int parity = from[1] == (from[0] + 1) % 3 ? 1 : -1, determinant = parity * sign[0] * sign[1] * sign[2];
+  SignedAxes out;
+  for (size_t i = 0; i < 3; ++i) {
+    const auto k = static_cast<size_t>(from[i]);
+    out.from[k] = static_cast<int8_t>(i), out.sign[k] = static_cast<int8_t>(-determinant * sign[i]);
+  }
+  return out;
+}
+
 std::string SignedAxes::text() const {
   std::string out;
   for (size_t i = 0; i < 3; ++i) {

@@ -22,6 +22,8 @@ struct SignedAxes {
     for (size_t i = 0; i < 3; ++i) count += from[i] != static_cast<int8_t>(i) || sign[i] < 0;
     return count;
   }
+  /// Of a rotation rate of the opposite sign: what exchanges it as these exchange a force.
+  SignedAxes of_opposite_rate() const;
   /// Such as "(-y, x, z)".
   std::string text() const;
 };
