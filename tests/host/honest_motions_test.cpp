@@ -80,9 +80,9 @@ Honest leaned(std::string name, double speed_mps, double lean_rad) {
   return circle(std::move(name), speed_mps * speed_mps / 9.81 / std::tan(lean_rad), speed_mps, lean_rad);
 }
 
-Honest swing(std::string name, double length_m, double most_rad) {
-  const double rate = std::sqrt(9.81 / length_m) * (1 - most_rad * most_rad / 16);
-  const auto angle = [=](double t) { return most_rad * std::sin(rate * t); };
+Honest swing(std::string name, double length_m, double peak_rad) {
+  const double rate = std::sqrt(9.81 / length_m) * (1 - peak_rad * peak_rad / 16);
+  const auto angle = [=](double t) { return peak_rad * std::sin(rate * t); };
   return {std::move(name),
           [=](double t) -> Vector3d { return length_m * Vector3d(std::sin(angle(t)), 0, std::cos(angle(t))); },
           [=](double t) { return turned(angle(t), kY) * kHeld; }};
@@ -98,9 +98,9 @@ Honest ship() {
           [=](double t) { return turned(0.05 * t, kZ) * turned(roll(t), kX) * kHeld; }, 300};
 }
 
-/// A hand that turns the phone by up to `most_rad` every eight seconds.
-double look(double t, double most_rad) {
-  const auto to = [&](double n) { return most_rad * std::sin(12.9898 * n * n + 78.233 * n); };
+/// A hand that turns the phone by up to `peak_rad` every eight seconds.
+double look(double t, double peak_rad) {
+  const auto to = [&](double n) { return peak_rad * std::sin(12.9898 * n * n + 78.233 * n); };
   const double n = std::floor(t / 8), s = std::min(1.0, t - 8 * n);
   return to(n) + (to(n + 1) - to(n)) * s * s * (3 - 2 * s);
 }
