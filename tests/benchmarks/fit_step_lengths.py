@@ -81,7 +81,7 @@ class Walk:
     def sigma(self, fitted):
         """As the plugin states it for the sum of the steps; `fitted`: mean terms of the fit."""
         common = 0.4 * np.linalg.norm(self.terms() - fitted)
-        return np.sqrt(0.07**2 + (0.55 * self.mean("cadence"))**2 + common**2 + self.own_sigma**2)
+        return np.sqrt(PERSON**2 + (0.55 * self.mean("cadence"))**2 + common**2 + self.own_sigma**2)
 
     def log_length(self, names, exponents):
         """Logarithm of the length for a level of 1 m, and its derivatives by the exponents."""

@@ -95,7 +95,7 @@ class LengthModel {
 class Walker {
  public:
   struct Parameters {
-    double factor_sigma = 0.07;  ///< standard deviation among walkers
+    double factor_sigma = 0.08;  ///< standard deviation among walkers
     double slope_sigma = 0.55;   ///< the same of the exponent of the cadence (README)
     double by_own_cadence = LengthModel::Parameters().by_own_cadence;
     double rotation_drift_rad = 0.0005;         ///< of the headings, rad per sqrt(m)

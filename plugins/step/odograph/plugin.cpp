@@ -27,7 +27,7 @@ using namespace odograph::steps;
 class OdographSteps {
  public:
   LengthModel model;
-  double factor = 1.0, factor_sigma = 0.07;
+  double factor = 1.0, factor_sigma = 0.08;
   bool learn = true;
   std::array<double, 3> forward_axis{0.0, 1.0, -1.0};
   std::string features;
