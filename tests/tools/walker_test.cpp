@@ -4,6 +4,7 @@
 #include <Eigen/Geometry>
 
 #include "plugins/step/odograph/length_model.hpp"
+#include "sdk/math/scalar.hpp"
 #include "sdk/tools/evaluation/evaluation.hpp"
 #include "sdk/tools/simulation/random.hpp"
 #include "sdk/tools/simulation/reconstruct_walk.hpp"
@@ -66,7 +67,7 @@ TEST_CASE("slow steps have a slope of their own, which a metric camera calibrate
       Random random(seed, 6);
       Eigen::Vector2d p(0, 0);
       double heading = random.uniform(-3, 3), since_m = 0, walked_m = 0, hand = 0;
-      walker.on_fix(p, 0.1);
+      walker.on_fix(p, 0.1, true);
       while (walked_m < 16) {
         const double length = 0.5 * (1 + 0.1 * random.normal());
         heading += 0.1 * random.normal();
@@ -75,15 +76,42 @@ TEST_CASE("slow steps have a slope of their own, which a metric camera calibrate
         since_m += ratio * length, walked_m += ratio * length;
         walker.on_step({.m = length, .pace = kSlow, .own_sigma = 0.3, .common_sigma = 0, .gentle = true},
                        heading + hand);
-        if (since_m > 5) since_m = 0, walker.on_fix(p, 0.1);
+        if (since_m > 5) since_m = 0, walker.on_fix(p, 0.1, true);
       }
       errors.push_back(std::abs(walker.factor(kSlow) / ratio - 1));
       // His brisk steps do not differ by as much.
       CHECK(std::abs(walker.factor(0) - brisk_before) < 0.35 * std::abs(ratio - 1));
     }
-    CHECK(percentile(errors, 0.5) < 0.027);
-    CHECK(percentile(errors, 0.9) < 0.034);
+    CHECK(percentile(errors, 0.9) <
+          0.5 * Walker::Parameters().factor_sigma);  // a quarter off becomes half a stranger's
   }
+}
+
+TEST_CASE("fixes once a second with errors correlated over 20 s calibrate the factor with a consistent sigma") {
+  constexpr double kSigma_m = 5, kAlike = 0.951229;  // after a second: exp(-1/20)
+  // A Gauss-Markov error sampled each second is as informative as independent errors of this size (fix/gnss, README).
+  const double stated_m = kSigma_m * std::sqrt((1 + kAlike) / (1 - kAlike));
+  std::vector<double> sigmas;
+  double nees = 0;
+  constexpr int kWalkers = 100;
+  for (uint64_t seed = 1; seed <= kWalkers; ++seed) {
+    Walker walker({});
+    Random random(seed, 7);
+    const double factor = 1 + Walker::Parameters().factor_sigma * random.normal(), rotation = random.uniform(-3, 3);
+    Eigen::Vector2d p(0, 0), error = kSigma_m * Eigen::Vector2d{random.normal(), random.normal()};
+    for (int second = 0; second < 600; ++second) {
+      const Eigen::Vector2d news{random.normal(), random.normal()};
+      error = kAlike * error + kSigma_m * std::sqrt(1 - kAlike * kAlike) * news;
+      walker.on_fix(Eigen::Rotation2Dd(rotation) * p + error, stated_m);
+      const double heading = second < 250 ? 0 : second < 450 ? kPi / 2 : kPi;
+      p += factor * 1.3 * Eigen::Vector2d(std::cos(heading), std::sin(heading));
+      walker.on_step({.m = 1.3, .pace = 0, .own_sigma = 0.03, .common_sigma = 0}, heading);
+    }
+    sigmas.push_back(walker.factor_sigma(0));
+    nees += squared((walker.factor(0) / factor - 1) / walker.factor_sigma(0)) / kWalkers;
+  }
+  CHECK(percentile(sigmas, 0.5) < 0.25 * Walker::Parameters().factor_sigma);  // ten minutes outdoors
+  CHECK(nees == Between{0.5, 2});
 }
 
 TEST_CASE("one wrong fix of 20 m does not spoil the estimate") {

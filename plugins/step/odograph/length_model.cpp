@@ -16,27 +16,25 @@ using Eigen::Vector2d;
 
 namespace {
 
-constexpr double kTwoPi = 6.283185307179586;
 constexpr double kFormat = 2;  ///< of the saved walker
 
 }  // namespace
-
-double LengthModel::relative_rise(const FoundStep& step) const {
-  return std::log(std::clamp(step.rise_m, p_.min_rise_m, p_.max_rise_m) / p_.usual_rise_m);
-}
 
 double LengthModel::pace(const FoundStep& step) const {
   return std::log(std::max(step.frequency_hz, p_.min_cadence_hz) / p_.slow_hz);
 }
 
-double LengthModel::length_m(const FoundStep& step) const {
+LengthModel::Terms LengthModel::terms(const FoundStep& step) const {
   const bool of_trunk =
       !step.gentle && step.vertical_part > p_.min_vertical_part && step.frequency_hz > p_.min_harmonic_hz;
-  const double harmonic = of_trunk ? std::clamp(step.second_harmonic, 0.0, p_.max_harmonic) : 0.0;
-  const double of_usual = p_.by_cadence * std::min(pace(step), 0.0) + p_.by_rise * relative_rise(step) -
-                          p_.per_turning_s * std::min(step.turning_radps, p_.max_turning_radps) -
-                          p_.per_harmonic * harmonic;
-  const double length = p_.usual_m * std::exp(of_usual) * (step.on_leg ? p_.leg_factor : 1.0);
+  return {p_.by_rise * std::log(std::max(step.rise_m, 1e-3) / p_.usual_rise_m), -p_.per_turning_s * step.turning_radps,
+          of_trunk ? -p_.per_harmonic * step.second_harmonic : 0.0, step.on_leg ? p_.on_leg : 0.0,
+          p_.by_own_cadence * std::max(pace(step), 0.0)};
+}
+
+double LengthModel::length_m(const FoundStep& step) const {
+  const double of_usual = terms(step).cwiseMax(p_.least).cwiseMin(p_.most).sum();
+  const double length = p_.usual_m * std::exp(p_.by_cadence * std::min(pace(step), 0.0) + of_usual);
   return std::clamp(initiation_part(step) * length, p_.shortest_m, p_.longest_m);
 }
 
@@ -51,10 +49,7 @@ double LengthModel::own_sigma(const FoundStep& step) const {
 }
 
 double LengthModel::common_sigma(const FoundStep& step) const {
-  const double by_rise = p_.by_rise_sigma * relative_rise(step);
-  const double by_pace = p_.by_fast_sigma * std::max(0.0, std::log(step.frequency_hz / p_.fast_hz));
-  const double by_place = std::hypot(step.on_leg ? p_.leg_sigma : 0.0, step.gentle ? p_.gentle_sigma : 0.0);
-  return std::hypot(by_rise, by_pace, by_place);
+  return p_.terms_sigma * (terms(step) - p_.fitted).norm();
 }
 
 ModelLength LengthModel::estimate(const FoundStep& step) const {
@@ -62,82 +57,116 @@ ModelLength LengthModel::estimate(const FoundStep& step) const {
 }
 
 double Walker::relative(double pace) const {
-  const double known = 1 - std::min(P_(0, 0) / squared(p_.factor_sigma), 1.0);
+  const double known = 1 - std::min(walker_(0, 0) / squared(p_.factor_sigma), 1.0);
   return std::exp(slope_ * std::min(pace, 0.0) + known * p_.by_own_cadence * (std::max(pace, 0.0) - usual_quickness_));
 }
 
 double Walker::factor_sigma(double pace) const {
   const double slowness = std::min(pace, 0.0), relative = 1 / factor_;  // the slope's is relative already
-  return std::sqrt(
-      std::max(0.0, squared(relative) * P_(0, 0) + squared(slowness) * P_(1, 1) + 2 * relative * slowness * P_(0, 1)));
+  return std::sqrt(std::max(0.0, squared(relative) * walker_(0, 0) + squared(slowness) * walker_(1, 1) +
+                                     2 * relative * slowness * walker_(0, 1)));
 }
 
 void Walker::on_step(const ModelLength& length, double heading_rad) {
   const double length_m = length.m * relative(length.pace);
   const Vector2d step = length_m * Vector2d(std::cos(heading_rad), std::sin(heading_rad));
   path_ += step, by_slope_ += std::min(length.pace, 0.0) * step;
-  walked_m_ += length_m, quickness_m_ += std::max(length.pace, 0.0) * length_m;
+  walked_m_ += length_m;
+  quick_walked_m_ += length_m, quickness_m_ += std::max(length.pace, 0.0) * length_m;
   if (length.gentle) gentle_m_ += length_m;
   own_variance_m2_ += squared(length_m * length.own_sigma);
   common_sigma_m_ += length_m * length.common_sigma;
 }
 
-void Walker::on_fix(const Vector2d& p_n, double sigma_m) {
-  const auto anchor_here = [&] {
-    has_anchor_ = true;
-    anchor_ = p_n, anchor_sigma_m_ = sigma_m;
-    path_.setZero(), by_slope_.setZero();
-    walked_m_ = gentle_m_ = own_variance_m2_ = common_sigma_m_ = quickness_m_ = 0;
-    rejected_ = 0;
-  };
-  if (!has_anchor_) return anchor_here();
-  const double fix_sigma = std::hypot(sigma_m, anchor_sigma_m_);
-  // A path is informative if it exceeds the errors of the fixes.
-  if (path_.norm() < std::max(p_.min_path_m, p_.fix_sigmas * fix_sigma)) return;
-  const Vector2d seen = p_n - anchor_;
-  const double hand_m2 = squared(p_.gentle_hand_rad) * p_.gentle_hand_m * gentle_m_;  // across the path
-  if (!has_rotation_) {
-    // The first path gives the rotation; its length gives the factor.
-    rotation_rad_ = std::remainder(std::atan2(seen.y(), seen.x()) - std::atan2(path_.y(), path_.x()), kTwoPi);
-    P_.row(2).setZero(), P_.col(2).setZero();
-    P_(2, 2) = (fix_sigma * fix_sigma + hand_m2) / path_.squaredNorm();
-    has_rotation_ = true;
-  } else {
-    P_(2, 2) += p_.rotation_drift_rad * p_.rotation_drift_rad * walked_m_;
-  }
-  const Eigen::Rotation2Dd rotation(rotation_rad_);
-  const Vector2d rotated = rotation * path_, across = Vector2d(-rotated.y(), rotated.x());
-  Eigen::Matrix<double, 2, 3> H;
-  H.col(0) = rotated;                           // derivative by the factor
-  H.col(1) = factor_ * (rotation * by_slope_);  // by the slope
-  H.col(2) = factor_ * across;                  // by the rotation
-  const Eigen::Matrix2d own = (fix_sigma * fix_sigma + own_variance_m2_) * Eigen::Matrix2d::Identity() +
-                              squared(common_sigma_m_ / walked_m_) * rotated * rotated.transpose() +
-                              hand_m2 / path_.squaredNorm() * across * across.transpose();
-  const Eigen::Matrix2d S = H * P_ * H.transpose() + own;
-  const Vector2d innovation = seen - factor_ * rotated;
+void Walker::start_at(const Vector2d& p_n, double sigma_m) {
+  x_ << 0, 0, slope_, p_n;
+  P_.setZero();
+  P_.diagonal() << Vector2d::Constant(p_.any_rotation), walker_(1, 1), Vector2d::Constant(squared(sigma_m));
+  is_placed_ = true, is_rotated_ = false;
+  rejected_ = 0;
+  start_path();
+}
+
+void Walker::start_path() {
+  path_.setZero(), by_slope_.setZero();
+  walked_m_ = gentle_m_ = own_variance_m2_ = common_sigma_m_ = 0;
+}
+
+/// State and covariance at the end of the path, which the fix shows to be `seen_m`.
+void Walker::predict(State& x, Covariance& P, const Vector2d& seen_m) const {
+  const Vector2d path = path_ + (x[2] - slope_) * by_slope_;
+  Eigen::Matrix2d turned;  // (path, path turned by a right angle): the displacement is linear in the state
+  turned << path.x(), -path.y(), path.y(), path.x();
+  // About which it is linearised by the slope.
+  Vector2d at = x.head<2>();
+  if (!is_rotated_) at = factor_ * (turned.transpose() * seen_m).stableNormalized();
+  const Vector2d turning(-at.y(), at.x()), along = (turned * at).stableNormalized(), across(-along.y(), along.x());
+  Covariance F = Covariance::Identity();
+  F.block<2, 2>(3, 0) = turned;
+  F.block<2, 1>(3, 2) = by_slope_.x() * at + by_slope_.y() * turning;
+  x.tail<2>() += turned * x.head<2>();
+  P.topLeftCorner<2, 2>() += squared(p_.rotation_drift_rad) * walked_m_ * turning * turning.transpose();
+  P = F * P * F.transpose();
+  const double common_m2 = squared(common_sigma_m_) * std::max(1.0, p_.common_m / std::max(walked_m_, 0.1));
+  const double hand_m2 = squared(p_.gentle_hand_rad) * p_.gentle_hand_m * gentle_m_;
+  P.bottomRightCorner<2, 2>() += own_variance_m2_ * Eigen::Matrix2d::Identity() +
+                                 common_m2 * along * along.transpose() + hand_m2 * across * across.transpose();
+}
+
+void Walker::on_fix(const Vector2d& p_n, double sigma_m, bool accumulates) {
+  if (!is_placed_) return start_at(p_n, sigma_m);
+  if (accumulates && path_.norm() < std::max(p_.min_path_m, p_.fix_sigmas * std::sqrt(2.0) * sigma_m)) return;
+  State x = x_;
+  Covariance P = P_;
+  predict(x, P, p_n - x.tail<2>());
+  const Eigen::Matrix2d S = P.bottomRightCorner<2, 2>() + squared(sigma_m) * Eigen::Matrix2d::Identity();
+  const Vector2d innovation = p_n - x.tail<2>();
   const Eigen::Matrix2d inverse = S.inverse();
   if (innovation.dot(inverse * innovation) > p_.gate) {
-    // Either this fix or the anchor is wrong: keeps the path, and restarts from here after some more rejections.
-    if (++rejected_ >= p_.max_rejected) anchor_here(), has_rotation_ = false;
+    // Either this fix or the path is wrong: restarts from here after some more rejections.
+    if (++rejected_ >= p_.max_rejected) start_at(p_n, sigma_m);
     return;
   }
-  const Eigen::Matrix<double, 3, 2> K = P_ * H.transpose() * inverse;
-  const Eigen::Vector3d correction = K * innovation;
-  factor_ = std::clamp(factor_ + correction[0], p_.min_factor, p_.max_factor);
-  slope_ = std::clamp(slope_ + correction[1], -p_.max_slope, p_.max_slope);
-  rotation_rad_ = std::remainder(rotation_rad_ + correction[2], kTwoPi);
-  const double before = P_(0, 0);
-  P_ = (Eigen::Matrix3d::Identity() - K * H) * P_;
-  usual_quickness_ += (1 - P_(0, 0) / before) * (quickness_m_ / walked_m_ - usual_quickness_);
-  P_ = 0.5 * (P_ + P_.transpose()).eval();
-  const Eigen::Vector3d least(p_.min_factor_sigma, p_.min_slope_sigma, p_.min_rotation_sigma_rad);
-  P_.diagonal() = P_.diagonal().cwiseMax(least.cwiseAbs2()).eval();
-  anchor_here();
+  const Eigen::Matrix<double, 5, 2> K = P.rightCols<2>() * inverse;
+  x_ = x + K * innovation;
+  P_ = P - K * S * K.transpose();
+  rejected_ = 0;
+  start_path();
+  learn();
+  if (!accumulates) return;
+  x_.tail<2>() = p_n;
+  P_.rightCols<2>().setZero(), P_.bottomRows<2>().setZero();
+  P_.bottomRightCorner<2, 2>() = squared(sigma_m) * Eigen::Matrix2d::Identity();
+}
+
+/// Factor and slope from the state, once the rotation is known.
+void Walker::learn() {
+  const double size = x_.head<2>().norm();
+  Eigen::Matrix<double, 5, 1> u = Eigen::Matrix<double, 5, 1>::Zero();
+  if (!(size > 0)) return;
+  u.head<2>() = x_.head<2>() / size;
+  if (!is_rotated_) {
+    const Vector2d across(-u[1], u[0]);
+    if (across.dot(P_.topLeftCorner<2, 2>() * across) > squared(p_.known_rotation_rad * size)) return;
+    const Eigen::Matrix<double, 5, 1> K = P_ * u / (u.dot(P_ * u) + walker_(0, 0));
+    x_ += K * (factor_ - size);
+    P_ -= K * u.transpose() * P_;
+    is_rotated_ = true;
+  }
+  const double before = walker_(0, 0);
+  factor_ = std::clamp(x_.head<2>().norm(), p_.min_factor, p_.max_factor);
+  slope_ = x_[2] = std::clamp(x_[2], -p_.max_slope, p_.max_slope);
+  const double cross = u.dot(P_.col(2));
+  P_ += std::max(0.0, squared(p_.min_factor_sigma) - u.dot(P_ * u)) * u * u.transpose();
+  P_(2, 2) = std::max(P_(2, 2), squared(p_.min_slope_sigma));
+  walker_ << u.dot(P_ * u), cross, cross, P_(2, 2);
+  if (quick_walked_m_ > 0)
+    usual_quickness_ += std::max(0.0, 1 - walker_(0, 0) / before) * (quickness_m_ / quick_walked_m_ - usual_quickness_);
+  quickness_m_ = quick_walked_m_ = 0;
 }
 
 std::vector<uint8_t> Walker::save() const {
-  const double numbers[6] = {kFormat, factor_, P_(0, 0), slope_, P_(1, 1), usual_quickness_};
+  const double numbers[6] = {kFormat, factor_, walker_(0, 0), slope_, walker_(1, 1), usual_quickness_};
   std::vector<uint8_t> bytes(sizeof numbers);
   std::memcpy(bytes.data(), numbers, sizeof numbers);
   return bytes;
@@ -154,10 +183,9 @@ bool Walker::load(const uint8_t* data, size_t size) {
   if (!(factor_variance > 0 && factor_variance < 1 && slope_variance > 0 && slope_variance < 1)) return false;
   if (!(quickness >= 0 && quickness < 1)) return false;
   factor_ = factor, slope_ = slope, usual_quickness_ = quickness;
-  P_.setZero();
-  P_(0, 0) = std::max(factor_variance, p_.loaded_factor_variance);
-  P_(1, 1) = std::max(slope_variance, p_.loaded_slope_variance);
-  has_rotation_ = false;
+  walker_ << std::max(factor_variance, p_.loaded_factor_variance), 0, 0,
+      std::max(slope_variance, p_.loaded_slope_variance);
+  is_placed_ = false;
   return true;
 }
 

@@ -42,6 +42,9 @@ struct ModelLength {
 /// The README has the sources of the numbers.
 class LengthModel {
  public:
+  /// Logarithms of a step's length relative to a usual one, by its rise, the path's bend, the second harmonic, the leg,
+  /// and a quick cadence.
+  using Terms = Eigen::Matrix<double, 5, 1>;
   struct Parameters {
     double usual_m = 0.727;          ///< at the usual rise, straight on
     double by_cadence = 0.9;         ///< exponent of the cadence below slow_hz
@@ -52,19 +55,22 @@ class LengthModel {
     double per_harmonic = 0.3;       ///< relative shortening by the second harmonic
     double min_vertical_part = 0.4;  ///< of the power, below which the harmonic is the arm's
     double min_harmonic_hz = 1.45;   ///< cadence below which it is as strong as the first, also in long steps
-    double leg_factor = 0.89;        ///< on a leg, which rises more than the trunk
+    double on_leg = -0.12;           ///< logarithm; a leg rises more than the trunk
+    double by_own_cadence = 0.8;     ///< exponent of the cadence above slow_hz within a person (Walker)
     /// Lower limit of the cadence: the ratio of length and cadence of still slower walkers grows (Murakami & Otaka, J
     /// Phys Ther Sci 29, 2017).
     double min_cadence_hz = 1.15;
-    double min_rise_m = 0.015, max_rise_m = 0.12;        ///< limits of the fitted rises
-    double max_turning_radps = 0.3, max_harmonic = 0.4;  ///< limits of the fitted values
+    /// Limits of the terms: rises of 15 to 120 mm, 0.3 rad/s, a harmonic of 0.4; a stranger's quick cadence does not
+    /// count.
+    Terms least{-0.1525, -0.24, -0.12, -0.12, 0}, most{0.305, 0, 0, 0, 0};
+    /// Mean terms of the walkers of the fit, each person once, and the uncertainty of a term relative to its distance
+    /// from there: a length is less certain, the less its step resembles those fitted.
+    Terms fitted{0.08, -0.08, -0.05, -0.01, 0.08};
+    double terms_sigma = 0.4;
     /// The first step after standing is half as long; the deficit decays with the further steps: RIDI's walkers.
     double first_part = 0.5, initiation_steps = 1.3, initiation_sigma = 0.5;  ///< the sigma is relative to the deficit
     double shortest_m = 0.15, longest_m = 1.6;                                ///< limits of a step length; empirical
     double step_sigma = 0.03, per_irregularity = 0.08;  ///< of a single step, and more by 1 - repetition
-    /// Uncertainty of the law itself, the same for all steps of a walk: the exponent of the rise among people, of the
-    /// cadence beyond the fitted paces, and of steps on a leg or gentle ones.
-    double by_rise_sigma = 0.10, fast_hz = 2.2, by_fast_sigma = 0.8, leg_sigma = 0.05, gentle_sigma = 0.10;
   };
   LengthModel() : LengthModel(Parameters{}) {}
   explicit LengthModel(const Parameters& parameters) : p_(parameters) {}
@@ -74,7 +80,7 @@ class LengthModel {
 
  private:
   double initiation_part(const FoundStep& step) const;
-  double relative_rise(const FoundStep& step) const;
+  Terms terms(const FoundStep& step) const;
   double pace(const FoundStep& step) const;
   double own_sigma(const FoundStep& step) const;
   double common_sigma(const FoundStep& step) const;
@@ -82,32 +88,35 @@ class LengthModel {
   Parameters p_;
 };
 
-/// Estimated parameters of a walker: a factor on the model's lengths, an exponent of the cadence in addition to the
-/// model's (slope), and the rotation from the steps' heading to the fixes' frame. A Kalman filter uses the displacement
-/// vector between fixes, so that a fix off the path is detected. Paths that contradict the estimate are rejected; the
-/// next consistent fix closes the path.
+/// Estimated parameters of a walker: a factor on the model's lengths and an exponent of the cadence in addition to the
+/// model's (slope). A Kalman filter tracks the walker's position by the steps and by every fix; its other states are
+/// the factor and the rotation from the steps' heading to the fixes' frame, as factor times cosine and sine, in which a
+/// path is linear, and the slope. Fixes that contradict it are rejected.
 class Walker {
  public:
   struct Parameters {
-    double factor_sigma = 0.08;                 ///< standard deviation among walkers
-    double slope_sigma = 0.55;                  ///< the same of the exponent of the cadence (README)
-    double by_own_cadence = 0.8;                ///< exponent of a known walker's cadence above his usual one (README)
+    double factor_sigma = 0.08;  ///< standard deviation among walkers
+    double slope_sigma = 0.55;   ///< the same of the exponent of the cadence (README)
+    double by_own_cadence = LengthModel::Parameters().by_own_cadence;
     double rotation_drift_rad = 0.0005;         ///< of the headings, rad per sqrt(m)
+    double any_rotation = 10;                   ///< variance of factor times cosine and sine if the rotation is unknown
+    double known_rotation_rad = 0.3;            ///< its standard deviation, below which the factor counts
+    double common_m = 30;                       ///< distance over which the law's error remains the same; judgement
     double gentle_hand_rad = 0.2;               ///< direction of a phone looked through, against the walk; empirical
     double gentle_hand_m = 5;                   ///< its correlation length; empirical
-    double min_path_m = 4.0;                    ///< min path between two fixes used
-    double fix_sigmas = 3;                      ///< min path in sigmas of the fixes; empirical
-    double gate = 9.0;                          ///< chi-square with two components: rejects 1 % of good paths
-    int max_rejected = 3;                       ///< consecutive rejected paths after which the anchor is dropped
+    double min_path_m = 4.0;                    ///< min path between two accumulating fixes
+    double fix_sigmas = 3;                      ///< the same in sigmas of both; empirical
+    double gate = 9.0;                          ///< chi-square with two components: rejects 1 % of good fixes
+    int max_rejected = 3;                       ///< consecutive rejected fixes after which the position is dropped
     double min_factor = 0.6, max_factor = 1.6;  ///< limits of the walker's factor; empirical
     double max_slope = 1.0;                     ///< limit of its size; empirical
     /// Lower bounds of the standard deviations, since a walker varies during a day; empirical.
-    double min_factor_sigma = 0.008, min_slope_sigma = 0.1, min_rotation_sigma_rad = 1e-3;
+    double min_factor_sigma = 0.008, min_slope_sigma = 0.1;
     /// Lower bounds after loading: another day, other shoes, another pace; empirical.
     double loaded_factor_variance = 4e-4, loaded_slope_variance = 0.01;
   };
   explicit Walker(const Parameters& parameters) : p_(parameters) {
-    P_.diagonal() << p_.factor_sigma * p_.factor_sigma, p_.slope_sigma * p_.slope_sigma, 0;
+    walker_.diagonal() << p_.factor_sigma * p_.factor_sigma, p_.slope_sigma * p_.slope_sigma;
   }
 
   /// Factor on the model's length of a step of that pace (ModelLength).
@@ -117,24 +126,33 @@ class Walker {
   double factor_sigma(double pace) const;
 
   void on_step(const ModelLength& length, double heading_rad);
-  /// A position in a horizontal frame, with the standard deviation of each component.
-  void on_fix(const Eigen::Vector2d& p_n, double sigma_m);
+  /// A position in a horizontal frame, with the standard deviation of each component. `accumulates`: the error is that
+  /// of the previous fix plus an independent one, as of an odometry, so that only displacements count.
+  void on_fix(const Eigen::Vector2d& p_n, double sigma_m, bool accumulates = false);
 
   std::vector<uint8_t> save() const;
   bool load(const uint8_t* data, size_t size);
 
  private:
+  using State = Eigen::Matrix<double, 5, 1>;  ///< factor times cosine and sine of the rotation, slope, position
+  using Covariance = Eigen::Matrix<double, 5, 5>;
   double relative(double pace) const;
+  void start_at(const Eigen::Vector2d& p_n, double sigma_m);
+  void start_path();
+  void predict(State& x, Covariance& P, const Eigen::Vector2d& seen_m) const;
+  void learn();
 
   Parameters p_;
-  double factor_ = 1.0, slope_ = 0.0, rotation_rad_ = 0;
-  double usual_quickness_ = 0;                   ///< mean of the pace above zero, where the factor was estimated
-  Eigen::Matrix3d P_ = Eigen::Matrix3d::Zero();  ///< of factor, slope and rotation
-  bool has_rotation_ = false;
-  // Displacement by the model and the slope since the anchor (the last accepted fix), and its derivative by the slope.
-  bool has_anchor_ = false;
-  Eigen::Vector2d anchor_ = Eigen::Vector2d::Zero(), path_ = Eigen::Vector2d::Zero(), by_slope_ = path_;
-  double anchor_sigma_m_ = 0, walked_m_ = 0, gentle_m_ = 0, own_variance_m2_ = 0, common_sigma_m_ = 0, quickness_m_ = 0;
+  double factor_ = 1.0, slope_ = 0.0;
+  Eigen::Matrix2d walker_ = Eigen::Matrix2d::Zero();  ///< covariance of factor and slope
+  double usual_quickness_ = 0;                        ///< mean of the pace above zero, where the factor was estimated
+  double quickness_m_ = 0, quick_walked_m_ = 0;       ///< sum of that pace by distance, since the factor changed
+  State x_ = State::Zero();                           ///< at the last fix used
+  Covariance P_ = Covariance::Zero();
+  bool is_placed_ = false, is_rotated_ = false;  ///< position and rotation are known
+  // By the model and the slope since that fix, without the factor: displacement and its derivative by the slope.
+  Eigen::Vector2d path_ = Eigen::Vector2d::Zero(), by_slope_ = path_;
+  double walked_m_ = 0, gentle_m_ = 0, own_variance_m2_ = 0, common_sigma_m_ = 0;
   int rejected_ = 0;
 };
 

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
+#include <fstream>
 #include <optional>
+#include <string>
 #include <utility>
 
 #include <Eigen/Geometry>
@@ -13,6 +15,7 @@
 #include "plugins/step/odograph/walk_direction.hpp"
 #include "sdk/math/gravity.hpp"
 #include "sdk/math/rotation.hpp"
+#include "sdk/math/scalar.hpp"
 
 namespace {
 
@@ -27,6 +30,7 @@ class OdographSteps {
   double factor = 1.0, factor_sigma = 0.08;
   bool learn = true;
   std::array<double, 3> forward_axis{0.0, 1.0, -1.0};
+  std::string features;
 
   static constexpr odo::Description description{
       "step/odograph", "1.1.0", "Steps from regular peaks of the vertical acceleration, lengths from pace and rise",
@@ -40,12 +44,16 @@ class OdographSteps {
             odo::boolean("learn", &P::learn, "estimate the factor from the displacement between position fixes"),
             odo::reals("forward_axis", "", -1, 1, &P::forward_axis,
                        "body axis in the direction of walking; the default suits a phone held upright or flat in "
-                       "front")};
+                       "front"),
+            odo::text("features", &P::features,
+                      "file that receives the features of each step's length, for a fit of the length law; empty = "
+                      "none")};
   }
 
   void configured() {
     if (Vector3d(forward_axis.data()).norm() < 1e-6) throw odo::Error(ODO_E_CONFIG, "forward_axis must not be zero");
     forward_b_ = Vector3d(forward_axis.data()).normalized();
+    if (!features.empty()) open_features();
     new_walker();
   }
 
@@ -99,7 +107,8 @@ class OdographSteps {
   void on(const odo_fix& fix, odo::Output&) {
     if (!learn || (fix.header.flags & (ODO_FIX_NORTH | ODO_FIX_EAST)) != (ODO_FIX_NORTH | ODO_FIX_EAST)) return;
     const double sigma = std::sqrt(0.5 * std::max(0.0, fix.covariance_n[0] + fix.covariance_n[4]));
-    walker_->on_fix(Vector2d(fix.p_n[0], fix.p_n[1]), std::max(sigma, 0.05));
+    const bool by_camera = fix.header.source == 0;  // the host's own, from the camera's track
+    walker_->on_fix(Vector2d(fix.p_n[0], fix.p_n[1]), std::max(sigma, 0.05), by_camera);
   }
 
  private:
@@ -116,6 +125,22 @@ class OdographSteps {
     p.factor_sigma = factor_sigma;
     walker_.emplace(p);
     walker_->set_factor(factor);
+  }
+
+  void open_features() {
+    features_.open(features);
+    features_ << "t_start_ns,t_end_ns,frequency_hz,rise_m,turning_radps,second_harmonic,vertical_part,repetition,"
+                 "swing_mps2,gyro_radps,gentle,on_leg,since_stood,length_m,own_sigma,common_sigma\n";
+    if (!features_) throw odo::Error(ODO_E_CONFIG, "features: cannot write " + features);
+  }
+
+  void write_features(const FoundStep& s, const ModelLength& length) {
+    features_ << s.t_start_ns << ',' << s.t_end_ns;
+    for (const double value : {s.frequency_hz, s.rise_m, s.turning_radps, s.second_harmonic, s.vertical_part,
+                               s.repetition, s.swing_mps2, s.gyro_radps, double(s.gentle), double(s.on_leg),
+                               double(s.since_stood), length.m, length.own_sigma, length.common_sigma})
+      features_ << ',' << value;
+    features_ << '\n';
   }
 
   void on_sample(const WalkSample& s, odo::Output& output) {
@@ -137,6 +162,7 @@ class OdographSteps {
     if (std::exchange(carry_mode_, mode_of(classifier_.classify(step, up_b))) != carry_mode_) direction_.reset();
     step.on_leg = classifier_.on_leg();
     const ModelLength length = model.estimate(step);
+    if (features_.is_open()) write_features(step, length);
     const double length_m = walker_->factor(length.pace) * length.m;
     stairs_.add_step(step.t_start_ns, step.t_end_ns, length_m);
     const uint32_t mode = walking_mode();
@@ -158,7 +184,7 @@ class OdographSteps {
       direction_.add(step.surge_n, event.heading_rad);
       // On a leg the phone's axis is arbitrary; elsewhere it is the better estimate (README).
       if (step.on_leg && direction_.sigma_rad() < kKnownDirection_rad)
-        event.heading_rad = std::remainder(event.heading_rad + direction_.offset_rad(), 2 * M_PI);
+        event.heading_rad = std::remainder(event.heading_rad + direction_.offset_rad(), 2 * odograph::kPi);
       event.header.flags |= ODO_STEP_HEADING;
       ModelLength walked = length;
       if (treads) walked.m = stairs_.parameters().tread_m / walker_->factor(length.pace);
@@ -208,6 +234,7 @@ class OdographSteps {
   StairDetector stairs_;
   uint32_t carry_mode_ = ODO_MODE_WALKING_TEXTING;
   int64_t mode_since_ns_ = INT64_MIN;
+  std::ofstream features_;
   Resampler resampler_;
   GaitFinder finder_;
   CarryModeClassifier classifier_;

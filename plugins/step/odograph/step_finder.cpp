@@ -186,7 +186,7 @@ bool StepFinder::strides_alike(const WalkSignal& signal, const Run& run) const {
 
 /// Of a sine with that swing and frequency.
 bool StepFinder::rises_too_far(const Run& run) const {
-  return run.strongest * squared(run.mean_s / (2 * M_PI)) > p_.max_rise_m;
+  return run.strongest * squared(run.mean_s / (2 * kPi)) > p_.max_rise_m;
 }
 
 double StepFinder::standing_s(const Run& run) const {

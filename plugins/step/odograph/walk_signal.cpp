@@ -5,12 +5,14 @@
 #include <cmath>
 #include <complex>
 
+#include "sdk/math/scalar.hpp"
+
 namespace odograph::steps {
 
 WalkSignal::WalkSignal(double sigma_s, size_t half, bool tapered)
     : sigma_s_(sigma_s), half_(std::min(half, kMaxHalf)), tapered_(tapered) {
   for (size_t i = 0; i < kMean; ++i)
-    mean_weights_[i] = tapered ? std::pow(std::sin(M_PI * (static_cast<double>(i) + 0.5) / kMean), 2) : 1.0;
+    mean_weights_[i] = tapered ? std::pow(std::sin(kPi * (static_cast<double>(i) + 0.5) / kMean), 2) : 1.0;
   double sum = 0;
   for (size_t i = 0; i < 2 * half_ + 1; ++i) {
     const double x = (static_cast<double>(i) - static_cast<double>(half_)) / kRate_hz;
@@ -20,7 +22,7 @@ WalkSignal::WalkSignal(double sigma_s, size_t half, bool tapered)
 }
 
 double WalkSignal::gain(double frequency_hz) const {
-  const double phase_rad = 2 * M_PI * frequency_hz * sigma_s_;
+  const double phase_rad = 2 * kPi * frequency_hz * sigma_s_;
   return std::exp(-0.5 * phase_rad * phase_rad);
 }
 
@@ -137,7 +139,7 @@ double WalkSignal::rise_between(size_t from, size_t to) const {
 Eigen::Vector2d WalkSignal::surge_between(size_t from, size_t to, double lead_rad) const {
   if (to - from < 3 || to - from > kKept / 2) return Eigen::Vector2d::Zero();
   std::complex<double> up = 0, north = 0, east = 0;
-  const std::complex<double> rotation = std::polar(1.0, -2 * M_PI / static_cast<double>(to - from));
+  const std::complex<double> rotation = std::polar(1.0, -2 * kPi / static_cast<double>(to - from));
   std::complex<double> phase = 1;
   for (size_t i = from; i < to; ++i, phase *= rotation) {
     up += smooth(i) * phase;
@@ -159,7 +161,7 @@ double WalkSignal::turning(double seconds) const {
 double WalkSignal::second_harmonic_between(size_t from, size_t to) const {
   if (to - from < 8 || to - from > kKept / 2) return 0;
   std::complex<double> first = 0, second = 0, phase = 1;
-  const std::complex<double> rotation = std::polar(1.0, -4 * M_PI / static_cast<double>(to - from));
+  const std::complex<double> rotation = std::polar(1.0, -4 * kPi / static_cast<double>(to - from));
   double mean = 0;
   for (size_t i = from; i < to; ++i) mean += raw_[i % kKept].vertical / static_cast<double>(to - from);
   for (size_t i = from; i < to; ++i, phase *= rotation) {

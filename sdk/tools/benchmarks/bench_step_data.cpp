@@ -245,6 +245,8 @@ Json step_data_row(const Recording& recording, const RunResult& result) {
                   {"_normalised_error", f.normalised_error},
                   {"_walk_nees", f.sigma_m > 0 ? std::pow((f.estimated_m - f.true_m) / f.sigma_m, 2) : std::nan("")},
                   {"_counted", f.counted},
+                  {"from_ns", f.from_ns},
+                  {"to_ns", f.to_ns},
                   {"_floor_places", f.floor_places},
                   {"_floor_right", f.floor_right},
                   {"_floor_probability", f.floor_probability},

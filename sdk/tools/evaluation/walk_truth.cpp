@@ -87,7 +87,8 @@ void add_distance(const std::vector<odo_step>& steps, const std::vector<TrueStre
     f.true_m = 0;
     for (size_t i = 1; i < path.size(); ++i) f.true_m += (path[i].p - path[i - 1].p).head<2>().norm();
   }
-  const Walked whole = walked(steps, stretches.front().from_ns, stretches.back().to_ns);
+  f.from_ns = stretches.front().from_ns, f.to_ns = stretches.back().to_ns;
+  const Walked whole = walked(steps, f.from_ns, f.to_ns);
   f.estimated_m = whole.length_m, f.counted = whole.count, f.walked_s = whole.walked_s, f.sigma_m = whole.sigma_m;
   for (const TrueStretch& s : stretches) {
     const Walked own = walked(steps, s.from_ns, s.to_ns);

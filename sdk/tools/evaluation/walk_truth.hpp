@@ -23,6 +23,7 @@ struct WalkTruthFigures {
   double count_percent = 0;              ///< of the steps, estimated minus true
   double peaks_percent = 0;              ///< the same for the peaks
   double true_m = 0, estimated_m = 0;    ///< over the time with truth
+  int64_t from_ns = 0, to_ns = 0;        ///< that time
   double position_m = 0;                 ///< rms, horizontal, after yaw alignment
   std::vector<double> heading_deg;       ///< of stretches of the track, after that alignment
   std::vector<double> normalised_error;  ///< squared, of the steps' lengths over a stretch, whose errors are correlated
