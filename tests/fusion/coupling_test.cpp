@@ -211,6 +211,21 @@ TEST_CASE("without a scale the position's uncertainty grows with the maximum spe
   CHECK(std::sqrt(pose.covariance[4 * 6 + 4]) < 1);
 }
 
+TEST_CASE("without a scale the uncertainty grows from the newest fix on, also one in the first second") {
+  PaperTrack coupling({.fastest_mps = 10}, {{0, 0, 0}, 0, true}, {true, true});
+  coupling.on_first_frame(0);
+  coupling.on_vo_motion(motion_between(0, kSecond / 2, {0, 0, 0.1}), nullptr);
+  REQUIRE(coupling.on_fix(fix_at(kSecond / 2, {0.1, 0, 0}, 0.5)).accepted);
+  const auto sigma_m = [](const odo_pose& pose) { return std::sqrt(pose.covariance[3 * 6 + 3]); };
+  odo_pose pose = coupling.on_vo_motion(motion_between(kSecond / 2, kSecond, {0, 0, 0.1}), nullptr);
+  CHECK(sigma_m(pose) == doctest::Approx(5).epsilon(0.02));  // 0.5 s at 10 m/s, not 1 s
+  REQUIRE(coupling.on_fix(fix_at(kSecond, {0.2, 0, 0}, 0.5)).accepted);
+  // Fixes twice a second leave half a second of unknown motion between them, which is less than the second after which
+  // steps would have been heard of; it counts all the same.
+  pose = coupling.on_vo_motion(motion_between(kSecond, 3 * kSecond / 2, {0, 0, 0.1}), nullptr);
+  CHECK(sigma_m(pose) == doctest::Approx(5).epsilon(0.02));
+}
+
 TEST_CASE("a pose is flagged metric and with velocity only if valid, and the first scale announces its correction") {
   TestFusion fusion({}, {}, {true, true});
   const auto flags_after = [&](const auto& measurement) {

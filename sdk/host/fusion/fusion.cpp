@@ -238,6 +238,7 @@ UpdateResult Fusion::apply(const odo_fix& fix, Outputs& out) {
                   odometry_->priority_since(), kept_by_heading_, kept_by_position_});
   if (!result.accepted) return result;
   displacement_reference_.fixed(fix.header.t_ns);
+  if (fixes_.fixed()) state_.observe(*fixes_.fixed());
   shown_ = shown_ || is_placed();
   odometry_->gyroscope().update_inclination(fix, *then);
   return result;
