@@ -204,3 +204,28 @@ TEST_CASE("after a fix of 3 m the poses of the last seconds are in the new n, an
       CHECK(apart_m(before[i][world].anchor.p_view, after[i][world].anchor.p_view) < 0.05);
   }
 }
+
+TEST_CASE(
+    "between steps the pose goes on at the walker's velocity; when no step comes it returns to the last one's end") {
+  App app(kWalk);
+  app.walk(0, 1500);
+  std::vector<odo_pose> drawn;
+  for (int i = 1500; i < 3000; i += 2) {  // 50 times a second
+    app.walk(i, i + 2);
+    drawn.push_back(app.pose(ODO_TIME_LATEST, true));
+  }
+  const double speed_mps = apart_m(drawn.front().p_n, drawn.back().p_n) / 15;
+  REQUIRE(speed_mps > 0.8);
+  for (size_t i = 1; i < drawn.size(); ++i) {
+    CAPTURE(i);
+    CHECK(apart_m(drawn[i - 1].p_n, drawn[i].p_n) == Between{0.2 * speed_mps / 50, 2 * speed_mps / 50});
+    REQUIRE((drawn[i].header.flags & ODO_POSE_VELOCITY) != 0);
+    CHECK(Vector3d(drawn[i].velocity_n).norm() == Between{0.8 * speed_mps, 1.2 * speed_mps});
+  }
+  const double still[3] = {0, 0, 0}, gravity[3] = {0, 9.81, 0};
+  for (int i = 3000; i < 3400; ++i) odo_session_push_imu(app.session, ns(i), still, gravity);
+  const odo_pose standing = app.pose(ODO_TIME_LATEST), last = app.all<odo_pose>(ODO_TYPE_POSE).back();
+  CHECK((standing.header.flags & ODO_POSE_POSITION) != 0);
+  CHECK((standing.header.flags & ODO_POSE_VELOCITY) == 0);
+  CHECK(apart_m(standing.p_n, last.p_n) < 1e-9);
+}

@@ -11,7 +11,9 @@ namespace odograph {
 using Eigen::Vector3d;
 
 void PoseHistory::push(const odo_pose& pose, const Rigid& smooth) {
-  poses_.push({pose.header.t_ns, pose, smooth, T_n_0_, corrections_});  // or a correction of the newest pose
+  // A correction of the newest pose does not change what was smooth.
+  const bool again = !poses_.empty() && poses_.back(0).t_ns == pose.header.t_ns;
+  poses_.push({pose.header.t_ns, pose, again ? poses_.back(0).smooth : smooth, T_n_0_, corrections_});
 }
 
 /// Corrections are applied when a pose is queried: a query never waits for a thousand poses to be corrected.

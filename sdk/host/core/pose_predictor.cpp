@@ -88,9 +88,7 @@ void PosePredictor::add_pose(int64_t published_ns, const Base& base) {
 
   if (begins) return smooth_.reset();
   const auto after = pose_of(body_at(then_ns));
-  // Without a camera, a pose is the end of a step, which cannot be predicted.
-  const bool was_predicted = had_position && is_camera(base.pose);
-  smooth_.jumped(then_ns, {before.q_n, was_predicted ? before.p_n : after.p_n}, after);
+  smooth_.jumped(then_ns, {before.q_n, had_position ? before.p_n : after.p_n}, after);
 }
 
 /// The attitude's heading origin is arbitrary; align it where a camera determines the orientation.
@@ -110,14 +108,17 @@ void PosePredictor::choose_velocity(const std::optional<Vector3d>& predicted) {
   v_n_b_.setZero();
   const bool metric = (pose.header.flags & ODO_POSE_METRIC) != 0 && (pose.header.flags & ODO_POSE_POSITION) != 0;
   const bool inertial = base_point_ && track_.has_force();
-  if (!metric || !inertial) {
+  if (!metric || !inertial || base_.walks_until_ns) {
     fit_samples_.clear();
   } else if (!fit_samples_.empty() && fit_samples_.back(0).t_ns == t_ns) {
     fit_samples_.back(0).p_n_b = base_.p_n_b;  // corrected
   } else {
     fit_samples_.push({t_ns, base_.p_n_b, *base_point_});
   }
-  if (inertial && metric && base_.v_n_b) {
+  if (base_.walks_until_ns) {
+    velocity_ = Velocity::mean;
+    v_n_b_ = Vector3d(pose.velocity_n);
+  } else if (inertial && metric && base_.v_n_b) {
     velocity_ = Velocity::now;
     v_n_b_ = *base_.v_n_b;
     force_n_.setZero();
@@ -165,10 +166,10 @@ int64_t PosePredictor::newest_ns() const {
   return std::max({base_.pose.header.t_ns, track_.newest_ns(), attitude_.t_ns});
 }
 
-/// Without a camera, a walker at rest yields no poses; the position remains at the end of the last step.
+/// A walker at rest yields no poses; the position remains at the end of the last step.
 bool PosePredictor::position_known(int64_t t_ns) const {
   if (!has_pose() || (base_.pose.header.flags & ODO_POSE_POSITION) == 0) return false;
-  if (!is_camera(base_.pose)) return true;
+  if (!is_camera(base_.pose) || base_.walks_until_ns) return true;
   return state_ != ODO_LOST && seconds(t_ns, base_.pose.header.t_ns) <= parameters_.position_for_s;
 }
 
@@ -196,6 +197,7 @@ PosePredictor::Body PosePredictor::body_at(int64_t t_ns) const {
   const int64_t pose_ns = base_.pose.header.t_ns;
   body.p_n_b = base_.p_n_b;
   body.v_n_b = v_n_b_;
+  if (base_.walks_until_ns) return walk_on(t_ns, body), body;
   int64_t until_ns = pose_ns;
   const auto now = velocity_ == Velocity::now ? track_.at(t_ns, parameters_.ahead_s) : std::nullopt;
   if (now && base_point_) {
@@ -212,6 +214,13 @@ PosePredictor::Body PosePredictor::body_at(int64_t t_ns) const {
   body.p_n_b +=
       std::clamp(seconds(t_ns, until_ns), -parameters_.position_for_s, parameters_.position_for_s) * body.v_n_b;
   return body;
+}
+
+void PosePredictor::walk_on(int64_t t_ns, Body& body) const {
+  const double due_s = seconds(*base_.walks_until_ns, base_.pose.header.t_ns),
+               since_s = seconds(t_ns, base_.pose.header.t_ns);
+  body.p_n_b += walked_on_s(since_s, due_s) * v_n_b_;
+  if (since_s > due_s) body.v_n_b.setZero();
 }
 
 SmoothPose::Pose PosePredictor::pose_of(const Body& body) const {
@@ -258,9 +267,11 @@ int32_t PosePredictor::at(int64_t t_ns, bool smooth, odo_pose& out) const {
   }
   out.header.flags |= base_.pose.header.flags & (ODO_POSE_POSITION | ODO_POSE_METRIC);
   Vector3d::Map(out.p_n) = pose.p_n;
-  if (velocity_ != Velocity::none) {
+  const bool stands = base_.walks_until_ns && t_ns > *base_.walks_until_ns;
+  if (velocity_ != Velocity::none && !stands) {
     out.header.flags |= ODO_POSE_VELOCITY;
-    Vector3d::Map(out.velocity_n) = body.v_n_b + body.q_n_b * body.rate_b.cross(p_b_c_);
+    Vector3d::Map(out.velocity_n) = body.v_n_b;
+    if (!base_.walks_until_ns) Vector3d::Map(out.velocity_n) += body.q_n_b * body.rate_b.cross(p_b_c_);
   }
   const double sigma = velocity_ == Velocity::none ? parameters_.unknown_sigma_mps : parameters_.velocity_sigma_mps;
   const double since_s = std::max(0.0, seconds(t_ns, base_.pose.header.t_ns));

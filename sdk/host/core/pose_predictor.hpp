@@ -43,6 +43,9 @@ class PosePredictor {
     Eigen::Vector3d p_n_b = Eigen::Vector3d::Zero();  ///< m
     /// Velocity at the pose's time, m/s, if the pipeline has it; a mean over the last frames does not count.
     std::optional<Eigen::Vector3d> v_n_b;
+    /// The pose is the end of a step, and its velocity the walker's until then, when the next step is due. A walker who
+    /// takes none has stood since the last one: the predicted pose returns to it.
+    std::optional<int64_t> walks_until_ns;
     struct Biases {
       Eigen::Vector3d gyro_b, accel_b;  ///< rad/s, m/s^2
     };
@@ -98,6 +101,8 @@ class PosePredictor {
   void align_attitude();
   void choose_velocity(const std::optional<Eigen::Vector3d>& predicted);
   bool fit_velocity();
+  /// Position from the end of the newest step.
+  void walk_on(int64_t t_ns, Body& body) const;
 
   Parameters parameters_;
   InertialTrack track_;

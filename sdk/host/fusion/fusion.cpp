@@ -230,12 +230,11 @@ UpdateResult Fusion::apply(const odo_fix& fix, Outputs& out) {
     out.notices.add({"late_fix", "a fix is older than the stored track: not used"});
     return {};
   }
-  const Vector3d start_n(state_.start_pose.position_m.data());
   state_.add_gap(fix.header.t_ns);
   const UpdateResult result =
       fixes_.use(state_.filter, fix,
-                 {*then, state_.track.newest(), start_n, state_.heading.north(), odometry_->has_priority(),
-                  odometry_->priority_since(), kept_by_heading_, kept_by_position_});
+                 {*then, state_.track.newest(), Vector3d(state_.start_pose.position_m.data()), state_.heading.north(),
+                  odometry_->has_priority(), odometry_->priority_since(), kept_by_heading_, kept_by_position_});
   if (!result.accepted) return result;
   displacement_reference_.fixed(fix.header.t_ns);
   if (fixes_.fixed()) state_.observe(*fixes_.fixed());
@@ -251,7 +250,7 @@ void Fusion::on_pause(int64_t until_ns) {
 
 odo_pose Fusion::make_pose(const TrackPoint& point) const {
   const PoseFilter& filter = state_.filter;
-  const bool camera = poses_are_of_camera(), moves = state_.track.velocity() != Velocity::none;
+  const bool camera = poses_are_of_camera(), moves = state_.track.velocity(point.t_ns) != Velocity::none;
   auto pose = make_message<odo_pose>(ODO_TYPE_POSE, point.t_ns);
   pose.header.flags = ODO_POSE_ORIENTATION | ODO_POSE_COVARIANCE;
   if (has_position()) pose.header.flags |= ODO_POSE_POSITION;
@@ -274,7 +273,7 @@ odo_pose Fusion::make_pose(const TrackPoint& point) const {
   put_quaternion(camera ? (q_n_b * odometry_->q_b_c()).normalized() : q_n_b, pose.q_n);
   Vector3d::Map(pose.p_n) = has_position() ? p_n : Vector3d(state_.start_pose.position_m.data());
   Vector3d::Map(pose.velocity_n) =
-      q_n_o * (camera && moves ? odometry_->camera_velocity_o() : state_.track.velocity_o());
+      q_n_o * (state_.camera_leads() && moves ? odometry_->camera_velocity_o() : state_.track.velocity_o());
   Eigen::Map<Eigen::Matrix<double, 6, 6, Eigen::RowMajor>>(pose.covariance) = covariance;
   if (has_scale()) {
     pose.scale = std::exp(filter.x()[kLogScale]);
@@ -328,7 +327,7 @@ int32_t Fusion::at(Instant t, Estimate& out) const {
   out.q_n_b = (q_n_o * point->q_o_b).normalized();
   out.p_n_b = state_.filter.p_n() - q_n_o * (state_.track.newest().p_o_b - point->p_o_b);
   out.v_n_b = q_n_o * state_.track.velocity_o();
-  out.velocity = state_.track.velocity();
+  out.velocity = state_.track.velocity(t_ns), out.velocity_until_ns = state_.track.velocity_until_ns();
   out.gyro_bias_b = odometry_->gyro_bias_b, out.accel_bias_b = odometry_->accel_bias_b;
   return ODO_OK;
 }

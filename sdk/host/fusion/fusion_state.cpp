@@ -79,9 +79,8 @@ void FusionState::propagate(int64_t t_ns) {
 double FusionState::unobserved_m(int64_t t_ns) const {
   const int64_t moved_ns = track.tracked.until_ns(), observed_ns = std::max(moved_ns, gap_.value_or(INT64_MIN));
   const bool tracked = seconds(saturating_difference(t_ns, moved_ns)) < p.unobserved_s;
-  return !camera_leads() || tracked
-             ? 0.0
-             : unobserved_m_in(std::max(0.0, seconds(saturating_difference(t_ns, observed_ns))));
+  if (!camera_leads() || tracked) return 0;
+  return unobserved_m_in(std::max(0.0, seconds(saturating_difference(t_ns, observed_ns))));
 }
 
 double FusionState::unobserved_m_in(double unobserved_s) const {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <optional>
 
@@ -60,8 +61,14 @@ struct ScaleKnowledge {
 /// Maximum extrapolation beyond the newest pose, at its velocity; empirical, not tuned.
 inline constexpr int64_t kMaxExtrapolation_ns = 500'000'000;
 
-/// How a velocity was measured: not at all, as the mean of the last motion, or at its end.
-enum class Velocity { none, mean, now };
+/// How a velocity was measured: not at all, as the mean of the last two steps or of the last motion, or at its end.
+enum class Velocity { none, steps, mean, now };
+
+/// Seconds that a walker has walked beyond the end of his newest step, `since_s` after it. He goes on at its velocity
+/// until the next step is due. If it does not come he has stood since the last one: the position returns as it went.
+inline double walked_on_s(double since_s, double due_s) {
+  return std::clamp(since_s, 0.0, std::max(0.0, 2 * due_s - since_s));
+}
 
 /// The estimate for a time.
 struct Estimate {
@@ -70,6 +77,7 @@ struct Estimate {
   Eigen::Vector3d p_n_b = Eigen::Vector3d::Zero();  ///< m
   Eigen::Vector3d v_n_b = Eigen::Vector3d::Zero();  ///< m/s, of the body
   Velocity velocity = Velocity::none;
+  int64_t velocity_until_ns = INT64_MAX;                   ///< by steps: when the next step is due
   Eigen::Vector3d gyro_bias_b = Eigen::Vector3d::Zero();   ///< rad/s, to be subtracted
   Eigen::Vector3d accel_bias_b = Eigen::Vector3d::Zero();  ///< m/s^2, to be subtracted
 };

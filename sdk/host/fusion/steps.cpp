@@ -169,7 +169,18 @@ void Steps::apply(const odo_step& step, double share, Moved& moved) {
   moved.d_n += stride.d_n;
   if (late) return;
   moved.lead = true;
-  state_.track.clear_velocity();
+  walk_on(step);
+}
+
+/// The velocity over two steps, since left and right differ; from rest, half of the first one's.
+void Steps::walk_on(const odo_step& step) {
+  const int64_t interval_ns = step.t_end_ns - step.t_start_ns;
+  const int64_t before_ns = std::clamp(std::exchange(interval_ns_, interval_ns), interval_ns / 2, 2 * interval_ns);
+  const TrackPoint& to = state_.track.newest();
+  const auto from = state_.track.stored(to.t_ns - interval_ns - before_ns);
+  if (!from) return state_.track.clear_velocity();
+  state_.track.set_velocity((to.p_o_b - from->p_o_b) / seconds(interval_ns + before_ns), Velocity::steps,
+                            model_.due_ns(step, std::max(interval_ns, before_ns)));
 }
 
 /// Compares the front-end's displacement over a step with the step's length.

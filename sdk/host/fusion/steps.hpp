@@ -29,6 +29,9 @@ class StepModel {
                            ///< invalid; judgement, 3 s
     double climb_sigma_mps = 0.25;  ///< m/s vertically while steps move the track: stairs rise by 0.25 to 0.35
     double climb_s = 4;             ///< s, its correlation time: a flight takes 5 to 12 s; judgement, 2 to 8
+    /// Step intervals after the report of a step, beyond which the next is overdue and the walker stands. Intervals of
+    /// a walk vary by a tenth; judgement.
+    double due_intervals = 1.25;
     int max_rejected = 4;  ///< consecutive rejections, after which step heading and the factor, or the scale of a
                            ///< front-end that states none, lose confidence
   };
@@ -50,6 +53,10 @@ class StepModel {
   UpdateResult compare(PoseFilter& filter, const odo_step& step, const Eigen::Vector3d& moved_o, double variance,
                        bool metric);
   bool any() const { return any_; }
+  /// When a step after that interval is due at the latest, once this one has been reported.
+  int64_t due_ns(const odo_step& step, int64_t interval_ns) const {
+    return step.header.t_ns + nanoseconds(p_.due_intervals * seconds(interval_ns));
+  }
 
  private:
   double own_sigma(const odo_step& step) const;
@@ -85,6 +92,7 @@ class Steps {
 
  private:
   void pop();
+  void walk_on(const odo_step& step);
   void estimate_scale(Outputs& out);
   void compare(const odo_step& step, Outputs& out);
 
@@ -95,6 +103,7 @@ class Steps {
   size_t count_ = 0;     // of waiting steps
   size_t compared_ = 0;  // of these, the oldest, already compared with an unscaled front-end
   Instant moved_;
+  int64_t interval_ns_ = 0;  // of the newest step that moved the track's end
 };
 
 }  // namespace odograph

@@ -41,7 +41,9 @@ std::optional<TrackPoint> Trajectory::at(int64_t t_ns, bool by_attitude_first) c
     point->q_o_b = *q;
   else if (by_gyroscope)
     point->q_o_b = point->q_o_b * then->q_e_b.conjugate() * now->q_e_b;
-  point->p_o_b += ahead_s * v_o_;
+  const bool walks = velocity_ == Velocity::steps;
+  const double since_s = seconds(t_ns - point->t_ns), due_s = walks ? seconds(velocity_until_ns_ - point->t_ns) : 0.0;
+  point->p_o_b += (walks ? walked_on_s(since_s, due_s) : ahead_s) * v_o_;
   point->t_ns = t_ns;
   return point;
 }

@@ -102,11 +102,14 @@ class Trajectory {
                                                        const Eigen::Vector3d& v_o,
                                                        const Eigen::Vector3d& accel_bias_b) const;
 
-  /// Of the body, m/s.
-  void set_velocity(const Eigen::Vector3d& v_o, Velocity kind) { v_o_ = v_o, velocity_ = kind; }
+  /// Of the body, m/s, known until a time: by steps, when the next is due.
+  void set_velocity(const Eigen::Vector3d& v_o, Velocity kind, int64_t until_ns = INT64_MAX) {
+    v_o_ = v_o, velocity_ = kind, velocity_until_ns_ = until_ns;
+  }
   void clear_velocity() { set_velocity(Eigen::Vector3d::Zero(), Velocity::none); }
   const Eigen::Vector3d& velocity_o() const { return v_o_; }
-  Velocity velocity() const { return velocity_; }
+  Velocity velocity(int64_t t_ns) const { return t_ns <= velocity_until_ns_ ? velocity_ : Velocity::none; }
+  int64_t velocity_until_ns() const { return velocity_until_ns_; }
 
   TrackedIntervals tracked;
   InertialTrack inertia;
@@ -121,6 +124,7 @@ class Trajectory {
   Eigen::Quaterniond q_o_a_ = Eigen::Quaterniond::Identity();
   Eigen::Vector3d v_o_ = Eigen::Vector3d::Zero();
   Velocity velocity_ = Velocity::none;
+  int64_t velocity_until_ns_ = INT64_MAX;
 };
 
 }  // namespace odograph

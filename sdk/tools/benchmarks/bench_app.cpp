@@ -36,6 +36,11 @@ struct StreamBenchmark : Benchmark {
          {"", "corrections", "corrections", 0, stream->corrections},
          {"jump", "cm", "jump_cm", 1, 100 * f.jump_m},
          {"smooth", "cm", "smooth_jump_cm", 1, 100 * f.smooth_jump_m},
+         {"lag", "s", "smooth_lag_s", 2, f.smooth_lag_s},
+         {"jerk", "m/s^3", "smooth_jerk_mps3", 1, f.smooth_jerk_mps3},
+         {"behind", "cm median", "live_cm_median", 1, 100 * percentile_or_nan(f.live_m, 0.5)},
+         {"smooth", "cm median", "smooth_cm_median", 1, 100 * percentile_or_nan(f.smooth_m, 0.5)},
+         {"cm", "95 %", "smooth_cm_p95", 1, 100 * percentile_or_nan(f.smooth_m, 0.95)},
          {"get_pose", "us median", "get_pose_us_median", 2, percentile(stream->poll_us, 0.5)},
          {"us", "99 %", "get_pose_us_p99", 2, percentile(stream->poll_us, 0.99)},
          {"statistics", "us, 99 %", "get_statistics_us_p99", 2, percentile(stream->statistics_us, 0.99)}});

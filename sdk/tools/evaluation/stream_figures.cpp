@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "sdk/math/rotation.hpp"
 #include "sdk/tools/evaluation/stream_figures.hpp"
 
 #include <algorithm>
+#include <iterator>
+#include <optional>
 
 #include <Eigen/Geometry>
+
+#include "sdk/math/rotation.hpp"
+#include "sdk/math/time.hpp"
 
 namespace odograph {
 namespace {
@@ -22,6 +26,44 @@ double step_beyond(const Vector3d& step, const StampedPoses& truth, int64_t from
   return step.norm() - (position_at(truth, to_ns) - position_at(truth, from_ns)).norm();
 }
 
+/// The pipeline's own position at a time, as last corrected; nothing before or after its poses.
+std::optional<Vector3d> later_position(const PoseStream& stream, int64_t t_ns) {
+  const auto after = stream.poses.lower_bound(t_ns);
+  if (after == stream.poses.end() || after == stream.poses.begin()) return std::nullopt;
+  const auto before = std::prev(after);
+  if ((before->second.header.flags & after->second.header.flags & ODO_POSE_POSITION) == 0) return std::nullopt;
+  const double part = static_cast<double>(t_ns - before->first) / static_cast<double>(after->first - before->first);
+  return Vector3d(position(before->second) + part * (position(after->second) - position(before->second)));
+}
+
+/// Fills in what the polls are behind the later track, and how evenly they move.
+void add_motion(const PoseStream& stream, int64_t start_ns, StreamFigures& f) {
+  constexpr int64_t kBeside_ns = 250'000'000, kApart_ns = 100'000'000;
+  double behind = 0, squares = 0, jerk2 = 0;
+  size_t jerks = 0;
+  std::vector<Vector3d> spaced;  // smooth positions, a tenth of a second apart
+  int64_t spaced_ns = INT64_MIN;
+  for (const PolledPose& poll : stream.polls) {
+    const auto now = later_position(stream, poll.t_ns), before = later_position(stream, poll.t_ns - kBeside_ns),
+               after = later_position(stream, poll.t_ns + kBeside_ns);
+    if (poll.t_ns < start_ns || !now || !before || !after || !(poll.smooth.header.flags & ODO_POSE_POSITION)) {
+      spaced.clear();
+      continue;
+    }
+    f.live_m.push_back((position(poll.pose) - *now).norm());
+    f.smooth_m.push_back((position(poll.smooth) - *now).norm());
+    const Vector3d velocity = (*after - *before) / seconds(2 * kBeside_ns);
+    behind += velocity.dot(*now - position(poll.smooth)), squares += velocity.squaredNorm();
+    if (!spaced.empty() && poll.t_ns - spaced_ns < kApart_ns) continue;
+    spaced.push_back(position(poll.smooth)), spaced_ns = poll.t_ns;
+    if (spaced.size() < 4) continue;
+    const Vector3d* p = &spaced.back();
+    jerk2 += ((p[0] - p[-3] - 3 * (p[-1] - p[-2])) / std::pow(seconds(kApart_ns), 3)).squaredNorm(), ++jerks;
+  }
+  if (squares > 0) f.smooth_lag_s = behind / squares;
+  if (jerks > 0) f.smooth_jerk_mps3 = std::sqrt(jerk2 / static_cast<double>(jerks));
+}
+
 }  // namespace
 
 StreamFigures stream_figures(const PoseStream& stream, const StampedPoses& truth, int64_t start_ns) {
@@ -36,6 +78,7 @@ StreamFigures stream_figures(const PoseStream& stream, const StampedPoses& truth
     else
       ++f.without_position;
   }
+  add_motion(stream, start_ns, f);
   for (size_t i = 1; i < stream.polls.size(); ++i) {
     const PolledPose &a0 = stream.polls[i - 1], &a1 = stream.polls[i];
     if (angle_deg(a0.pose, a1.pose) == 0 && a1.t_ns > start_ns) ++f.repeated;

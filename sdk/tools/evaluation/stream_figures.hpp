@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cmath>
 #include <map>
 #include <vector>
 
@@ -28,6 +29,10 @@ struct StreamFigures {
   std::vector<double> orientation_deg, position_m;  ///< difference to that one; positions if available
   size_t without_position = 0, repeated = 0;        ///< early poses; polls with the same view as the previous one
   double jump_m = 0, smooth_jump_m = 0;             ///< longest step between two polls minus the true one
+  /// Of the smooth polls: how far they are behind the pipeline's later track, least squares, and the root mean square
+  /// of the third difference of their positions over tenths of a second, in m/s^3; NaN without a moving track.
+  double smooth_lag_s = NAN, smooth_jerk_mps3 = NAN;
+  std::vector<double> live_m, smooth_m;  ///< distances of polls and smooth polls to the pipeline's later track
 };
 /// Only the jumps include data before `start_ns`.
 StreamFigures stream_figures(const PoseStream& stream, const StampedPoses& truth, int64_t start_ns);
