@@ -115,6 +115,7 @@ void Walker::predict(State& x, Covariance& P, const Vector2d& seen_m) const {
 
 void Walker::on_fix(const Vector2d& p_n, double sigma_m, bool accumulates) {
   if (!is_placed_) return start_at(p_n, sigma_m);
+  if (!accumulates && walked_m_ < p_.min_walked_m) return;
   if (accumulates && path_.norm() < std::max(p_.min_path_m, p_.fix_sigmas * std::sqrt(2.0) * sigma_m)) return;
   State x = x_;
   Covariance P = P_;
@@ -154,7 +155,9 @@ void Walker::learn() {
     is_rotated_ = true;
   }
   const double before = walker_(0, 0);
-  factor_ = std::clamp(x_.head<2>().norm(), p_.min_factor, p_.max_factor);
+  const double seen = x_.head<2>().norm();
+  factor_ = std::clamp(seen, p_.min_factor, p_.max_factor);
+  if (seen > 0) x_.head<2>() *= factor_ / seen;
   slope_ = x_[2] = std::clamp(x_[2], -p_.max_slope, p_.max_slope);
   const double cross = u.dot(P_.col(2));
   P_ += std::max(0.0, squared(p_.min_factor_sigma) - u.dot(P_ * u)) * u * u.transpose();
@@ -183,6 +186,7 @@ bool Walker::load(const uint8_t* data, size_t size) {
   if (!(factor_variance > 0 && factor_variance < 1 && slope_variance > 0 && slope_variance < 1)) return false;
   if (!(quickness >= 0 && quickness < 1)) return false;
   factor_ = factor, slope_ = slope, usual_quickness_ = quickness;
+  quickness_m_ = quick_walked_m_ = 0;
   walker_ << std::max(factor_variance, p_.loaded_factor_variance), 0, 0,
       std::max(slope_variance, p_.loaded_slope_variance);
   is_placed_ = false;

@@ -105,6 +105,7 @@ class Walker {
     double gentle_hand_rad = 0.2;               ///< direction of a phone looked through, against the walk; empirical
     double gentle_hand_m = 5;                   ///< its correlation length; empirical
     double min_path_m = 4.0;                    ///< min path between two accumulating fixes
+    double min_walked_m = 1;                    ///< the same of others: while he stands, a receiver's errors drift
     double fix_sigmas = 3;                      ///< the same in sigmas of both; empirical
     double gate = 9.0;                          ///< chi-square with two components: rejects 1 % of good fixes
     int max_rejected = 3;                       ///< consecutive rejected fixes after which the position is dropped

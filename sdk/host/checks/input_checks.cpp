@@ -88,8 +88,7 @@ constexpr Row kRows[] = {
      "are filled"},
     {"gnss_unset",
      "the position of gnss is latitude 0, longitude 0: not filled? Expected no position (without ODO_GNSS_POSITION, or "
-     "no "
-     "sample at all) until the receiver has one"},
+     "no sample at all) until the receiver has one"},
     {"gnss_repeated",
      "all positions are the same since %V s of walking: an old position? Expected those that the receiver measures, "
      "with the time of each"},

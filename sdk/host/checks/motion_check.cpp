@@ -210,7 +210,7 @@ void MotionCheck::check_axes() {
   const bool wrong = !right && best < p_.explained * contradiction;
   const bool unexplained = !right && !wrong && is_unexplained();
   if (right || wrong || unexplained) found_(InputFault::gyro_wrong, unexplained, contradiction, {});
-  if (!right && !wrong) return;
+  if (!right && !wrong && !unexplained) return;
   const bool exchanged = axes.changes() > 0;
   found_(InputFault::gyro_in_degrees, wrong && rate == 2, 0, {});
   found_(InputFault::gyro_sign, wrong && rate == 1 && !exchanged, 0, {});

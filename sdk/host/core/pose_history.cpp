@@ -12,7 +12,8 @@ using Eigen::Vector3d;
 
 void PoseHistory::push(const odo_pose& pose, const Rigid& smooth) {
   // A correction of the newest pose does not change what was smooth.
-  const bool again = !poses_.empty() && poses_.back(0).t_ns == pose.header.t_ns;
+  const bool again = !poses_.empty() && poses_.back(0).t_ns == pose.header.t_ns &&
+                     ((poses_.back(0).pose.header.flags ^ pose.header.flags) & ODO_POSE_CAMERA) == 0;
   poses_.push({pose.header.t_ns, pose, again ? poses_.back(0).smooth : smooth, T_n_0_, corrections_});
 }
 

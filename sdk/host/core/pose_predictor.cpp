@@ -169,8 +169,9 @@ int64_t PosePredictor::newest_ns() const {
 /// A walker at rest yields no poses; the position remains at the end of the last step.
 bool PosePredictor::position_known(int64_t t_ns) const {
   if (!has_pose() || (base_.pose.header.flags & ODO_POSE_POSITION) == 0) return false;
-  if (!is_camera(base_.pose) || base_.walks_until_ns) return true;
-  return state_ != ODO_LOST && seconds(t_ns, base_.pose.header.t_ns) <= parameters_.position_for_s;
+  if (!is_camera(base_.pose)) return true;
+  const bool recent = seconds(t_ns, base_.pose.header.t_ns) <= parameters_.position_for_s;
+  return state_ != ODO_LOST && (recent || base_.walks_until_ns);
 }
 
 Quaterniond PosePredictor::orientation_at(int64_t t_ns, Vector3d& rate_b) const {
@@ -267,15 +268,18 @@ int32_t PosePredictor::at(int64_t t_ns, bool smooth, odo_pose& out) const {
   }
   out.header.flags |= base_.pose.header.flags & (ODO_POSE_POSITION | ODO_POSE_METRIC);
   Vector3d::Map(out.p_n) = pose.p_n;
-  const bool stands = base_.walks_until_ns && t_ns > *base_.walks_until_ns;
-  if (velocity_ != Velocity::none && !stands) {
+  const bool steps = base_.walks_until_ns.has_value(), stands = steps && t_ns > *base_.walks_until_ns;
+  const bool known = velocity_ != Velocity::none && !stands;
+  if (known) {
     out.header.flags |= ODO_POSE_VELOCITY;
     Vector3d::Map(out.velocity_n) = body.v_n_b;
-    if (!base_.walks_until_ns) Vector3d::Map(out.velocity_n) += body.q_n_b * body.rate_b.cross(p_b_c_);
+    if (!steps) Vector3d::Map(out.velocity_n) += body.q_n_b * body.rate_b.cross(p_b_c_);
   }
-  const double sigma = velocity_ == Velocity::none ? parameters_.unknown_sigma_mps : parameters_.velocity_sigma_mps;
+  const double known_sigma = steps ? parameters_.walking_sigma_mps : parameters_.velocity_sigma_mps;
+  const double sigma = known ? known_sigma : parameters_.unknown_sigma_mps;
   const double since_s = std::max(0.0, seconds(t_ns, base_.pose.header.t_ns));
-  const double moved_m = sigma * (is_camera(base_.pose) ? since_s : std::min(since_s, parameters_.step_delay_s));
+  const double moved_m =
+      sigma * (is_camera(base_.pose) && !steps ? since_s : std::min(since_s, parameters_.step_delay_s));
   for (const int i : {21, 28, 35}) out.covariance[i] += moved_m * moved_m;
   return ODO_OK;
 }

@@ -31,6 +31,7 @@ class PosePredictor {
     double jump_m = 0.15;             ///< m from the predicted position, beyond which the track has jumped (judgement)
     double gravity_mps2 = 9.80665;    ///< standard gravity; elsewhere 0.03 off at most
     double velocity_sigma_mps = 0.1;  ///< of a known velocity; growth of the position's covariance (judgement)
+    double walking_sigma_mps = 0.5;   ///< of a walker's velocity between steps: he may have stopped (Trajectory)
     double unknown_sigma_mps = 1.5;   ///< of an unknown velocity: walking speed
     double step_delay_s = 1.0;        ///< s, from the start of a step to its report: longer without one is no motion
   };

@@ -108,7 +108,8 @@ void PosePublisher::add_to_stream(const Fusion& fusion, const odo_pose& pose) {
   if (Estimate then; fusion.at(pose.header.t_ns, then) == ODO_OK) {
     base.q_n_b = then.q_n_b, base.p_n_b = then.p_n_b;
     if ((pose.header.flags & ODO_POSE_VELOCITY) && then.velocity == Velocity::now) base.v_n_b = then.v_n_b;
-    if (then.velocity == Velocity::steps) base.walks_until_ns = then.velocity_until_ns;
+    if ((pose.header.flags & ODO_POSE_VELOCITY) && then.velocity == Velocity::steps)
+      base.walks_until_ns = then.velocity_until_ns;
     if (!then.gyro_bias_b.isZero()) base.biases = {then.gyro_bias_b, then.accel_bias_b};
   }
   s_.poses.add_pose(pose, base);

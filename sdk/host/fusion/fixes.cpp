@@ -60,6 +60,7 @@ Innovation innovation_of(const PoseFilter& filter, const odo_fix& fix, const Fix
   seen.noise(kYaw, kYaw) = has_yaw(fix) ? yaw_variance(fix) : kUninformedVariance;
   seen.noise.bottomRightCorner<3, 3>() =
       Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(fix.covariance_n);
+  seen.noise.diagonal().segment<2>(1).array() += squared(at.then_sigma_m);
   for (int i = 0; i < 3; ++i)
     if ((fix.header.flags & (ODO_FIX_NORTH << i)) == 0) ignore_row(seen, 1 + i);
   seen.noise.diagonal().array() += 1e-12;

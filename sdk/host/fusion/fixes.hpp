@@ -31,6 +31,7 @@ class Fixes {
   /// The state of the track that a fix is compared with.
   struct Context {
     TrackPoint then, now;       ///< at the fix's time, and the newest
+    double then_sigma_m = 0;    ///< of the former, horizontally, if it is ahead of the latter
     Eigen::Vector3d start_n;    ///< centre of the rotation of n when the first fix gives the heading
     bool north = false;         ///< a compass has given the heading
     bool has_priority = false;  ///< the front-end may outweigh a few fixes

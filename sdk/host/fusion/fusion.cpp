@@ -226,18 +226,16 @@ UpdateResult Fusion::on_fix(const odo_fix& fix, Outputs& out) {
 
 UpdateResult Fusion::apply(const odo_fix& fix, Outputs& out) {
   const auto then = state_.at(fix.header.t_ns);
-  if (!then) {
-    out.notices.add({"late_fix", "a fix is older than the stored track: not used"});
-    return {};
-  }
+  if (!then) return out.notices.add({"late_fix", "a fix is older than the stored track: not used"}), UpdateResult{};
   state_.add_gap(fix.header.t_ns);
   const UpdateResult result =
       fixes_.use(state_.filter, fix,
-                 {*then, state_.track.newest(), Vector3d(state_.start_pose.position_m.data()), state_.heading.north(),
-                  odometry_->has_priority(), odometry_->priority_since(), kept_by_heading_, kept_by_position_});
+                 {*then, state_.track.newest(), state_.track.walked_sigma_m(fix.header.t_ns),
+                  Vector3d(state_.start_pose.position_m.data()), state_.heading.north(), odometry_->has_priority(),
+                  odometry_->priority_since(), kept_by_heading_, kept_by_position_});
   if (!result.accepted) return result;
   displacement_reference_.fixed(fix.header.t_ns);
-  if (fixes_.fixed()) state_.observe(*fixes_.fixed());
+  if (fixes_.fixed() == fix.header.t_ns) state_.observe(fix);
   shown_ = shown_ || is_placed();
   odometry_->gyroscope().update_inclination(fix, *then);
   return result;
@@ -250,7 +248,8 @@ void Fusion::on_pause(int64_t until_ns) {
 
 odo_pose Fusion::make_pose(const TrackPoint& point) const {
   const PoseFilter& filter = state_.filter;
-  const bool camera = poses_are_of_camera(), moves = state_.track.velocity(point.t_ns) != Velocity::none;
+  const Velocity velocity = state_.track.velocity(point.t_ns);
+  const bool camera = poses_are_of_camera(), moves = velocity != Velocity::none;
   auto pose = make_message<odo_pose>(ODO_TYPE_POSE, point.t_ns);
   pose.header.flags = ODO_POSE_ORIENTATION | ODO_POSE_COVARIANCE;
   if (has_position()) pose.header.flags |= ODO_POSE_POSITION;
@@ -273,7 +272,7 @@ odo_pose Fusion::make_pose(const TrackPoint& point) const {
   put_quaternion(camera ? (q_n_b * odometry_->q_b_c()).normalized() : q_n_b, pose.q_n);
   Vector3d::Map(pose.p_n) = has_position() ? p_n : Vector3d(state_.start_pose.position_m.data());
   Vector3d::Map(pose.velocity_n) =
-      q_n_o * (state_.camera_leads() && moves ? odometry_->camera_velocity_o() : state_.track.velocity_o());
+      q_n_o * (camera && velocity > Velocity::steps ? odometry_->camera_velocity_o() : state_.track.velocity_o());
   Eigen::Map<Eigen::Matrix<double, 6, 6, Eigen::RowMajor>>(pose.covariance) = covariance;
   if (has_scale()) {
     pose.scale = std::exp(filter.x()[kLogScale]);
@@ -293,9 +292,9 @@ void Fusion::publish(int64_t t_ns, uint32_t state, uint32_t reason, Outputs& out
   last_ = t_ns, last_state_ = state, last_reason_ = reason;
   if ((pose.header.flags & ODO_POSE_CAMERA) == 0) return;
   const double own = odometry_->scale().own_information(), sigma = own > 0 ? 1 / std::sqrt(own) : 0.0;
-  const bool is_reference = sigma < p_.reference_scale_sigma && (pose.header.flags & ODO_POSE_VELOCITY) != 0;
-  if (const auto reference = displacement_reference_.add_pose(pose, is_reference ? sigma : 0))
-    out.step_reference = *reference;
+  const bool moves = state_.camera_leads() && (pose.header.flags & ODO_POSE_VELOCITY) != 0;
+  const double scale_sigma = moves && sigma < p_.reference_scale_sigma ? sigma : 0;
+  if (const auto reference = displacement_reference_.add_pose(pose, scale_sigma)) out.step_reference = *reference;
 }
 
 /// The path between poses, without their corrections.

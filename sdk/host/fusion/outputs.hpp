@@ -58,7 +58,7 @@ struct ScaleKnowledge {
   double by_inertia = 0, by_steps = 0;  ///< shares of the information (1/variance), 0 to 1
 };
 
-/// Maximum extrapolation beyond the newest pose, at its velocity; empirical, not tuned.
+/// Maximum extrapolation beyond the newest pose, at its velocity, unless that is of steps; empirical, not tuned.
 inline constexpr int64_t kMaxExtrapolation_ns = 500'000'000;
 
 /// How a velocity was measured: not at all, as the mean of the last two steps or of the last motion, or at its end.

@@ -162,24 +162,25 @@ void Steps::apply(const odo_step& step, double share, Moved& moved) {
   const TrackPoint& from = state_.track.newest();
   const int64_t to_ns = std::max(from.t_ns, step.t_end_ns);
   const auto turned = late ? std::nullopt : state_.track.by_attitude(to_ns);
-  state_.track.push(to_ns, turned.value_or(from.q_o_b), state_.filter.q_n_o().conjugate() * stride.d_n,
-                    stride.noise.diagonal());
+  const Vector3d moved_o = state_.filter.q_n_o().conjugate() * stride.d_n;
+  state_.track.push(to_ns, turned.value_or(from.q_o_b), moved_o, stride.noise.diagonal());
   state_.track.tracked.fill(step.t_start_ns, step.t_end_ns);
-  moved_ = step.t_end_ns;
+  const Instant before = std::exchange(moved_, step.t_end_ns);
   moved.d_n += stride.d_n;
   if (late) return;
   moved.lead = true;
-  walk_on(step);
+  walk_on(step, moved_o, before);
 }
 
-/// The velocity over two steps, since left and right differ; from rest, half of the first one's.
-void Steps::walk_on(const odo_step& step) {
-  const int64_t interval_ns = step.t_end_ns - step.t_start_ns;
-  const int64_t before_ns = std::clamp(std::exchange(interval_ns_, interval_ns), interval_ns / 2, 2 * interval_ns);
-  const TrackPoint& to = state_.track.newest();
-  const auto from = state_.track.stored(to.t_ns - interval_ns - before_ns);
-  if (!from) return state_.track.clear_velocity();
-  state_.track.set_velocity((to.p_o_b - from->p_o_b) / seconds(interval_ns + before_ns), Velocity::steps,
+/// The velocity over two steps, since left and right differ; after a rest, half of the first one's.
+void Steps::walk_on(const odo_step& step, const Vector3d& moved_o, Instant before) {
+  const int64_t interval_ns = saturating_difference(step.t_end_ns, step.t_start_ns);
+  if (!model_.is_stride(interval_ns)) return state_.track.clear_velocity();
+  const bool rested = !before || saturating_difference(step.t_start_ns, *before) > interval_ns;
+  const int64_t before_ns = rested ? interval_ns : interval_ns_;
+  const Vector3d before_o = rested ? Vector3d(Vector3d::Zero()) : moved_o_;
+  interval_ns_ = interval_ns, moved_o_ = moved_o;
+  state_.track.set_velocity((before_o + moved_o) / seconds(before_ns + interval_ns), Velocity::steps,
                             model_.due_ns(step, std::max(interval_ns, before_ns)));
 }
 

@@ -5,6 +5,7 @@
 
 #include <Eigen/Core>
 
+#include "sdk/host/base/saturating.hpp"
 #include "sdk/host/fusion/odometry.hpp"
 #include "sdk/math/ring.hpp"
 
@@ -32,6 +33,7 @@ class StepModel {
     /// Step intervals after the report of a step, beyond which the next is overdue and the walker stands. Intervals of
     /// a walk vary by a tenth; judgement.
     double due_intervals = 1.25;
+    double longest_s = 2;  ///< s, of a step that is followed by another: the slowest cadence found is 0.8 Hz
     int max_rejected = 4;  ///< consecutive rejections, after which step heading and the factor, or the scale of a
                            ///< front-end that states none, lose confidence
   };
@@ -53,9 +55,10 @@ class StepModel {
   UpdateResult compare(PoseFilter& filter, const odo_step& step, const Eigen::Vector3d& moved_o, double variance,
                        bool metric);
   bool any() const { return any_; }
-  /// When a step after that interval is due at the latest, once this one has been reported.
+  bool is_stride(int64_t interval_ns) const { return seconds(interval_ns) < p_.longest_s; }
+  /// Latest time at which the next step would be reported, if it takes that interval.
   int64_t due_ns(const odo_step& step, int64_t interval_ns) const {
-    return step.header.t_ns + nanoseconds(p_.due_intervals * seconds(interval_ns));
+    return saturating_sum(step.header.t_ns, nanoseconds(p_.due_intervals * seconds(interval_ns)));
   }
 
  private:
@@ -92,7 +95,7 @@ class Steps {
 
  private:
   void pop();
-  void walk_on(const odo_step& step);
+  void walk_on(const odo_step& step, const Eigen::Vector3d& moved_o, Instant before);
   void estimate_scale(Outputs& out);
   void compare(const odo_step& step, Outputs& out);
 
@@ -103,7 +106,8 @@ class Steps {
   size_t count_ = 0;     // of waiting steps
   size_t compared_ = 0;  // of these, the oldest, already compared with an unscaled front-end
   Instant moved_;
-  int64_t interval_ns_ = 0;  // of the newest step that moved the track's end
+  int64_t interval_ns_ = 0;                            // of the newest step that moved the track's end
+  Eigen::Vector3d moved_o_ = Eigen::Vector3d::Zero();  // by it
 };
 
 }  // namespace odograph

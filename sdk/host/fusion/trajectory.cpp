@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sdk/host/fusion/trajectory.hpp"
 
+#include "sdk/host/base/saturating.hpp"
 #include "sdk/host/fusion/outputs.hpp"
 #include "sdk/math/gravity.hpp"
 #include "sdk/math/rotation.hpp"
@@ -41,11 +42,14 @@ std::optional<TrackPoint> Trajectory::at(int64_t t_ns, bool by_attitude_first) c
     point->q_o_b = *q;
   else if (by_gyroscope)
     point->q_o_b = point->q_o_b * then->q_e_b.conjugate() * now->q_e_b;
-  const bool walks = velocity_ == Velocity::steps;
-  const double since_s = seconds(t_ns - point->t_ns), due_s = walks ? seconds(velocity_until_ns_ - point->t_ns) : 0.0;
-  point->p_o_b += (walks ? walked_on_s(since_s, due_s) : ahead_s) * v_o_;
+  point->p_o_b += (velocity_ == Velocity::steps ? walked_s(t_ns) : ahead_s) * v_o_;
   point->t_ns = t_ns;
   return point;
+}
+
+double Trajectory::walked_s(int64_t t_ns) const {
+  if (velocity_ != Velocity::steps) return 0;
+  return walked_on_s(seconds(t_ns, newest().t_ns), seconds(velocity_until_ns_, newest().t_ns));
 }
 
 void Trajectory::push(int64_t t_ns, const Quaterniond& q_o_b, const Vector3d& d_o, const Vector3d& drift_m2,

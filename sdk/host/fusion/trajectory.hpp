@@ -67,8 +67,9 @@ class Trajectory {
   struct Parameters {
     /// s, longest interval without a gyroscope sample: ten samples at 200 Hz, two or three at 50 Hz.
     double gyro_gap_s = 0.05;
-    double attitude_gap_s = 0.25;  ///< s without an attitude, after which its frame may have rotated; empirical
-    double gravity_age_s = 1;      ///< s, maximum age of the sample whose force is taken for gravity; judgement
+    double attitude_gap_s = 0.25;    ///< s without an attitude, after which its frame may have rotated; empirical
+    double walking_sigma_mps = 0.5;  ///< m/s, of a walker's velocity between steps: he may have stopped; RIDI
+    double gravity_age_s = 1;        ///< s, maximum age of the sample whose force is taken for gravity; judgement
   };
 
   bool empty() const { return track_.empty(); }
@@ -78,6 +79,8 @@ class Trajectory {
   /// The same, but ahead of the newest pose by rotation and velocity; by the attitude rather than the gyroscope if
   /// `by_attitude_first`.
   std::optional<TrackPoint> at(int64_t t_ns, bool by_attitude_first) const;
+  /// Standard deviation of a position ahead of the newest pose by steps, m; 0 elsewhere.
+  double walked_sigma_m(int64_t t_ns) const { return Parameters().walking_sigma_mps * walked_s(t_ns); }
   /// Moves the track by d_o, m; variances of the drift, m^2 and rad^2. A time before the newest counts as that.
   void push(int64_t t_ns, const Eigen::Quaterniond& q_o_b, const Eigen::Vector3d& d_o,
             const Eigen::Vector3d& drift_m2 = Eigen::Vector3d::Zero(), double heading_drift_rad2 = 0);
@@ -115,6 +118,8 @@ class Trajectory {
   InertialTrack inertia;
 
  private:
+  double walked_s(int64_t t_ns) const;
+
   struct Attitude {
     int64_t t_ns = 0;
     Eigen::Quaterniond q_a_b;

@@ -43,6 +43,7 @@ void add_motion(const PoseStream& stream, int64_t start_ns, StreamFigures& f) {
   size_t jerks = 0;
   std::vector<Vector3d> spaced;  // smooth positions, a tenth of a second apart
   int64_t spaced_ns = INT64_MIN;
+  const int64_t poll_ns = stream.polls.size() < 2 ? 0 : stream.polls[1].t_ns - stream.polls[0].t_ns;
   for (const PolledPose& poll : stream.polls) {
     const auto now = later_position(stream, poll.t_ns), before = later_position(stream, poll.t_ns - kBeside_ns),
                after = later_position(stream, poll.t_ns + kBeside_ns);
@@ -50,11 +51,12 @@ void add_motion(const PoseStream& stream, int64_t start_ns, StreamFigures& f) {
       spaced.clear();
       continue;
     }
-    f.live_m.push_back((position(poll.pose) - *now).norm());
+    if (poll.pose.header.flags & ODO_POSE_POSITION) f.live_m.push_back((position(poll.pose) - *now).norm());
     f.smooth_m.push_back((position(poll.smooth) - *now).norm());
     const Vector3d velocity = (*after - *before) / seconds(2 * kBeside_ns);
     behind += velocity.dot(*now - position(poll.smooth)), squares += velocity.squaredNorm();
-    if (!spaced.empty() && poll.t_ns - spaced_ns < kApart_ns) continue;
+    if (!spaced.empty() && poll.t_ns - spaced_ns > kApart_ns + poll_ns) spaced.clear();
+    if (!spaced.empty() && poll.t_ns - spaced_ns < kApart_ns - poll_ns / 2) continue;
     spaced.push_back(position(poll.smooth)), spaced_ns = poll.t_ns;
     if (spaced.size() < 4) continue;
     const Vector3d* p = &spaced.back();

@@ -82,7 +82,7 @@ CASE("bad places are refused", "anchor.h",
      "longitude beyond 2 pi, name of more than 63 bytes)") {
   app* self = walk(ORIGIN, 2);
   uint64_t id;
-  for (int which = 0; which < 12; ++which) {
+  for (int which = 0; which < 11; ++which) {
     odo_anchor_place place = place_of(which < 4 || which > 9 ? ODO_ANCHOR_POSE : ODO_ANCHOR_GEODETIC);
     int32_t status;
     if (which == 0) place.kind = 0;
@@ -96,7 +96,6 @@ CASE("bad places are refused", "anchor.h",
     if (which == 8) place.longitude_rad = 6.29;
     if (which == 9) place.longitude_rad = -8.5; /* degrees */
     if (which == 10) place.name = string_of("a name of sixty-four bytes, one more than an anchor's name may h");
-    if (which == 11) place.p[0] = 1e10;
     status = odo.anchor_create(self->session, &place, &id);
     CHECK(status == ODO_E_ARGUMENT, "place %d: odo_anchor_create = %s; expected ODO_E_ARGUMENT", which,
           status_name(status));
