@@ -93,7 +93,7 @@ void Walker::start_path() {
 }
 
 /// State and covariance at the end of the path, which the fix shows to be `seen_m`.
-void Walker::predict(State& x, Covariance& P, const Vector2d& seen_m) const {
+void Walker::predict(State& x, Covariance& P, const Vector2d& seen_m, double common_m) const {
   const Vector2d path = path_ + (x[2] - slope_) * by_slope_;
   Eigen::Matrix2d turned;  // (path, path turned by a right angle): the displacement is linear in the state
   turned << path.x(), -path.y(), path.y(), path.x();
@@ -107,7 +107,7 @@ void Walker::predict(State& x, Covariance& P, const Vector2d& seen_m) const {
   x.tail<2>() += turned * x.head<2>();
   P.topLeftCorner<2, 2>() += squared(p_.rotation_drift_rad) * walked_m_ * turning * turning.transpose();
   P = F * P * F.transpose();
-  const double common_m2 = squared(common_sigma_m_) * std::max(1.0, p_.common_m / std::max(walked_m_, 0.1));
+  const double common_m2 = squared(common_sigma_m_) * std::max(1.0, common_m / std::max(walked_m_, 0.1));
   const double hand_m2 = squared(p_.gentle_hand_rad) * p_.gentle_hand_m * gentle_m_;
   P.bottomRightCorner<2, 2>() += own_variance_m2_ * Eigen::Matrix2d::Identity() +
                                  common_m2 * along * along.transpose() + hand_m2 * across * across.transpose();
@@ -119,7 +119,7 @@ void Walker::on_fix(const Vector2d& p_n, double sigma_m, bool accumulates) {
   if (accumulates && path_.norm() < std::max(p_.min_path_m, p_.fix_sigmas * std::sqrt(2.0) * sigma_m)) return;
   State x = x_;
   Covariance P = P_;
-  predict(x, P, p_n - x.tail<2>());
+  predict(x, P, p_n - x.tail<2>(), accumulates ? 0 : p_.common_m);
   const Eigen::Matrix2d S = P.bottomRightCorner<2, 2>() + squared(sigma_m) * Eigen::Matrix2d::Identity();
   const Vector2d innovation = p_n - x.tail<2>();
   const Eigen::Matrix2d inverse = S.inverse();

@@ -98,17 +98,19 @@ class Walker {
     double factor_sigma = 0.08;  ///< standard deviation among walkers
     double slope_sigma = 0.55;   ///< the same of the exponent of the cadence (README)
     double by_own_cadence = LengthModel::Parameters().by_own_cadence;
-    double rotation_drift_rad = 0.0005;         ///< of the headings, rad per sqrt(m)
-    double any_rotation = 10;                   ///< variance of factor times cosine and sine if the rotation is unknown
-    double known_rotation_rad = 0.3;            ///< its standard deviation, below which the factor counts
-    double common_m = 30;                       ///< distance over which the law's error remains the same; judgement
-    double gentle_hand_rad = 0.2;               ///< direction of a phone looked through, against the walk; empirical
-    double gentle_hand_m = 5;                   ///< its correlation length; empirical
-    double min_path_m = 4.0;                    ///< min path between two accumulating fixes
-    double min_walked_m = 1;                    ///< the same of others: while he stands, a receiver's errors drift
-    double fix_sigmas = 3;                      ///< the same in sigmas of both; empirical
-    double gate = 9.0;                          ///< chi-square with two components: rejects 1 % of good fixes
-    int max_rejected = 3;                       ///< consecutive rejected fixes after which the position is dropped
+    double rotation_drift_rad = 0.0005;  ///< of the headings, rad per sqrt(m)
+    double any_rotation = 10;            ///< variance of factor times cosine and sine if the rotation is unknown
+    double known_rotation_rad = 0.4;     ///< its standard deviation s, below which the factor counts, which it
+                                         ///< makes too large by s^2 / 2: by `factor_sigma`
+    double common_m = 30;          ///< distance over which the law's error remains the same; judgement. A camera's few
+                                   ///< displacements learn it with the factor: they serve the walk that they come from
+    double gentle_hand_rad = 0.2;  ///< direction of a phone looked through, against the walk; empirical
+    double gentle_hand_m = 5;      ///< its correlation length; empirical
+    double min_path_m = 4.0;       ///< min path between two accumulating fixes
+    double min_walked_m = 1;       ///< the same of others: while he stands, a receiver's errors drift
+    double fix_sigmas = 3;         ///< the same in sigmas of both; empirical
+    double gate = 9.0;             ///< chi-square with two components: rejects 1 % of good fixes
+    int max_rejected = 3;          ///< consecutive rejected fixes after which the position is dropped
     double min_factor = 0.6, max_factor = 1.6;  ///< limits of the walker's factor; empirical
     double max_slope = 1.0;                     ///< limit of its size; empirical
     /// Lower bounds of the standard deviations, since a walker varies during a day; empirical.
@@ -140,7 +142,7 @@ class Walker {
   double relative(double pace) const;
   void start_at(const Eigen::Vector2d& p_n, double sigma_m);
   void start_path();
-  void predict(State& x, Covariance& P, const Eigen::Vector2d& seen_m) const;
+  void predict(State& x, Covariance& P, const Eigen::Vector2d& seen_m, double common_m) const;
   void learn();
 
   Parameters p_;
