@@ -259,9 +259,9 @@ TEST_CASE("heights on slopes, a kerb and stairs are within 0.3 m of the truth, w
     rms.push_back(std::sqrt(squares / n));
     all_squares += squares, all += n;
   }
-  CHECK(std::sqrt(all_squares / all) < 0.22);         // 0.20
-  CHECK(percentile(rms, 0.5) < 0.22);                 // 0.20
-  CHECK(percentile(rms, 1.0) < 0.27);                 // 0.26
+  CHECK(std::sqrt(all_squares / all) < 0.20);         // 0.19
+  CHECK(percentile(rms, 0.5) < 0.18);                 // 0.16
+  CHECK(percentile(rms, 1.0) < 0.30);                 // 0.294
   CHECK(treads_on_slopes / steps_on_slopes < 0.014);  // 8 of 745
   MESSAGE("heights: " << percentile(rms, 0.5) << " m rms in the median, " << percentile(rms, 1.0) << " m the worst, "
                       << std::sqrt(all_squares / all) << " m over all; treads on slopes: " << treads_on_slopes << " of "

@@ -220,7 +220,7 @@ PosePredictor::Body PosePredictor::body_at(int64_t t_ns) const {
 void PosePredictor::walk_on(int64_t t_ns, Body& body) const {
   const double due_s = seconds(*base_.walks_until_ns, base_.pose.header.t_ns),
                since_s = seconds(t_ns, base_.pose.header.t_ns);
-  body.p_n_b += walked_on_s(since_s, due_s) * v_n_b_;
+  body.p_n_b.head<2>() += walked_on_s(since_s, due_s) * v_n_b_.head<2>();
   if (since_s > due_s) body.v_n_b.setZero();
 }
 

@@ -64,8 +64,8 @@ inline constexpr int64_t kMaxExtrapolation_ns = 500'000'000;
 /// How a velocity was measured: not at all, as the mean of the last two steps or of the last motion, or at its end.
 enum class Velocity { none, steps, mean, now };
 
-/// Seconds that a walker has walked beyond the end of his newest step, `since_s` after it. He goes on at its velocity
-/// until the next step is due. If it does not come he has stood since the last one: the position returns as it went.
+/// Seconds that a walker has walked, horizontally, beyond the end of his newest step, `since_s` after it. He goes on at
+/// its velocity until the next step is due. If it does not come he has stood since: the position returns as it went.
 inline double walked_on_s(double since_s, double due_s) {
   return std::clamp(since_s, 0.0, std::max(0.0, 2 * due_s - since_s));
 }

@@ -42,7 +42,10 @@ std::optional<TrackPoint> Trajectory::at(int64_t t_ns, bool by_attitude_first) c
     point->q_o_b = *q;
   else if (by_gyroscope)
     point->q_o_b = point->q_o_b * then->q_e_b.conjugate() * now->q_e_b;
-  point->p_o_b += (velocity_ == Velocity::steps ? walked_s(t_ns) : ahead_s) * v_o_;
+  if (velocity_ == Velocity::steps)
+    point->p_o_b.head<2>() += walked_s(t_ns) * v_o_.head<2>();
+  else
+    point->p_o_b += ahead_s * v_o_;
   point->t_ns = t_ns;
   return point;
 }
