@@ -6,6 +6,7 @@
 
 #include "sdk/math/rotation.hpp"
 #include "sdk/host/base/saturating.hpp"
+#include "sdk/host/fusion/outputs.hpp"
 
 namespace odograph {
 namespace {
