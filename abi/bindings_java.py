@@ -104,4 +104,4 @@ def jni(description):
         unused = "(void)self;" if result.base == "char" else "(void)env, (void)self;"
         lines.append(f"JNIEXPORT {head} JNICALL {mangled}(JNIEnv *env, jclass self{parameters}) {{\n  {unused}\n  {call}\n}}")
     return ("/* SPDX-License-Identifier: Apache-2.0\n *\n * Written by abi/generate.py; do not edit. The other end of Abi.java's functions.\n */\n"
-            "#include <jni.h>\n#include <stdint.h>\n\n#include <odograph/anchor.h>\n#include <odograph/recording.h>\n#include <odograph/scene.h>\n\n/* clang-format off */\n" + "\n".join(lines) + "\n/* clang-format on */\n")
+            "#include <jni.h>\n#include <stdint.h>\n\n#include <odograph/anchor.h>\n#include <odograph/map.h>\n#include <odograph/recording.h>\n#include <odograph/scene.h>\n\n/* clang-format off */\n" + "\n".join(lines) + "\n/* clang-format on */\n")

@@ -24,10 +24,10 @@ namespace {
 /// Returns the given covariance of the held and the present pose.
 struct TwoPoses : KeptPoses {
   KeptPose held, now;
-  Near keep_pose(int64_t) override { return {.id = 1}; }
-  std::optional<Neighbours> crowded() const override { return {}; }
-  Eigen::Matrix4d covariance_of(uint64_t, uint64_t) const override { return Eigen::Matrix4d::Zero(); }
+  Attachment keep_pose(int64_t) override { return {.pose_id = 1}; }
+  std::vector<HandOver> take_hand_overs() override { return {}; }
   void release_pose(uint64_t) override {}
+  uint64_t map_frame(uint32_t, uint64_t) const override { return 0; }
   bool kept_pose(uint64_t, KeptPose& out) const override { return out = held, true; }
   bool pose_now(KeptPose& out) const override { return out = now, true; }
   bool is_placed() const override { return true; }

@@ -110,7 +110,7 @@ TEST_CASE("a fix of any kind, present or late, is the Kalman update with its mea
                         {.position_m = {1, 2, 3}, .given = true, .heading_given = true}, {true, false});
       fill(fusion);
       const int64_t t_ns = (kNow_ms - ago_ms) * kMillisecond;
-      const uint64_t id = fusion->keep_pose(t_ns).id;
+      const uint64_t id = fusion->keep_pose(t_ns).pose_id;
       KeptPose before, after, now, later;
       REQUIRE(fusion->kept_pose(id, before));
       REQUIRE(fusion->pose_now(now));

@@ -107,7 +107,7 @@ std::string digest_of(const CouplingConfig& config) {
         digest.add("scale.by_steps", known.by_steps);
         digest.add("placed", fusion->is_placed());
         if (t > next_held_s && held.size() < 4)
-          held.push_back(fusion->keep_pose(MeasuredWalk::ns(t - 0.2)).id), next_held_s += 2;
+          held.push_back(fusion->keep_pose(MeasuredWalk::ns(t - 0.2)).pose_id), next_held_s += 2;
         const odo_barometer baro = pressure(t);
         fusion.update(&baro);
         const odo_scale scale = scale_at(t);

@@ -55,7 +55,7 @@ TEST_CASE("later fixes improve a held pose, consistently with its covariance") {
       if (t_s < next_s) return;
       next_s += 4;
       KeptPose held;
-      kept.push_back({fusion->keep_pose(pose.header.t_ns).id, t_s, 0});
+      kept.push_back({fusion->keep_pose(pose.header.t_ns).pose_id, t_s, 0});
       kept.back().error_m = error_of(kept.back(), held).head<2>().norm();
     });
     for (const Kept& k : kept) {
@@ -281,20 +281,20 @@ TEST_CASE(
   for (const StateIndex i : {kNorth, kEast, kDown, kHeading}) filter.set(i, 0, 1);
   const TrackPoint here;
   const uint64_t id = filter.keep_pose(here, here);
-  CHECK(filter.nearest_kept(here, here, 0.02, 5e-3).id == id);  // though both are known to a metre only
+  CHECK(filter.nearest_kept(here, here, 0.02, 5e-3).pose_id == id);  // though both are known to a metre only
   PoseFilter turned = filter, carried = filter;
   turned.add_variance(kHeading, 1e-4);
-  CHECK(turned.nearest_kept(here, here, 0.02, 5e-3).id == 0);
+  CHECK(turned.nearest_kept(here, here, 0.02, 5e-3).pose_id == 0);
   carried.add_variance(kEast, 100);  // a camera that was covered while its carrier walked on
-  CHECK(carried.nearest_kept(here, here, 0.02, 5e-3).id == 0);
+  CHECK(carried.nearest_kept(here, here, 0.02, 5e-3).pose_id == 0);
   while (!carried.crowded()) {
     carried.add_variance(kEast, carried.whole_covariance().rows() == 4 * 30 + kStates ? 1e-6 : 1);
     REQUIRE(carried.keep_pose(here, here) != 0);
   }
   CHECK(carried.keep_pose(here, here) == 0);
   const auto merge = required(carried.crowded());
-  CHECK(merge->given_up == 31);
-  CHECK(merge->stays == 30);
-  carried.release_pose(merge->given_up);
+  CHECK(merge->from == 31);
+  CHECK(merge->to == 30);
+  carried.release_pose(merge->from);
   CHECK_FALSE(carried.crowded());
 }

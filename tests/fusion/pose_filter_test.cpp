@@ -172,7 +172,7 @@ TEST_SUITE("pose_filter") {
   TEST_CASE("A held pose is corrected by a later fix through their correlation") {
     Metric fusion;
     walk(fusion, 1, 100);
-    const uint64_t id = fusion->keep_pose(kStart_ns + 50 * kFrame_ns).id;
+    const uint64_t id = fusion->keep_pose(kStart_ns + 50 * kFrame_ns).pose_id;
     KeptPose before, after;
     REQUIRE(fusion->kept_pose(id, before));
     walk(fusion, 101, 150);

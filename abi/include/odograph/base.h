@@ -173,6 +173,8 @@ typedef struct odo_string {
 #define ODO_TYPE_RELATIVE_POSE 0x100Cu
 #define ODO_TYPE_POINTS 0x100Du
 #define ODO_TYPE_SURFACE 0x100Eu
+#define ODO_TYPE_KEY_FRAME 0x100Fu
+#define ODO_TYPE_MAP_POSE 0x1010u
 
 /* Type number of a vendor message. `vendor` (below 2^19) is assigned in docs/abi.md; the vendor chooses `number` (below
  * 4096). The message starts with an odo_header, contains no pointer and has at most ODO_LARGEST_MESSAGE bytes; it is
@@ -198,8 +200,8 @@ typedef struct odo_string {
  * odo_earth_field are such descriptions without the flag. */
 #define ODO_FLAG_DESCRIPTION 0x10000000u
 #define ODO_FLAG_HOST_MASK 0x0F000000u
-#define ODO_FLAG_ACCEPTED 0x01000000u  /* on a published fix or scale: the host used it */
-#define ODO_FLAG_NAVIGATION 0x02000000u /* on a motion: q_n_c0 is valid */
+#define ODO_FLAG_ACCEPTED 0x01000000u  /* on a published fix, scale, relative pose or map pose: the host used it */
+#define ODO_FLAG_NAVIGATION 0x02000000u /* on a motion: q_n_c0 is valid; on a key frame: its pose is */
 
 /* First member of every message. Frozen at 32 bytes; a message grows at its end. */
 typedef struct odo_header {

@@ -159,8 +159,11 @@ typedef struct odo_fix {
   double slant_sigma_m;          /* standard deviation of slant_distance_m */
 } odo_fix;
 
-/* Relative pose of the body between two times, for example from a loop closure or another map. The host publishes and
- * records it and passes it to plugins that declare it, and may use it; not used by this library up to 1.0. */
+/* Relative pose of the body between two times, for example from a loop closure. The host publishes and records it and
+ * passes it to plugins that declare it, and may use it; not used by this library up to 1.0. Since 1.1 it corrects
+ * position, heading and scale if the earlier time is that of an odo_key_frame of the same source or at most 3 s before
+ * the newest pose; both components are required, and ODO_FLAG_ACCEPTED on the published one means that it was used. The
+ * two must not have a measurement in common with the track between them, such as a landmark that was seen throughout. */
 #define ODO_RELATIVE_POSE_TRANSLATION 1u
 #define ODO_RELATIVE_POSE_ROTATION 2u
 typedef struct odo_relative_pose {
@@ -170,6 +173,32 @@ typedef struct odo_relative_pose {
   double p_b0_b1[3];     /* position of b1, the body at the later time, in b0, the body at the earlier time, m */
   double covariance[36]; /* of (rotation in b0, position in b0), rad^2 and m^2; always valid */
 } odo_relative_pose;
+
+/* A key frame of a map, since 1.1. The host keeps the pose of the body at its time, and corrects it with the track. It
+ * remembers 1024 of each instance, the newest ones. The published one has the pose, and is published and delivered to
+ * its plugin again when a recognised place has moved that by more than a correction does (odo_correction). */
+typedef struct odo_key_frame {
+  odo_header header;  /* t_ns: time of its frame, at most 3 s before the newest pose */
+  uint64_t id;        /* number that the plugin gives it, not 0 */
+  uint32_t camera;    /* header.source of its frame */
+  uint32_t landmarks; /* number of landmarks that it has */
+  double q_n_b[4];    /* pose of the body, estimated by the host; valid with ODO_FLAG_NAVIGATION */
+  double p_n_b[3];    /* m; likewise */
+} odo_key_frame;
+
+/* Place in the map of an earlier session, since 1.1. The frame m of a map has its z axis downwards, like n. The host
+ * holds the place of up to 4 maps in n, from the first of these on. A session whose place in n nothing else gives takes
+ * m for n. ODO_FLAG_ACCEPTED on the published one means that it was used. */
+typedef struct odo_map_pose {
+  odo_header header;     /* t_ns: time of the frame that was recognised */
+  uint64_t map;          /* id of the map, from its file, not 0 */
+  double q_m_b[4];
+  double p_m_b[3];       /* m */
+  double covariance[36]; /* of (rotation in m, position in m), rad^2 and m^2: the error of this recognition */
+  double map_sigma_m;    /* standard deviation of the map itself at that place, in each axis: what any number of
+                          * recognitions has in common */
+  double map_sigma_rad;  /* the same of its heading */
+} odo_map_pose;
 
 /* Estimated pose with its uncertainty: the output of the host. */
 #define ODO_POSE_ORIENTATION 1u

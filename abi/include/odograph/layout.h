@@ -15,6 +15,7 @@
 #include <odograph/odograph.h>
 #include <odograph/anchor.h>
 #include <odograph/attitude.h>
+#include <odograph/map.h>
 #include <odograph/recording.h>
 #include <odograph/scale_source.h>
 #include <odograph/scene.h>
@@ -73,6 +74,14 @@ ODO_LAYOUT(odo_fix, sizeof(odo_fix) == 440 && offsetof(odo_fix, header) == 0 && 
 ODO_LAYOUT(odo_relative_pose, sizeof(odo_relative_pose) == 384 && offsetof(odo_relative_pose, header) == 0 &&
            offsetof(odo_relative_pose, t_from_ns) == 32 && offsetof(odo_relative_pose, q_b0_b1) == 40 &&
            offsetof(odo_relative_pose, p_b0_b1) == 72 && offsetof(odo_relative_pose, covariance) == 96)
+ODO_LAYOUT(odo_key_frame, sizeof(odo_key_frame) == 104 && offsetof(odo_key_frame, header) == 0 &&
+           offsetof(odo_key_frame, id) == 32 && offsetof(odo_key_frame, camera) == 40 &&
+           offsetof(odo_key_frame, landmarks) == 44 && offsetof(odo_key_frame, q_n_b) == 48 &&
+           offsetof(odo_key_frame, p_n_b) == 80)
+ODO_LAYOUT(odo_map_pose, sizeof(odo_map_pose) == 400 && offsetof(odo_map_pose, header) == 0 &&
+           offsetof(odo_map_pose, map) == 32 && offsetof(odo_map_pose, q_m_b) == 40 &&
+           offsetof(odo_map_pose, p_m_b) == 72 && offsetof(odo_map_pose, covariance) == 96 &&
+           offsetof(odo_map_pose, map_sigma_m) == 384 && offsetof(odo_map_pose, map_sigma_rad) == 392)
 ODO_LAYOUT(odo_pose, sizeof(odo_pose) == 544 && offsetof(odo_pose, header) == 0 && offsetof(odo_pose, q_n) == 32 &&
            offsetof(odo_pose, p_n) == 64 && offsetof(odo_pose, velocity_n) == 88 &&
            offsetof(odo_pose, covariance) == 112 && offsetof(odo_pose, scale) == 400 &&
@@ -178,6 +187,8 @@ ODO_LAYOUT(odo_content_service, sizeof(odo_content_service) == 40 &&
            offsetof(odo_content_service, read) == 24 && offsetof(odo_content_service, close) == 32)
 ODO_LAYOUT(odo_wake_service, sizeof(odo_wake_service) == 16 && offsetof(odo_wake_service, struct_size) == 0 &&
            offsetof(odo_wake_service, reserved) == 4 && offsetof(odo_wake_service, wake) == 8)
+ODO_LAYOUT(odo_run_service, sizeof(odo_run_service) == 8 && offsetof(odo_run_service, struct_size) == 0 &&
+           offsetof(odo_run_service, is_live) == 4)
 ODO_LAYOUT(odo_parameter, sizeof(odo_parameter) == 112 && offsetof(odo_parameter, struct_size) == 0 &&
            offsetof(odo_parameter, type) == 4 && offsetof(odo_parameter, name) == 8 &&
            offsetof(odo_parameter, unit) == 24 && offsetof(odo_parameter, help) == 40 &&
@@ -192,7 +203,7 @@ ODO_LAYOUT(odo_batch, sizeof(odo_batch) == 16 && offsetof(odo_batch, struct_size
            offsetof(odo_batch, count) == 4 && offsetof(odo_batch, messages) == 8)
 ODO_LAYOUT(odo_sink, sizeof(odo_sink) == 16 && offsetof(odo_sink, struct_size) == 0 &&
            offsetof(odo_sink, instance) == 4 && offsetof(odo_sink, emit) == 8)
-ODO_LAYOUT(odo_plugin, sizeof(odo_plugin) == 208 && offsetof(odo_plugin, struct_size) == 0 &&
+ODO_LAYOUT(odo_plugin, sizeof(odo_plugin) == 224 && offsetof(odo_plugin, struct_size) == 0 &&
            offsetof(odo_plugin, abi_major) == 4 && offsetof(odo_plugin, abi_minor) == 8 &&
            offsetof(odo_plugin, interface_count) == 12 && offsetof(odo_plugin, interfaces) == 16 &&
            offsetof(odo_plugin, id) == 24 && offsetof(odo_plugin, version) == 40 &&
@@ -205,7 +216,8 @@ ODO_LAYOUT(odo_plugin, sizeof(odo_plugin) == 208 && offsetof(odo_plugin, struct_
            offsetof(odo_plugin, reset) == 152 && offsetof(odo_plugin, save) == 160 &&
            offsetof(odo_plugin, load) == 168 && offsetof(odo_plugin, get_interface) == 176 &&
            offsetof(odo_plugin, inputs) == 184 && offsetof(odo_plugin, outputs) == 192 &&
-           offsetof(odo_plugin, input_count) == 200 && offsetof(odo_plugin, output_count) == 204)
+           offsetof(odo_plugin, input_count) == 200 && offsetof(odo_plugin, output_count) == 204 &&
+           offsetof(odo_plugin, save_map) == 208 && offsetof(odo_plugin, load_map) == 216)
 ODO_LAYOUT(odo_error, sizeof(odo_error) == 2048 && offsetof(odo_error, struct_size) == 0 &&
            offsetof(odo_error, status) == 4 && offsetof(odo_error, message) == 8)
 ODO_LAYOUT(odo_session_options, sizeof(odo_session_options) == 104 &&

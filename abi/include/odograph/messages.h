@@ -36,7 +36,9 @@
   X(ODO_TYPE_REFINED, odo_refined, refined, ODO_REFINED_SIZE_MIN)                          \
   X(ODO_TYPE_RELATIVE_POSE, odo_relative_pose, relative_pose, ODO_RELATIVE_POSE_SIZE_MIN)  \
   X(ODO_TYPE_POINTS, odo_points, points, ODO_POINTS_SIZE_MIN)                              \
-  X(ODO_TYPE_SURFACE, odo_surface, surface, ODO_SURFACE_SIZE_MIN)
+  X(ODO_TYPE_SURFACE, odo_surface, surface, ODO_SURFACE_SIZE_MIN)                          \
+  X(ODO_TYPE_KEY_FRAME, odo_key_frame, key_frame, ODO_KEY_FRAME_SIZE_MIN)                  \
+  X(ODO_TYPE_MAP_POSE, odo_map_pose, map_pose, ODO_MAP_POSE_SIZE_MIN)
 
 #define ODO_ATTITUDE_SIZE_MIN 160u
 #define ODO_STEP_SIZE_MIN 96u
@@ -87,6 +89,9 @@
 #define ODO_MAP_POINT_SIZE_MIN 48u
 #define ODO_RAY_SIZE_MIN 104u
 #define ODO_HIT_SIZE_MIN 136u
+#define ODO_KEY_FRAME_SIZE_MIN 48u
+#define ODO_MAP_POSE_SIZE_MIN 400u
+#define ODO_RUN_SERVICE_SIZE_MIN 8u
 /* clang-format on */
 
 #endif

@@ -15,6 +15,7 @@
 #include <odograph/anchor.h>
 #include <odograph/plugin_messages.hpp>
 #include <odograph/recording.h>
+#include <odograph/map.h>
 #include <odograph/scene.h>
 
 #include <atomic>
@@ -202,6 +203,17 @@ class Session {
     if (odo_session_save(c(), &data[0], data.size()) != size) throw Error(ODO_E_ERROR, "the state could not be saved");
     return data;
   }
+  /// Maps of the places that this session has seen, with its anchors, for load_map() in a later one (map.h).
+  std::string save_map() const {
+    std::string data;
+    for (int64_t size; (size = odo_map_save(c(), &data[0], data.size())) != static_cast<int64_t>(data.size());) {
+      check(static_cast<int32_t>(size < 0 ? size : 0));
+      data.resize(static_cast<size_t>(size));
+    }
+    return data;
+  }
+  /// Throws if the map is damaged, or of plugins that the session does not have.
+  void load_map(std::string_view data) { check(odo_map_load(c(), data.data(), data.size())); }
   /// False if a plugin rejected its part, which last_error() names; the others are restored.
   bool load(std::string_view data) {
     const int32_t status = odo_session_load(c(), data.data(), data.size());

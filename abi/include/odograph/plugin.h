@@ -98,6 +98,14 @@ typedef struct odo_wake_service {
   ODO_FUNCTION(void, wake, (const odo_host *host, uint32_t instance));
 } odo_wake_service;
 
+#define ODO_SERVICE_RUN "odo.run/1"
+/* What kind of run it is, since 1.1. */
+typedef struct odo_run_service {
+  uint32_t struct_size;
+  uint32_t is_live; /* 1: samples arrive in real time: do not wait for a worker thread. 0: a replay, which must give the
+                     * same output each time: wait for it */
+} odo_run_service;
+
 /* ---- parameters -------------------------------------------------------------------------------------------------- */
 
 #define ODO_PARAMETER_BOOL 1u
@@ -167,6 +175,8 @@ typedef struct odo_sink {
 
 typedef struct odo_instance odo_instance; /* opaque, defined by the plugin */
 #define ODO_LARGEST_STATE 16777216u       /* bytes of saved state of one instance; more is reported, not saved */
+#define ODO_LARGEST_PIECE 1048576u        /* bytes of a map that cross at once */
+#define ODO_LARGEST_MAP 268435456u        /* bytes of the map of one instance */
 
 /* Bits of odo_plugin.flags. A host ignores bits that it does not know. */
 #define ODO_PLUGIN_SEVERAL_CAMERAS 1u /* the front-end receives frames of all cameras, not only of the main one */
@@ -220,6 +230,14 @@ typedef struct odo_plugin {
   ODO_POINTER(const uint32_t *, outputs);
   uint32_t input_count;
   uint32_t output_count;
+  /* Since 1.1, optional: the map of a plugin that recognises places (odo_map_save), in pieces of at most
+   * ODO_LARGEST_PIECE bytes. */
+  /* [control] Writes up to `capacity` bytes of the map from `offset` on. Returns their number, 0 at the end. The pieces
+   * from an offset of 0 on belong together. */
+  ODO_FUNCTION(int64_t, save_map, (odo_instance *instance, uint64_t offset, void *data, uint64_t capacity));
+  /* [control] Takes a map in pieces, in order; the one of size 0 ends it. ODO_E_DATA: damaged, or of another plugin or a
+   * later format; nothing has changed then. */
+  ODO_FUNCTION(int32_t, load_map, (odo_instance *instance, uint64_t offset, const void *data, uint64_t size));
 } odo_plugin;
 
 /* True if the host supports the ABI of these headers. Otherwise the entry must return ODO_E_VERSION. */

@@ -19,6 +19,7 @@
 //   void configured() or configured(odo::Output&)     after the parameters are set; throws odo::Error to reject them
 //   void reset()                                      default: a new object with the same parameters
 //   std::vector<uint8_t> save() const, void load(const uint8_t*, size_t), const void* extension(std::string_view id)
+//   std::vector<uint8_t> save_map() const, void load_map(const uint8_t*, size_t)     since 1.1
 //   void woken(odo::Output&)                          called after Output::wake()
 //   static constexpr uint32_t extra_outputs[]                   message types in addition to those of the kind
 //   static constexpr uint32_t extra_inputs[]                    message types that on() does not receive by itself
@@ -70,6 +71,9 @@ template <class T, class = void> struct has_reset : std::false_type {};
 template <class T> struct has_reset<T, std::void_t<decltype(std::declval<T&>().reset())>> : std::true_type {};
 template <class T, class = void> struct has_save : std::false_type {};
 template <class T> struct has_save<T, std::void_t<decltype(std::declval<const T&>().save())>> : std::true_type {};
+template <class T, class = void> struct has_save_map : std::false_type {};
+template <class T>
+struct has_save_map<T, std::void_t<decltype(std::declval<const T&>().save_map())>> : std::true_type {};
 template <class T, class = void> struct has_extension : std::false_type {};
 template <class T>
 struct has_extension<T, std::void_t<decltype(std::declval<T&>().extension(std::string_view()))>> : std::true_type {};
@@ -125,6 +129,7 @@ template <class T, class Tag> class Glue {
     std::vector<std::pair<size_t, odo_value>> values;  // for reset, which constructs a new object
     std::vector<std::vector<double>> reals;
     std::vector<std::string> texts;
+    std::vector<uint8_t> map;  // being saved or loaded
     std::unique_ptr<T> object = std::make_unique<T>();
   };
 
@@ -195,6 +200,7 @@ template <class T, class Tag> class Glue {
           plugin.output_count = static_cast<uint32_t>(std::size(T::extra_outputs));
         }
         plugin.destroy = destroy;
+        if constexpr (has_save_map<T>::value) plugin.save_map = save_map, plugin.load_map = load_map;
       }
     };
     static const Table instance;
@@ -349,6 +355,37 @@ template <class T, class Tag> class Glue {
       (void)handle, (void)data;
       return size == 0 ? ODO_OK : ODO_E_UNSUPPORTED;
     }
+  }
+
+  static int64_t ODO_CALL save_map(odo_instance* handle, uint64_t offset, void* data, uint64_t capacity) noexcept {
+    Instance* instance = of(handle);
+    int64_t written = 0;
+    const int32_t status = guarded(&instance->output, [&]() -> int32_t {
+      if constexpr (has_save_map<T>::value)
+        if (offset == 0) instance->map = instance->object->save_map();
+      const std::vector<uint8_t>& map = instance->map;
+      const size_t left = offset < map.size() ? map.size() - static_cast<size_t>(offset) : 0;
+      const size_t size = capacity < left ? static_cast<size_t>(capacity) : left;
+      if (size > 0) std::memcpy(data, map.data() + offset, size);
+      if (left == 0) std::vector<uint8_t>().swap(instance->map);
+      written = static_cast<int64_t>(size);
+      return ODO_OK;
+    });
+    return status < 0 ? status : written;
+  }
+
+  static int32_t ODO_CALL load_map(odo_instance* handle, uint64_t offset, const void* data, uint64_t size) noexcept {
+    Instance* instance = of(handle);
+    return guarded(&instance->output, [&]() -> int32_t {
+      std::vector<uint8_t>& map = instance->map;
+      if (offset == 0) map.clear();
+      if (offset != map.size() || size > ODO_LARGEST_PIECE || size > ODO_LARGEST_MAP - offset) return ODO_E_ARGUMENT;
+      const auto* bytes = static_cast<const uint8_t*>(data);
+      if (size > 0) return map.insert(map.end(), bytes, bytes + size), ODO_OK;
+      const std::vector<uint8_t> whole = std::exchange(map, {});
+      if constexpr (has_save_map<T>::value) instance->object->load_map(whole.data(), whole.size());
+      return ODO_OK;
+    });
   }
 
   static const void* ODO_CALL get_interface(odo_instance* handle, const char* id, uint64_t size) noexcept {

@@ -19,7 +19,6 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
-using Matrix34 = Eigen::Matrix<double, 3, 4>;
 using Matrix36 = Eigen::Matrix<double, 3, 6>;
 
 Quaterniond rotation(const double* wxyz) {
@@ -152,54 +151,29 @@ void Anchors::georeference(Anchor& anchor, const KeptPose& now) {
   anchor.lost_reason = 0;
 }
 
-namespace {
-
-/// Derivative of a point's position by (heading, position) of the pose that it is fixed to.
-Matrix34 by_pose(const Vector3d& from_pose_n) {
-  Matrix34 by;
-  by << Vector3d(-from_pose_n.y(), from_pose_n.x(), 0), Matrix3d::Identity();
-  return by;
-}
-
-}  // namespace
-
 void Anchors::attach_to_pose(Anchor& anchor, KeptPoses& poses) {
-  KeptPoses::Near near = poses.keep_pose(anchor.seen_ns);
-  if (near.full) free_a_place(poses), near = poses.keep_pose(anchor.seen_ns);
+  const Attachment body = poses.keep_pose(anchor.seen_ns);
+  take_hand_overs(poses);
   KeptPose kept;
-  if (near.id == 0 || !poses.kept_pose(near.id, kept)) return;
-  const Matrix3d R_kept_n = kept.q_n_b.conjugate().toRotationMatrix();
-  const Matrix34 by = by_pose(kept.q_n_b * (near.T_kept_b.q * anchor.T_b_a.p));
-  anchor.pose_id = near.id;
-  anchor.T_b_a = near.T_kept_b * anchor.T_b_a;
-  anchor.offset_covariance = R_kept_n * (by * near.covariance * by.transpose()) * R_kept_n.transpose();
+  if (body.pose_id == 0 || !poses.kept_pose(body.pose_id, kept)) return;
+  anchor.to_pose = attach(body, anchor.T_b_a, kept.q_n_b);
   anchor.reference = Reference::pose;
 }
 
-/// If no further pose can be kept, the anchors of one are handed to its neighbour.
-void Anchors::free_a_place(KeptPoses& poses) {
-  const auto neighbours = poses.crowded();
-  if (!neighbours) return;
-  const auto [from, to] = *neighbours;
-  KeptPose given_up, stays;
-  if (!poses.kept_pose(from, given_up) || !poses.kept_pose(to, stays)) return;
-  const Rigid T_n_from{given_up.q_n_b, given_up.p_n_b}, T_n_to{stays.q_n_b, stays.p_n_b};
-  const Rigid T_to_from = T_n_to.inverse() * T_n_from;
-  const Matrix3d R_from = given_up.q_n_b.toRotationMatrix(), R_to = stays.q_n_b.toRotationMatrix();
-  for (Anchor& anchor : anchors_) {
-    if (anchor.pose_id != from) continue;
-    const Vector3d p_n_a = (T_n_from * anchor.T_b_a).p;
-    const Matrix34 by_from = by_pose(p_n_a - given_up.p_n_b), by_to = by_pose(p_n_a - stays.p_n_b);
-    const Matrix3d common = by_from * poses.covariance_of(from, to) * by_to.transpose();
-    const Matrix3d apart = by_from * poses.covariance_of(from, from) * by_from.transpose() +
-                           by_to * poses.covariance_of(to, to) * by_to.transpose() - common - common.transpose();
-    anchor.offset_covariance =
-        R_to.transpose() * (R_from * anchor.offset_covariance * R_from.transpose() + apart) * R_to;
-    anchor.T_b_a = T_to_from * anchor.T_b_a;
-    anchor.pose_id = to;
+void Anchors::take_hand_overs(KeptPoses& poses) {
+  for (const HandOver& hand_over : poses.take_hand_overs()) {
+    for (Anchor& anchor : anchors_) hand_over.apply(anchor.to_pose);
+    std::erase_if(poses_, [&](const auto& kept) { return kept.first == hand_over.from; });
   }
-  poses.release_pose(from);
-  std::erase_if(poses_, [from = from](const auto& kept) { return kept.first == from; });
+}
+
+/// Once its map is recognised, an anchor is fixed to the frame of that.
+void Anchors::find_map(Anchor& anchor, const KeptPoses& poses) {
+  const uint64_t frame = poses.map_frame(anchor.map_source, anchor.map);
+  if (frame == 0) return;
+  anchor.to_pose = {frame, anchor.T_b_a, Eigen::Matrix4d::Zero()};
+  anchor.reference = Reference::pose;
+  anchor.placed = true, anchor.lost_reason = 0;
 }
 
 /// Releases the poses that no anchor refers to any more.
@@ -207,7 +181,7 @@ void Anchors::release_unused(KeptPoses& poses) {
   if (!std::exchange(removed_, false)) return;
   std::erase_if(poses_, [&](const auto& kept) {
     const bool used = std::any_of(anchors_.begin(), anchors_.end(),
-                                  [&](const Anchor& anchor) { return anchor.pose_id == kept.first; });
+                                  [&](const Anchor& anchor) { return anchor.to_pose.pose_id == kept.first; });
     if (!used) poses.release_pose(kept.first);
     return !used;
   });
@@ -227,7 +201,7 @@ Anchors::Covariance Anchors::covariance_of(const Anchor& anchor) const {
   by_now << skew(anchor.T_n_a.p - now_.p_n_b), -Matrix3d::Identity();
   const Matrix3d of_view = by_now * now_.now * by_now.transpose();
   Matrix3d own = Matrix3d::Identity() * (squared(anchor.sigma_m) + squared(anchor.hit_sigma_m));
-  const KeptPose* kept = kept_pose(anchor.pose_id);
+  const KeptPose* kept = kept_pose(anchor.to_pose.pose_id);
   if (anchor.reference == Reference::surface) {
     own += Matrix3d::Identity() * squared(p_.surface_drift) * (anchor.T_n_a.p - now_.p_n_b).squaredNorm();
     return {of_view + own, own, now_.now(2, 2)};
@@ -237,7 +211,8 @@ Anchors::Covariance Anchors::covariance_of(const Anchor& anchor) const {
   Matrix36 by_kept;
   by_kept << -skew(anchor.T_n_a.p - kept->p_n_b), Matrix3d::Identity();
   const Matrix3d R = kept->q_n_b.toRotationMatrix();
-  const Matrix3d place = by_kept * kept->own * by_kept.transpose() + R * anchor.offset_covariance * R.transpose() + own;
+  const Matrix3d offset = R * anchor.to_pose.covariance.bottomRightCorner<3, 3>() * R.transpose();
+  const Matrix3d place = by_kept * kept->own * by_kept.transpose() + offset + own;
   const Matrix3d common = by_kept * kept->cross * by_now.transpose();
   return {place, of_view + place + common + common.transpose(), kept->own(2, 2)};
 }
@@ -245,6 +220,7 @@ Anchors::Covariance Anchors::covariance_of(const Anchor& anchor) const {
 void Anchors::update(KeptPoses& poses, int64_t t_ns, const Rigid* correction) {
   const std::lock_guard lock(mutex_);
   placed_ = placed_ || poses.is_placed();
+  take_hand_overs(poses);
   release_unused(poses);
   if (anchors_.empty() || !poses.pose_now(now_)) return;
   now_ns_ = t_ns;
@@ -252,19 +228,21 @@ void Anchors::update(KeptPoses& poses, int64_t t_ns, const Rigid* correction) {
     if (!poses.kept_pose(id, kept)) id = 0;
   std::erase_if(poses_, [](const auto& kept) { return kept.first == 0; });
   for (Anchor& anchor : anchors_) {
-    const bool was_placed = anchor.placed,
-               stays = anchor.reference == Reference::geodetic || anchor.reference == Reference::navigation;
+    const bool was_placed = anchor.placed, stays = anchor.reference == Reference::geodetic ||
+                                                   anchor.reference == Reference::navigation ||
+                                                   anchor.reference == Reference::map;
     const Rigid before = correction ? *correction * anchor.T_n_a : anchor.T_n_a;
     if (anchor.reference == Reference::awaiting_pose) attach_to_pose(anchor, poses);
-    if (anchor.reference == Reference::pose && !kept_pose(anchor.pose_id)) {
+    if (anchor.reference == Reference::map) find_map(anchor, poses);
+    if (anchor.reference == Reference::pose && !kept_pose(anchor.to_pose.pose_id)) {
       KeptPose kept;
-      if (poses.kept_pose(anchor.pose_id, kept))
-        poses_.emplace_back(anchor.pose_id, kept);
+      if (poses.kept_pose(anchor.to_pose.pose_id, kept))
+        poses_.emplace_back(anchor.to_pose.pose_id, kept);
       else
-        anchor.reference = Reference::track, anchor.pose_id = 0;
+        anchor.reference = Reference::track, anchor.to_pose.pose_id = 0;
     }
-    if (const KeptPose* kept = kept_pose(anchor.pose_id))
-      anchor.T_n_a = Rigid{kept->q_n_b, kept->p_n_b} * anchor.T_b_a;
+    if (const KeptPose* kept = kept_pose(anchor.to_pose.pose_id))
+      anchor.T_n_a = Rigid{kept->q_n_b, kept->p_n_b} * anchor.to_pose.T_kept_x;
     else if (!stays)
       anchor.T_n_a = before;
     if (anchor.reference == Reference::geodetic) georeference(anchor, now_);
@@ -312,7 +290,7 @@ void Anchors::drop_kept_poses() {
   for (Anchor& anchor : anchors_) {
     if (anchor.reference == Reference::pose || anchor.reference == Reference::awaiting_pose)
       anchor.reference = Reference::track;
-    anchor.pose_id = 0;
+    anchor.to_pose.pose_id = 0;
     anchor.smooth.reset();
   }
 }
@@ -331,7 +309,7 @@ std::vector<uint8_t> Anchors::save() const {
       saved.reference = kSavedGeodetic;
       std::copy(anchor.geodetic.begin(), anchor.geodetic.end(), saved.geodetic);
       q = anchor.q;
-    } else if (!placed_) {
+    } else if (!placed_ || anchor.reference == Reference::map) {
       continue;  // a later session could not place it
     } else if (geodesy_.has_origin()) {
       saved.reference = kSavedGeodetic;
@@ -351,23 +329,71 @@ std::vector<uint8_t> Anchors::save() const {
   return bytes;
 }
 
-bool Anchors::load(std::span<const uint8_t> blob) {
-  if (blob.size() % sizeof(SavedAnchor) != 0) return false;
+std::vector<uint8_t> Anchors::save_in(const Rigid& T_n_m) const {
+  const std::lock_guard lock(mutex_);
+  const Rigid T_m_n = T_n_m.inverse();
+  std::vector<uint8_t> bytes;
+  for (const Anchor& anchor : anchors_) {
+    SavedAnchor saved{};
+    saved.kind = ODO_ANCHOR_POSE, saved.reference = kSavedNavigation;
+    anchor.name.copy(saved.name, kLongestName);
+    Rigid T_m_a = T_m_n * anchor.T_n_a;
+    if (anchor.reference == Reference::map)
+      T_m_a = anchor.T_b_a;  // not recognised in this session
+    else if (!anchor.placed || anchor.reference == Reference::geodetic)
+      continue;
+    put_quaternion(T_m_a.q, saved.q);
+    Vector3d::Map(saved.p) = T_m_a.p;
+    saved.sigma_m = std::hypot(anchor.sigma_m, anchor.hit_sigma_m);
+    const auto* from = reinterpret_cast<const uint8_t*>(&saved);
+    bytes.insert(bytes.end(), from, from + sizeof saved);
+  }
+  return bytes;
+}
+
+/// Nothing if they are damaged. Not their number: that is checked when they are added.
+std::optional<std::vector<SavedAnchor>> Anchors::read(std::span<const uint8_t> blob) const {
+  if (blob.size() % sizeof(SavedAnchor) != 0) return {};
   std::vector<SavedAnchor> all(blob.size() / sizeof(SavedAnchor));
   if (!blob.empty()) std::memcpy(all.data(), blob.data(), blob.size());
+  if (!std::all_of(all.begin(), all.end(), is_valid)) return {};
+  return all;
+}
+
+Anchors::Anchor& Anchors::add(const SavedAnchor& saved, Reference reference) {
+  odo_anchor_place place{};
+  place.kind = saved.kind;
+  place.name = {saved.name, std::strlen(saved.name)};
+  std::copy(saved.q, saved.q + 4, place.q);
+  Anchor& anchor = add(place, reference);
+  anchor.sigma_m = saved.sigma_m;
+  anchor.lost_reason = ODO_REASON_NO_FIX;
+  return anchor;
+}
+
+bool Anchors::load(std::span<const uint8_t> blob) {
+  const auto all = read(blob);
   const std::lock_guard lock(mutex_);
-  if (!std::all_of(all.begin(), all.end(), is_valid) || anchors_.size() + all.size() > p_.max_anchors) return false;
-  for (const SavedAnchor& saved : all) {
-    odo_anchor_place place{};
-    place.kind = saved.kind;
-    place.name = {saved.name, std::strlen(saved.name)};
-    std::copy(saved.q, saved.q + 4, place.q);
-    Anchor& anchor = add(place, saved.reference == kSavedGeodetic ? Reference::geodetic : Reference::navigation);
+  if (!all || anchors_.size() + all->size() > p_.max_anchors) return false;
+  for (const SavedAnchor& saved : *all) {
+    Anchor& anchor = add(saved, saved.reference == kSavedGeodetic ? Reference::geodetic : Reference::navigation);
     std::copy(saved.geodetic, saved.geodetic + 3, anchor.geodetic.begin());
     anchor.T_n_a = {anchor.q, Vector3d(saved.p)};
     anchor.height_above = saved.height_above;
-    anchor.sigma_m = saved.sigma_m;
-    anchor.lost_reason = ODO_REASON_NO_FIX;
+  }
+  return true;
+}
+
+bool Anchors::load_in(std::span<const uint8_t> blob, uint32_t source, uint64_t map) {
+  const auto all = read(blob);
+  const std::lock_guard lock(mutex_);
+  if (!all || anchors_.size() + all->size() > p_.max_anchors) return false;
+  for (const SavedAnchor& saved : *all) {
+    const auto same = [&](const Anchor& anchor) { return anchor.name == saved.name; };
+    if (saved.name[0] != 0 && std::any_of(anchors_.begin(), anchors_.end(), same)) continue;
+    Anchor& anchor = add(saved, Reference::map);
+    anchor.map_source = source, anchor.map = map;
+    anchor.T_b_a = {anchor.q, Vector3d(saved.p)};
   }
   return true;
 }

@@ -18,6 +18,8 @@
 
 namespace odograph {
 
+struct SavedAnchor;
+
 /// The app's anchors. The pipeline reports changes of the track; the app creates, queries and removes anchors. A local
 /// anchor is a fixed offset from the nearest kept pose (KeptPoses); where none is available, each correction moves it
 /// as a whole. Thread-safe; a call holds the lock for microseconds.
@@ -80,9 +82,14 @@ class Anchors {
   std::vector<uint8_t> save() const;
   /// Adds saved anchors to the present ones. False, and nothing changed, if the blob is damaged.
   bool load(std::span<const uint8_t> blob);
+  /// The local anchors that are placed, in the frame of a map.
+  std::vector<uint8_t> save_in(const Rigid& T_n_m) const;
+  /// Adds them in a later session: placed once the map of that plugin is recognised. A name that is there already is
+  /// left out.
+  bool load_in(std::span<const uint8_t> blob, uint32_t source, uint64_t map);
 
  private:
-  enum class Reference { geodetic, pose, track, awaiting_pose, navigation, surface };
+  enum class Reference { geodetic, pose, track, awaiting_pose, navigation, surface, map };
   struct Anchor {
     uint64_t id = 0;
     uint32_t kind = 0;
@@ -94,10 +101,11 @@ class Anchors {
     SmoothPose smooth;
     // relative to a pose
     int64_t seen_ns = 0;
-    Rigid T_b_a;  // in the axes of the kept pose, once there is one
-    uint64_t pose_id = 0;
-    uint64_t surface = 0;                                         // T_b_a is then in its axes
-    Eigen::Matrix3d offset_covariance = Eigen::Matrix3d::Zero();  // of p in T_b_a, m^2, in the axes of the kept pose
+    Rigid T_b_a;  // before it is attached to a kept pose
+    Attachment to_pose;
+    uint64_t surface = 0;     // T_b_a is then in its axes
+    uint32_t map_source = 0;  // in the map of which plugin T_b_a is, and in which
+    uint64_t map = 0;
     // geodetic
     std::array<double, 3> geodetic{};
     Eigen::Quaterniond q = Eigen::Quaterniond::Identity();
@@ -111,8 +119,11 @@ class Anchors {
   };
 
   Anchor& add(const odo_anchor_place& place, Reference reference);
+  Anchor& add(const SavedAnchor& saved, Reference reference);
+  void find_map(Anchor& anchor, const KeptPoses& poses);
   void attach_to_pose(Anchor& anchor, KeptPoses& poses);
-  void free_a_place(KeptPoses& poses);
+  void take_hand_overs(KeptPoses& poses);
+  std::optional<std::vector<SavedAnchor>> read(std::span<const uint8_t> blob) const;
   void release_unused(KeptPoses& poses);
   const KeptPose* kept_pose(uint64_t id) const;
   void georeference(Anchor& anchor, const KeptPose& now);

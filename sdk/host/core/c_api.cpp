@@ -3,6 +3,7 @@
 // The C API: checks arguments and stops exceptions; Session does the rest.
 #include <odograph/anchor.h>
 #include <odograph/layout.h>
+#include <odograph/map.h>
 #include <odograph/odograph.h>
 #include <odograph/scene.h>
 
@@ -207,6 +208,18 @@ int64_t odo_session_save(odo_session* session, void* data, uint64_t capacity) {
 int32_t odo_session_load(odo_session* session, const void* data, uint64_t size) {
   if (!session || !data) return ODO_E_ARGUMENT;
   return guarded([&] { return session->session->load(data, size); });
+}
+
+int64_t odo_map_save(odo_session* session, void* data, uint64_t capacity) {
+  if (!session || (capacity > 0 && !data)) return ODO_E_ARGUMENT;
+  int64_t size = 0;
+  const int32_t status = guarded([&] { return size = session->session->save_maps(data, capacity), ODO_OK; });
+  return status < 0 ? status : size;
+}
+
+int32_t odo_map_load(odo_session* session, const void* data, uint64_t size) {
+  if (!session || !data) return ODO_E_ARGUMENT;
+  return guarded([&] { return session->session->load_maps(data, size); });
 }
 
 int32_t odo_anchor_create(odo_session* session, const odo_anchor_place* place, uint64_t* id) {

@@ -49,6 +49,10 @@ void Pipeline::process(const odo_header& message) {
     default: dispatch(message);  // magnetometer, GNSS, waypoints, and types that only a plugin knows
   }
   handle_events();
+  if (std::exchange(places_moved_, false)) {  // after the correction
+    fusion_->publish_moved_key_frames([this](const odo_key_frame& frame) { publish_and_forward(frame.header); });
+    handle_events();
+  }
   sources_.judge();
   publisher_.check_input();
   if (!std::exchange(broken_, false)) return;
@@ -122,14 +126,34 @@ void Pipeline::handle(AnyMessage& event) {
       return on_vo_motion(reinterpret_cast<odo_vo_motion&>(header));
     case ODO_TYPE_SCALE: return on_scale(reinterpret_cast<odo_scale&>(header));
     case ODO_TYPE_FIX: return on_fix(reinterpret_cast<odo_fix&>(header));
+    case ODO_TYPE_KEY_FRAME:
+      fusion_->on_key_frame(reinterpret_cast<odo_key_frame&>(header));
+      return publish_and_forward(header);
+    case ODO_TYPE_RELATIVE_POSE:
+      return on_recognised(header, fusion_->on_relative_pose(as<odo_relative_pose>(header), outputs_));
+    case ODO_TYPE_MAP_POSE: return on_recognised(header, fusion_->on_map_pose(as<odo_map_pose>(header), outputs_));
     case ODO_TYPE_POSE:  // a prior for fix plugins; already published
     case ODO_TYPE_CORRECTION: return roster_.forward_event(header);
     case ODO_TYPE_POINTS: return on_points(reinterpret_cast<odo_points&>(header), used);
     case ODO_TYPE_SURFACE: return on_surface(reinterpret_cast<odo_surface&>(header), used);
-    default:  // motion modes, and events for plugins that declare them
-      publish_(header);
-      if (used || header.type != ODO_TYPE_MOTION_MODE) roster_.forward_event(header);
+    case ODO_TYPE_MOTION_MODE: publish_(header); return used ? roster_.forward_event(header) : void();
+    default: publish_and_forward(header);  // for plugins that declare them
   }
+}
+
+void Pipeline::publish_and_forward(const odo_header& event) {
+  publish_(event);
+  roster_.forward_event(event);
+}
+
+/// A place was recognised: in this session's track, or in the map of an earlier one.
+void Pipeline::on_recognised(odo_header& event, const UpdateResult& result) {
+  if (result.accepted) event.flags |= ODO_FLAG_ACCEPTED;
+  if (!result.accepted && result.dof > 0)
+    host_.report(event.source, ODO_SEVERITY_INFO, "rejected_place",
+                 "a recognised place was rejected: it contradicts the track by more than both allow");
+  publish_and_forward(event);
+  places_moved_ = places_moved_ || result.accepted;
 }
 
 void Pipeline::on_attitude(odo_attitude& attitude, bool used) {

@@ -74,6 +74,9 @@ class Pipeline {
   std::vector<uint8_t> save() const { return save_state(roster_, anchors_); }
   /// Passes each plugin its saved state and skips that of other plugins. Changes nothing if the blob is damaged.
   Result<bool> load(std::span<const uint8_t> blob) { return load_state(blob, roster_, anchors_); }
+  /// Maps of places, with anchors; empty if there are none. [control]
+  std::vector<uint8_t> save_maps() const { return odograph::save_maps(roster_, anchors_, *fusion_); }
+  Result<bool> load_maps(std::span<const uint8_t> blob) { return odograph::load_maps(blob, roster_, anchors_); }
 
   /// header.source of the front-end's camera; 0 before the first camera. [any]
   uint32_t camera() const { return roster_.camera(); }
@@ -101,6 +104,8 @@ class Pipeline {
   uint32_t group_of(const odo_header& event, uint32_t group);
   void on_vo_motion(odo_vo_motion& motion);
   void on_fix(odo_fix& fix);
+  void on_recognised(odo_header& event, const UpdateResult& result);
+  void publish_and_forward(const odo_header& event);
   bool is_beyond_frame(const odo_fix& fix);
   void publish();
   void on_scale(odo_scale& scale);
@@ -113,8 +118,9 @@ class Pipeline {
   const StartPose start_;
   const FusionInputs inputs_;
   std::unique_ptr<Fusion> fusion_;
-  Outputs outputs_;      // of the fusion, not yet published
-  bool broken_ = false;  // a pose was not finite
+  Outputs outputs_;            // of the fusion, not yet published
+  bool places_moved_ = false;  // key frames, since they were published
+  bool broken_ = false;        // a pose was not finite
   HostServices& host_;
   InputChecks& checks_;
   std::set<uint32_t> unused_;  // types of input that no plugin uses, reported

@@ -19,4 +19,10 @@ std::vector<uint8_t> save_state(const PluginRoster& roster, const Anchors& ancho
 /// changes), ODO_PARTIAL if a part is rejected (the others are restored).
 Result<bool> load_state(std::span<const uint8_t> blob, const PluginRoster& roster, Anchors& anchors);
 
+/// The same format, with "ODOMAP" and two zeros: the maps of the plugins, and anchors in the frame of each. Empty if no
+/// plugin has a map.
+std::vector<uint8_t> save_maps(const PluginRoster& roster, const Anchors& anchors, const KeptPoses& poses);
+/// ODO_E_DATA if a part is damaged, or of a plugin that is not there.
+Result<bool> load_maps(std::span<const uint8_t> blob, const PluginRoster& roster, Anchors& anchors);
+
 }  // namespace odograph

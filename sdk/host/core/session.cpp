@@ -58,6 +58,7 @@ Session::Session(PipelineConfig config, std::vector<std::filesystem::path> asset
           config_.walker_height_m.value_or(0)),
       intake_(config_, runs_processes(config_) ? &host_.shared_pixels() : nullptr, cameras_, checks_, world_.poses(),
               host_, outbox_, mutex_) {
+  host_.set_live(live);
   host_.on_wake([this] { notify(); });
 }
 
@@ -216,24 +217,44 @@ void Session::set_callback(TypeSet types, odo_callback callback, void* user) {
   notify();  // for reports made before
 }
 
-int64_t Session::save(void* data, uint64_t capacity) {
+/// Runs on the caller's thread, between two messages.
+template <class Use>
+auto Session::between_messages(Use&& use) -> decltype(use()) {
   Lock lock(mutex_);
-  if (is_owner()) return ODO_E_STATE;
+  if (is_owner()) return decltype(use()){ODO_E_STATE};
   const Ownership ownership(*this, lock);
   lock.unlock();
-  const auto blob = pipeline_->save();
-  if (data && blob.size() <= capacity) std::memcpy(data, blob.data(), blob.size());
-  return static_cast<int64_t>(blob.size());
+  return use();
+}
+
+int64_t Session::save(void* data, uint64_t capacity) {
+  return between_messages([&] { return written(pipeline_->save(), data, capacity); });
 }
 
 int32_t Session::load(const void* data, uint64_t size) {
-  Lock lock(mutex_);
-  if (is_owner()) return ODO_E_STATE;
-  const Ownership ownership(*this, lock);
-  lock.unlock();
-  const auto loaded = pipeline_->load({static_cast<const uint8_t*>(data), static_cast<size_t>(size)});
+  return between_messages([&] {
+    return reported("load", pipeline_->load({static_cast<const uint8_t*>(data), static_cast<size_t>(size)}));
+  });
+}
+
+int64_t Session::save_maps(void* data, uint64_t capacity) {
+  return between_messages([&] { return written(pipeline_->save_maps(), data, capacity); });
+}
+
+int32_t Session::load_maps(const void* data, uint64_t size) {
+  return between_messages([&] {
+    return reported("map", pipeline_->load_maps({static_cast<const uint8_t*>(data), static_cast<size_t>(size)}));
+  });
+}
+
+int64_t Session::written(const std::vector<uint8_t>& blob, void* data, uint64_t capacity) {
+  if (data && !blob.empty() && blob.size() <= capacity) std::memcpy(data, blob.data(), blob.size());
+  return static_cast<int64_t>(blob.size());
+}
+
+int32_t Session::reported(const char* key, const Result<bool>& loaded) {
   if (loaded) return ODO_OK;
-  host_.report(0, ODO_SEVERITY_WARNING, "load", loaded.failure().text);
+  host_.report(0, ODO_SEVERITY_WARNING, key, loaded.failure().text);
   return loaded.failure().status;
 }
 

@@ -42,6 +42,8 @@ class Session {
   /// ODO_E_STATE from within a callback.
   int64_t save(void* data, uint64_t capacity);
   int32_t load(const void* data, uint64_t size);
+  int64_t save_maps(void* data, uint64_t capacity);
+  int32_t load_maps(const void* data, uint64_t size);
   WorldView& world() { return world_; }
 
  private:
@@ -63,6 +65,10 @@ class Session {
   Session(PipelineConfig config, std::vector<std::filesystem::path> assets, bool live, uint64_t seed, AppServices app);
 
   bool is_owner() const { return owned_ && owner_ == std::this_thread::get_id(); }
+  template <class Use>
+  auto between_messages(Use&& use) -> decltype(use());
+  static int64_t written(const std::vector<uint8_t>& blob, void* data, uint64_t capacity);
+  int32_t reported(const char* key, const Result<bool>& loaded);
   bool work_is_waiting() const;
   void process_waiting(Lock& lock, int64_t flush_until_ns);
   void publish_progress();

@@ -235,10 +235,49 @@ UpdateResult Fusion::apply(const odo_fix& fix, Outputs& out) {
                   odometry_->priority_since(), kept_by_heading_, kept_by_position_});
   if (!result.accepted) return result;
   displacement_reference_.fixed(fix.header.t_ns);
-  if (fixes_.fixed() == fix.header.t_ns) state_.observe(fix);
+  if (fixes_.fixed() == fix.header.t_ns)
+    state_.observe(fix.header.t_ns, std::sqrt(std::max(fix.covariance_n[0], fix.covariance_n[4])));
   shown_ = shown_ || is_placed();
   odometry_->gyroscope().update_inclination(fix, *then);
   return result;
+}
+
+void Fusion::on_key_frame(odo_key_frame& frame) {
+  const Attachment body = keep_pose(frame.header.t_ns);
+  if (body.pose_id != 0) key_frames_.add(frame, body, state_.filter);
+}
+
+/// Applies what was recognised at a time of the track.
+template <class Use>
+UpdateResult Fusion::recognise(const odo_header& header, const double (&covariance)[36], Outputs& out, Use&& use) {
+  if (!state_.started() || !shown_) return {};
+  return update(ODO_CORRECTION_FIX, false, out, [&]() -> UpdateResult {
+    const auto then = state_.at(header.t_ns);
+    if (!then)
+      return out.notices.add({"late_recognition", "a place was recognised too late: not used"}), UpdateResult{};
+    state_.add_gap(header.t_ns);
+    const UpdateResult result =
+        use({*then, state_.track.newest(), p_.tilt_sigma_rad, kept_by_heading_ & kept_by_position_});
+    if (!result.accepted) return result;
+    displacement_reference_.fixed(header.t_ns);
+    state_.observe(header.t_ns, std::sqrt(std::max({covariance[21], covariance[28], covariance[35]})));
+    return result;
+  });
+}
+
+UpdateResult Fusion::on_relative_pose(const odo_relative_pose& loop, Outputs& out) {
+  constexpr uint32_t kBoth = ODO_RELATIVE_POSE_TRANSLATION | ODO_RELATIVE_POSE_ROTATION;
+  if ((loop.header.flags & kBoth) != kBoth || !state_.started()) return {};
+  const Attachment from = key_frames_.find(loop.header.source, loop.t_from_ns).value_or(keep_pose(loop.t_from_ns));
+  return recognise(loop.header, loop.covariance, out,
+                   [&](const KeyFrames::Context& at) { return key_frames_.use(state_.filter, loop, from, at); });
+}
+
+UpdateResult Fusion::on_map_pose(const odo_map_pose& place, Outputs& out) {
+  const bool takes_frame = !is_placed() && !state_.heading.north() && !fixes_.any();
+  return recognise(place.header, place.covariance, out, [&](const KeyFrames::Context& at) {
+    return key_frames_.use(state_.filter, place, takes_frame, at);
+  });
 }
 
 void Fusion::on_pause(int64_t until_ns) {
@@ -331,12 +370,18 @@ int32_t Fusion::at(Instant t, Estimate& out) const {
   return ODO_OK;
 }
 
-KeptPoses::Near Fusion::keep_pose(int64_t t_ns) {
+Attachment Fusion::keep_pose(int64_t t_ns) {
   if (!state_.started() || t_ns > state_.track.newest().t_ns) return {};
   const auto then = state_.track.stored(t_ns);
   if (!then) return {};
-  Near near = state_.filter.nearest_kept(*then, state_.track.newest(), p_.near_sigma_m, p_.near_sigma_rad);
-  if (near.id == 0) near.id = state_.filter.keep_pose(*then, state_.track.newest()), near.full = near.id == 0;
+  Attachment near = state_.filter.nearest_kept(*then, state_.track.newest(), p_.near_sigma_m, p_.near_sigma_rad);
+  if (near.pose_id != 0) return near;
+  if (const auto hand_over = state_.filter.crowded()) {
+    key_frames_.hand_over(*hand_over);
+    hand_overs_.push_back(*hand_over);
+    state_.filter.release_pose(hand_over->from);
+  }
+  near.pose_id = state_.filter.keep_pose(*then, state_.track.newest());
   return near;
 }
 

@@ -88,10 +88,9 @@ double FusionState::unobserved_m_in(double unobserved_s) const {
   return std::min(unobserved_s * config.fastest_mps, p.farthest_m);
 }
 
-void FusionState::observe(const odo_fix& fix) {
-  const double sigma_m = std::sqrt(std::max(fix.covariance_n[0], fix.covariance_n[4]));
+void FusionState::observe(int64_t t_ns, double sigma_m) {
   const int64_t observed_ns = std::max(track.tracked.until_ns(), gap_.value_or(INT64_MIN));
-  if (sigma_m < unobserved_m_in(seconds(saturating_difference(fix.header.t_ns, observed_ns)))) gap_ = fix.header.t_ns;
+  if (sigma_m < unobserved_m_in(seconds(saturating_difference(t_ns, observed_ns)))) gap_ = t_ns;
 }
 
 void FusionState::add_gap(int64_t until_ns) {

@@ -47,8 +47,9 @@ class FusionState {
   void propagate(int64_t t_ns);
   /// Adds the unobserved motion until then to the covariance: a displacement begins, or a fix arrives.
   void add_gap(int64_t until_ns);
-  /// A fix gave the position at that time. One that is less certain than the unknown motion until then does not end it.
-  void observe(const odo_fix& fix);
+  /// The position at that time was measured. A measurement that is less certain than the unknown motion until then does
+  /// not end it.
+  void observe(int64_t t_ns, double sigma_m);
   /// Nothing was measured until then. `placed`: a position estimate exists whose covariance must grow.
   void pause(int64_t until_ns, bool placed);
   /// Sigma of the body's motion, m, until a time while the camera is the motion source but reported no displacement.

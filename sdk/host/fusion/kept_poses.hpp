@@ -2,7 +2,7 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
+#include <vector>
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
@@ -22,37 +22,47 @@ struct KeptPose {
   Eigen::Matrix<double, 6, 6> cross = Eigen::Matrix<double, 6, 6>::Zero();
 };
 
-/// The poses of the past that anchors refer to, at most 64. Not thread-safe.
+/// Something fixed to a kept pose: its pose in the axes of that, and the covariance of (heading, position) between
+/// both, rad and m, squared, in these axes.
+struct Attachment {
+  uint64_t pose_id = 0;  ///< 0: to none
+  Rigid T_kept_x;
+  Eigen::Matrix4d covariance = Eigen::Matrix4d::Zero();
+};
+
+/// A kept pose is given up, and another one takes over what is fixed to it.
+struct HandOver {
+  uint64_t from = 0, to = 0;
+  Rigid T_n_from, T_n_to;
+  /// Covariance of (heading, position) in n: of each, and of the first with the second.
+  Eigen::Matrix4d of_from, of_to, common;
+
+  void apply(Attachment& attachment) const;
+};
+
+/// The poses of the past that anchors and key frames refer to, at most 64. Not thread-safe.
 class KeptPoses {
  public:
-  /// A pose of the body relative to a kept one near it.
-  struct Near {
-    uint64_t id = 0;                                       ///< of the kept pose, from 1, never reused; 0: none
-    Rigid T_kept_b;                                        ///< the body there in the axes of the kept pose
-    Eigen::Matrix4d covariance = Eigen::Matrix4d::Zero();  ///< of (heading, position) between both, in n
-    bool full = false;                                     ///< no further pose can be kept
-  };
-  /// Two kept poses, one of which can take over what refers to the other.
-  struct Neighbours {
-    uint64_t given_up, stays;
-  };
   virtual ~KeptPoses() = default;
 
-  /// The body's pose at t, or the oldest stored one, relative to a kept pose: one so near that the track between them
-  /// adds less than a stated error, otherwise a new one. Later measurements correct it according to its correlation
-  /// with the current state. None if t has not been reached yet, or if there is no room.
-  virtual Near keep_pose(int64_t t_ns) = 0;
-  /// If there is no room for another kept pose: the two that are nearest to each other.
-  virtual std::optional<Neighbours> crowded() const = 0;
+  /// The body's pose at t, or the oldest stored one, fixed to a kept pose: one so near that the track between them adds
+  /// less than a stated error, otherwise a new one; the one with the least error between it and a neighbour makes room.
+  /// Later measurements correct it according to its correlation with the current state. None if t has not been reached.
+  virtual Attachment keep_pose(int64_t t_ns) = 0;
   virtual void release_pose(uint64_t id) = 0;
+  /// What was handed over since the last call, in this order.
+  virtual std::vector<HandOver> take_hand_overs() = 0;
   /// Its current estimate; false if it is not kept (for example after a reset).
   virtual bool kept_pose(uint64_t id, KeptPose& out) const = 0;
-  /// Covariance of (heading, position) of one kept pose with that of another.
-  virtual Eigen::Matrix4d covariance_of(uint64_t one, uint64_t other) const = 0;
+  /// The kept frame of a plugin's map, once it was recognised; 0: not yet.
+  virtual uint64_t map_frame(uint32_t source, uint64_t map) const = 0;
   /// The body's current pose with its covariance, in the form of kept_pose(); `own` and `cross` equal `now`.
   virtual bool pose_now(KeptPose& out) const = 0;
   /// Horizontal position in n is known, from the configured start or from a fix.
   virtual bool is_placed() const = 0;
 };
+
+/// Fixes something, given in the axes of the body, to the pose that the body is fixed to. `q_n_kept`: its orientation.
+Attachment attach(const Attachment& body, const Rigid& T_b_x, const Eigen::Quaterniond& q_n_kept);
 
 }  // namespace odograph

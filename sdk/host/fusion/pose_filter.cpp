@@ -182,18 +182,45 @@ PoseFilter::PastPose PoseFilter::past_pose(const TrackPoint& then, const TrackPo
   return past;
 }
 
-uint64_t PoseFilter::keep_pose(const TrackPoint& then, const TrackPoint& now) {
-  if (kept_.size() >= kMostKept) return 0;
-  const PastPose past = past_pose(then, now);
+void PoseFilter::add_kept(const Kept& kept, const Matrix4X& with_state, const Eigen::MatrixXd& with_kept,
+                          const Matrix4d& own) {
   const Eigen::Index n = kept_with_state_.rows();
-  const KeptGain with_kept = kept_with(past.H.transpose(), drift_of(then), past.since);
   kept_with_state_.conservativeResize(n + 4, kStates);
-  kept_with_state_.bottomRows<4>() = past.with_state;
+  kept_with_state_.bottomRows<4>() = with_state;
   kept_with_kept_.conservativeResize(n + 4, n + 4);
   kept_with_kept_.topRightCorner(n, 4) = with_kept;
   kept_with_kept_.bottomLeftCorner(4, n) = with_kept.transpose();
-  kept_with_kept_.bottomRightCorner<4, 4>() = past.own;
-  kept_.push_back({++last_pose_id_, then, past.q_n_b, past.p_n_b});
+  kept_with_kept_.bottomRightCorner<4, 4>() = own;
+  kept_.push_back(kept);
+}
+
+uint64_t PoseFilter::keep_pose(const TrackPoint& then, const TrackPoint& now) {
+  if (kept_.size() >= kMostKept) return 0;
+  const PastPose past = past_pose(then, now);
+  const KeptGain with_kept = kept_with(past.H.transpose(), drift_of(then), past.since);
+  add_kept({++last_pose_id_, then, past.q_n_b, past.p_n_b}, past.with_state, with_kept, past.own);
+  return last_pose_id_;
+}
+
+uint64_t PoseFilter::keep_frame(const TrackPoint& then, const TrackPoint& now, const Rigid& T_b_x,
+                                const Matrix4d& noise) {
+  if (kept_.size() >= kMostKept) return 0;
+  const PastPose past = past_pose(then, now);
+  const Vector3d lever_n = past.q_n_b * T_b_x.p;
+  const Quaterniond q_n_x = past.q_n_b * T_b_x.q;
+  const Quaterniond level = about_down(2 * std::atan2(q_n_x.z(), q_n_x.w()));
+  Matrix4d by = Matrix4d::Identity();
+  by.block<3, 1>(1, 0) = across(lever_n);
+  const KeptGain with_kept = kept_with(past.H.transpose(), drift_of(then), past.since);
+  add_kept({++last_pose_id_, then, level, past.p_n_b + lever_n, true}, by * past.with_state, with_kept * by.transpose(),
+           by * past.own * by.transpose() + noise);
+  return last_pose_id_;
+}
+
+uint64_t PoseFilter::keep_origin() {
+  if (kept_.size() >= kMostKept) return 0;
+  add_kept({++last_pose_id_, {}, Quaterniond::Identity(), Vector3d::Zero(), true}, Matrix4X::Zero(),
+           Eigen::MatrixXd::Zero(kept_with_state_.rows(), 4), Matrix4d::Zero());
   return last_pose_id_;
 }
 
@@ -209,38 +236,47 @@ void PoseFilter::release_pose(uint64_t id) {
   kept_with_kept_.conservativeResize(row + rest, row + rest);
 }
 
-KeptPoses::Near PoseFilter::nearest_kept(const TrackPoint& then, const TrackPoint& now, double sigma_m,
-                                         double sigma_rad) const {
+Attachment PoseFilter::nearest_kept(const TrackPoint& then, const TrackPoint& now, double sigma_m,
+                                    double sigma_rad) const {
   if (kept_.empty()) return {};
   const PastPose past = past_pose(then, now);
   const KeptGain with_kept = kept_with_state_.lazyProduct(past.H.transpose());
-  KeptPoses::Near near;
+  Attachment near;
   double least = squared(sigma_m);
   for (size_t i = 0; i < kept_.size(); ++i) {
     const auto row = 4 * static_cast<Eigen::Index>(i);
     const Matrix4d common = with_kept.middleRows<4>(row);
     const Matrix4d apart = past.own + kept_with_kept_.block<4, 4>(row, row) - common - common.transpose();
     const double variance = apart.diagonal().tail<3>().maxCoeff();
-    if (variance > least || apart(0, 0) > squared(sigma_rad)) continue;
+    if (kept_[i].is_frame || variance > least || apart(0, 0) > squared(sigma_rad)) continue;
     least = variance;
     const Rigid T_n_kept{kept_[i].q_n_b, kept_[i].p_n_b};
-    near.id = kept_[i].id, near.T_kept_b = T_n_kept.inverse() * Rigid{past.q_n_b, past.p_n_b}, near.covariance = apart;
+    Matrix4d turned = Matrix4d::Identity();
+    turned.bottomRightCorner<3, 3>() = T_n_kept.q.toRotationMatrix();
+    near = {kept_[i].id, T_n_kept.inverse() * Rigid{past.q_n_b, past.p_n_b}, turned.transpose() * apart * turned};
   }
   return near;
 }
 
-std::optional<KeptPoses::Neighbours> PoseFilter::crowded() const {
+std::optional<HandOver> PoseFilter::crowded() const {
   if (kept_.size() < kMostKept) return std::nullopt;
+  const auto row = [](size_t pose) { return 4 * static_cast<Eigen::Index>(pose); };
+  const auto block = [&](size_t one, size_t other) { return kept_with_kept_.block<4, 4>(row(one), row(other)); };
   double least = std::numeric_limits<double>::infinity();
-  KeptPoses::Neighbours nearest{};
-  for (size_t i = 1; i < kept_.size(); ++i) {  // in order of time
-    const auto one = 4 * static_cast<Eigen::Index>(i), other = one - 4;
-    const Matrix4d apart = kept_with_kept_.block<4, 4>(one, one) + kept_with_kept_.block<4, 4>(other, other) -
-                           2 * kept_with_kept_.block<4, 4>(one, other);
-    const double variance = apart.diagonal().tail<3>().sum();
-    if (variance < least) least = variance, nearest = {kept_[i].id, kept_[i - 1].id};
+  std::optional<size_t> before;  // in order of time
+  size_t from = 0, to = 0;
+  for (size_t i = 0; i < kept_.size(); ++i) {
+    if (kept_[i].is_frame) continue;
+    if (before) {
+      const Matrix4d apart = block(i, i) + block(*before, *before) - 2 * block(i, *before);
+      if (const double variance = apart.diagonal().tail<3>().sum(); variance < least)
+        least = variance, from = i, to = *before;
+    }
+    before = i;
   }
-  return nearest;
+  const auto place = [&](size_t i) { return Rigid{kept_[i].q_n_b, kept_[i].p_n_b}; };
+  return HandOver{kept_[from].id,    kept_[to].id,  place(from),    place(to),
+                  block(from, from), block(to, to), block(from, to)};
 }
 
 int PoseFilter::row_of(uint64_t id) const {
@@ -325,6 +361,21 @@ PoseFilter::KeptGain PoseFilter::kept_with(const UpTo4<kStates>& Ht, const State
   const Covariance rest = Covariance::Identity() - P_.ldlt().solve(Covariance(diagonal.asDiagonal()));
   const UpTo4<kStates> by_state = rest.lazyProduct(Ht);
   return kept_with_state_.lazyProduct(by_state);
+}
+
+Innovation::Square PoseFilter::covariance_of(const Innovation& innovation) const {
+  const auto& H = innovation.H;
+  Innovation::Square out = H * P_ * H.transpose();
+  for (const auto& [id, by] : innovation.kept) {
+    const int row = row_of(id);
+    if (row < 0) continue;
+    const Innovation::Square with = by * kept_with_state_.middleRows<4>(row) * H.transpose();
+    out += with + with.transpose();
+    for (const auto& [other_id, other_by] : innovation.kept)
+      if (const int col = row_of(other_id); col >= 0)
+        out += by * kept_with_kept_.block<4, 4>(row, col) * other_by.transpose();
+  }
+  return out;
 }
 
 /// Products coefficient by coefficient: at these sizes Eigen's blocked ones are no faster, and cost seconds to compile.

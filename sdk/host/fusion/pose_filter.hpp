@@ -105,6 +105,8 @@ class PoseFilter {
   /// Kalman update with a gate on the normalised innovation squared (0: none), eq. (6) to (8). Considered states
   /// (Schmidt 1966) contribute their covariance but are not changed.
   UpdateResult update(const Innovation& innovation, double max_nis, StateSet considered = {});
+  /// Covariance of what a measurement measures, without its noise.
+  Innovation::Square covariance_of(const Innovation& innovation) const;
   /// A new position along some axes (1, otherwise 0), by_n m from the old one, and the covariance of its error, m^2.
   struct Position {
     Eigen::Vector3d by_n, axes;
@@ -123,11 +125,16 @@ class PoseFilter {
   /// Keeps a pose of the track as a state until it is released, eq. (11), (12). Returns its id, from 1; 0 if kMostKept
   /// are kept.
   uint64_t keep_pose(const TrackPoint& then, const TrackPoint& now);
+  /// Keeps a frame, level like n, that was seen from a pose of the track: its pose in the axes of the body, and the
+  /// covariance of (heading, position) of that, in n. It is never given up for others.
+  uint64_t keep_frame(const TrackPoint& then, const TrackPoint& now, const Rigid& T_b_x, const Eigen::Matrix4d& noise);
+  /// Keeps n itself as such a frame.
+  uint64_t keep_origin();
   void release_pose(uint64_t id);
   /// The kept pose with the least error between it and a pose of the track, if its sigmas are at most these.
-  KeptPoses::Near nearest_kept(const TrackPoint& then, const TrackPoint& now, double sigma_m, double sigma_rad) const;
-  /// If there is no room: the two kept poses with the least error between them.
-  std::optional<KeptPoses::Neighbours> crowded() const;
+  Attachment nearest_kept(const TrackPoint& then, const TrackPoint& now, double sigma_m, double sigma_rad) const;
+  /// If there is no room: the two kept poses with the least error between them, of which the first can be given up.
+  std::optional<HandOver> crowded() const;
   /// False if it is not kept. `tilt_variance` fills the horizontal part of the rotation.
   bool kept_pose(uint64_t id, double tilt_variance, KeptPose& out) const;
   /// Covariance of (heading, position) of one kept pose with another.
@@ -144,6 +151,7 @@ class PoseFilter {
     TrackPoint point;  ///< when it was kept
     Eigen::Quaterniond q_n_b;
     Eigen::Vector3d p_n_b;
+    bool is_frame = false;
   };
   using Matrix4X = Eigen::Matrix<double, 4, kStates>;
   /// A pose of the track as a function of the state, with its derivative H, the noise since, and its covariances.
@@ -156,6 +164,8 @@ class PoseFilter {
   };
 
   PastPose past_pose(const TrackPoint& then, const TrackPoint& now) const;
+  void add_kept(const Kept& kept, const Matrix4X& with_state, const Eigen::MatrixXd& with_kept,
+                const Eigen::Matrix4d& own);
   int row_of(uint64_t id) const;
   template <int rows>
   using UpTo4 = Eigen::Matrix<double, rows, Eigen::Dynamic, 0, rows, Innovation::kMaxRows>;

@@ -337,6 +337,21 @@ void check_event_fields(FieldCheck& check, const odo_header& header) {
       check.when(ODO_RELATIVE_POSE_TRANSLATION).finite("p_b0_b1", m.p_b0_b1, 3);
       break;
     }
+    case ODO_TYPE_KEY_FRAME: {
+      const auto& m = as<odo_key_frame>(header);
+      check.require(m.id != 0, "id", 0, "not 0");
+      break;
+    }
+    case ODO_TYPE_MAP_POSE: {
+      const auto& m = as<odo_map_pose>(header);
+      check.require(m.map != 0, "map", 0, "not 0")
+          .unit("q_m_b", m.q_m_b)
+          .within("p_m_b", m.p_m_b, 3, bounds::kPosition_m)
+          .covariance("covariance", m.covariance, 6)
+          .not_negative("map_sigma_m", m.map_sigma_m)
+          .not_negative("map_sigma_rad", m.map_sigma_rad);
+      break;
+    }
     case ODO_TYPE_REFINED: {
       const auto& m = as<odo_refined>(header);
       check.positive("fx", m.fx).positive("fy", m.fy).finite("cx", m.cx).finite("cy", m.cy);

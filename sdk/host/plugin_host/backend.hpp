@@ -45,6 +45,10 @@ class PluginBackend {
   virtual std::vector<uint8_t> save() = 0;
   /// False, and nothing changed, if the plugin rejects the data.
   virtual bool load(std::span<const uint8_t> data) = 0;
+  /// The plugin's map from an offset on, at most ODO_LARGEST_PIECE bytes; empty at its end, or if it makes none.
+  virtual std::vector<uint8_t> map_piece(uint64_t offset) = 0;
+  /// Passes a piece of a map to it; an empty one ends the map. False if the plugin rejects it or takes none.
+  virtual bool take_map_piece(uint64_t offset, std::span<const uint8_t> piece) = 0;
 
   /// An extension's table, or null. Its functions run in this process, so a plugin in another process has none.
   virtual const void* extension(std::string_view) { return nullptr; }

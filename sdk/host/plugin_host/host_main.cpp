@@ -192,6 +192,16 @@ class Server {
         phase("load");
         status = backend_->load(request.get_bytes()) ? ODO_OK : ODO_E_DATA;
         break;
+      case wire::save_map:
+        phase("save_map");
+        answer.state(backend_->map_piece(request.get<uint64_t>()));
+        break;
+      case wire::load_map: {
+        phase("load_map");
+        const auto offset = request.get<uint64_t>();
+        status = backend_->take_map_piece(offset, request.get_bytes()) ? ODO_OK : ODO_E_DATA;
+        break;
+      }
       default: phase("destroy"); backend_.reset();
     }
     answer.finish(status);
@@ -206,10 +216,13 @@ class Server {
     sink_.instance = request.get<uint32_t>();
     sink_.emit = RemoteSink::take;
     check_ = static_cast<LibraryCheck>(request.get<uint32_t>());
-    const auto seed = request.get<uint64_t>(), memory_bytes = request.get<uint64_t>();
+    const auto seed = request.get<uint64_t>();
+    const bool live = request.get<uint32_t>() != 0;
+    const auto memory_bytes = request.get<uint64_t>();
     std::vector<std::filesystem::path> assets(std::min<uint32_t>(request.get<uint32_t>(), 1024));
     for (auto& folder : assets) folder = request.get_text();
     services_ = std::make_unique<RemoteServices>(seed, std::move(assets));
+    services_->set_live(live);
     auto manifest = parse_manifest(std::move(manifest_text), manifest_path);
     if (manifest) {
       choice_.manifest = std::move(*manifest);

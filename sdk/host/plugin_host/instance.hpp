@@ -84,6 +84,12 @@ class PluginInstance {
   /// False, and nothing changed, if the plugin rejects the data. [control]
   bool load(std::span<const uint8_t> data);
 
+  /// The plugin's map; empty if it makes none, or has none yet. [control]
+  std::vector<uint8_t> save_map() const;
+  /// Passes a map to it; it gets that again whenever it starts anew. False, and nothing changed, if it rejects the map.
+  /// [control]
+  bool load_map(std::span<const uint8_t> data);
+
   /// An extension's table, or null, as for a plugin in its own process. [process]
   const void* extension(std::string_view id) const;
 
@@ -149,6 +155,7 @@ class PluginInstance {
   int64_t saved_ns_ = INT64_MIN;
   int consecutive_ends_ = 0;
   std::vector<uint8_t> saved_;
+  std::vector<std::vector<uint8_t>> maps_;  // that it was given
 };
 
 /// The fault of an event, for a report.

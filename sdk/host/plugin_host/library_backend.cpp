@@ -148,6 +148,24 @@ std::vector<uint8_t> LibraryBackend::save() {
   return written == needed ? bytes : std::vector<uint8_t>();
 }
 
+std::vector<uint8_t> LibraryBackend::map_piece(uint64_t offset) {
+  const odo_plugin& table = library_->table();
+  if (!instance_ || !ODO_HAS(&table, save_map) || !table.save_map) return {};
+  std::vector<uint8_t> piece(ODO_LARGEST_PIECE);
+  int64_t written = 0;
+  const auto save = [&] { return written = table.save_map(instance_, offset, piece.data(), piece.size()), ODO_OK; };
+  if (call("save_map", save) < 0 || written < 0 || written > int64_t{ODO_LARGEST_PIECE}) return {};
+  piece.resize(static_cast<size_t>(written));
+  return piece;
+}
+
+bool LibraryBackend::take_map_piece(uint64_t offset, std::span<const uint8_t> piece) {
+  const odo_plugin& table = library_->table();
+  if (!instance_ || !ODO_HAS(&table, load_map) || !table.load_map) return false;
+  const auto load = [&] { return table.load_map(instance_, offset, piece.data(), piece.size()); };
+  return call("load_map", load) >= 0;
+}
+
 const void* LibraryBackend::extension(std::string_view id) {
   const auto function = library_->table().get_interface;
   const void* table = nullptr;

@@ -29,6 +29,8 @@ class LibraryBackend : public PluginBackend {
   int32_t reset() override;
   std::vector<uint8_t> save() override;
   bool load(std::span<const uint8_t> data) override;
+  std::vector<uint8_t> map_piece(uint64_t offset) override;
+  bool take_map_piece(uint64_t offset, std::span<const uint8_t> piece) override;
   const void* extension(std::string_view id) override;
   const KindTypes& types() const override { return types_; }
   void quarantine() override { library_->quarantine(); }

@@ -129,6 +129,7 @@ Result<std::unique_ptr<ProcessBackend>> ProcessBackend::load(const PluginChoice&
   out.put(sink.instance);
   out.put(static_cast<uint32_t>(check));
   out.put(host.seed());
+  out.put(static_cast<uint32_t>(host.live()));
   out.put(choice.isolation.memory_bytes);
   out.put(static_cast<uint32_t>(host.assets().size()));
   for (const fs::path& folder : host.assets()) out.put_text(folder.string());
@@ -383,6 +384,22 @@ std::vector<uint8_t> ProcessBackend::save() {
   state_.clear();
   if (!exchange(wire::save, request(), choice_.isolation.time_s) || answered() < 0) return {};
   return std::move(state_);
+}
+
+std::vector<uint8_t> ProcessBackend::map_piece(uint64_t offset) {
+  state_.clear();
+  auto out = request();
+  out.put(offset);
+  if (!exchange(wire::save_map, out, choice_.isolation.time_s) || answered() < 0) return {};
+  if (state_.size() > ODO_LARGEST_PIECE) return {};
+  return std::move(state_);
+}
+
+bool ProcessBackend::take_map_piece(uint64_t offset, std::span<const uint8_t> piece) {
+  auto out = request();
+  out.put(offset);
+  out.put_bytes(piece.data(), piece.size());
+  return !out.full() && exchange(wire::load_map, out, choice_.isolation.time_s) && answered() >= 0;
 }
 
 bool ProcessBackend::load(std::span<const uint8_t> data) {

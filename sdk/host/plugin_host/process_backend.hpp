@@ -36,6 +36,8 @@ class ProcessBackend : public PluginBackend {
   int32_t reset() override;
   std::vector<uint8_t> save() override;
   bool load(std::span<const uint8_t> data) override;
+  std::vector<uint8_t> map_piece(uint64_t offset) override;
+  bool take_map_piece(uint64_t offset, std::span<const uint8_t> piece) override;
   const KindTypes& types() const override { return types_; }
   void quarantine() override { quarantined_ = true; }
   bool quarantined() const override { return quarantined_; }

@@ -81,6 +81,8 @@ const void* HostServices::own_service(std::string_view id) const {
       }};
   static const odo_wake_service wakes{sizeof(odo_wake_service), 0,
                                       [](const odo_host* host, uint32_t instance) { of(host).wake(instance); }};
+  static const odo_run_service live{sizeof(odo_run_service), 1}, replay{sizeof(odo_run_service), 0};
+  if (id == ODO_SERVICE_RUN) return live_ ? &live : &replay;
   if (id == ODO_SERVICE_REPORT) return &reports;
   if (id == ODO_SERVICE_RANDOM) return &random;
   if (id == ODO_SERVICE_ASSETS) return &paths;

@@ -73,6 +73,10 @@ class HostServices : public odo_host {
   void set_pace(Pace pace) { pace_ = pace; }
   Pace pace() const { return pace_; }
 
+  /// Whether samples arrive in real time (odo.run/1). Set before a plugin is created.
+  void set_live(bool live) { live_ = live; }
+  bool live() const { return live_; }
+
   /// Memory in which plugins in other processes see frames.
   SharedPixels& shared_pixels() { return shared_pixels_; }
   uint64_t seed() const { return seed_; }
@@ -101,6 +105,7 @@ class HostServices : public odo_host {
   std::set<uint32_t> woken_;
   std::atomic<bool> has_woken_{false};
   std::atomic<Pace> pace_{Pace::waits};
+  bool live_ = false;
   SharedPixels shared_pixels_;
   std::mutex mutex_;
   std::map<uint32_t, std::string> names_;

@@ -13,13 +13,13 @@
 
 namespace odograph::wire {
 
-constexpr uint32_t kVersion = 7;
+constexpr uint32_t kVersion = 8;
 /// Fixed descriptors of the plugin's process.
 constexpr int kSocket = 3, kControl = 4, kPixels = 5;
 
 /// `enter` sandboxes the process and returns what the system lacks for it; `open` loads the library: no plugin code
 /// runs before `open`.
-enum Call : uint32_t { enter = 1, open, start, process, reset, save, load, end };
+enum Call : uint32_t { enter = 1, open, start, process, reset, save, load, save_map, load_map, end };
 enum Record : uint32_t { event = 1, report = 2, state = 3 };
 
 constexpr size_t kFrameSlots = 8;                // as many as a session holds by default

@@ -129,7 +129,7 @@ int run(RunArguments& a) {
   for (const auto& [key, notice] : result->notices)
     if (const size_t at = key.find(" unused_"); at != std::string::npos)
       std::fprintf(stderr, "%s: %s\n", printable(key.substr(0, at)).c_str(), printable(notice.text).c_str());
-  if (!result->state_failure.empty()) std::fprintf(stderr, "%s\n", printable(result->state_failure).c_str());
+  for (const auto& failure : result->save_failures) std::fprintf(stderr, "%s\n", printable(failure).c_str());
   print(a, *recording, *result);
   if (const uint64_t faults = result->statistics.plugin_faults; faults > 0)
     std::fprintf(stderr, "plugins failed %llu times; the results are written\n",
@@ -163,6 +163,8 @@ void add_run(CLI::App& app, int& status) {
                       "folder of files named by the config, such as a city model, if they are not beside it");
   command->add_option("--state", a->options.state,
                       "file of the plugins' saved state (walker and device): read if it exists, written at the end");
+  command->add_option("--map", a->options.map,
+                      "file of the map of places, from a config with fix/map: read if it exists, written at the end");
   command->add_flag("--pictures-outside", a->reading.pictures_outside,
                     "read pictures outside of the recording's folder too");
   command->add_option("--faults", a->faults,

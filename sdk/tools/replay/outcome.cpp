@@ -135,7 +135,7 @@ std::string distance_text(const RunResult& result) {
 }
 
 int exit_status(const RunResult& result) {
-  if (!result.state_failure.empty()) return kBadData;
+  if (!result.save_failures.empty()) return kBadData;
   if (result.statistics.plugin_faults > 0) return kPluginFailure;
   return exit_status(result.loss,
                      result.nothing.empty() && result.final_state != ODO_LOST ? int{kDone} : int{kLostTracking});

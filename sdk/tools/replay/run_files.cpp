@@ -130,6 +130,29 @@ Json json_of_origin(const RunResult& result) {
           {"height_m", height_m}};
 }
 
+/// Recognised places: a loop leads from a key frame of this session, a map pose from the frame of a map.
+void write_places(std::ostream& out, const RunResult& result) {
+  out << std::setprecision(9) << "t_ns,source,from,key_frame_ns,map,x_m,y_m,z_m,sigma_m,used\n";
+  const auto row = [&](const odo_header& header, const char* from, int64_t key_frame_ns, uint64_t map, const double* p,
+                       const double* covariance) {
+    const double variance = std::max({covariance[21], covariance[28], covariance[35]});
+    out << header.t_ns << ',' << header.source << ',' << from << ',' << key_frame_ns << ',' << map << ',' << p[0] << ','
+        << p[1] << ',' << p[2] << ',' << std::sqrt(variance) << ',' << ((header.flags & ODO_FLAG_ACCEPTED) != 0)
+        << '\n';
+  };
+  for (const odo_relative_pose& loop : result.loops)
+    row(loop.header, "key_frame", loop.t_from_ns, 0, loop.p_b0_b1, loop.covariance);
+  for (const odo_map_pose& place : result.map_poses)
+    row(place.header, "map", 0, place.map, place.p_m_b, place.covariance);
+}
+
+template <class Message>
+Json json_of_use(const std::vector<Message>& places) {
+  const auto used = std::count_if(places.begin(), places.end(),
+                                  [](const Message& place) { return (place.header.flags & ODO_FLAG_ACCEPTED) != 0; });
+  return {{"accepted", used}, {"rejected", static_cast<int64_t>(places.size()) - used}};
+}
+
 Json summary_of(const Recording& recording, const RunResult& result, const RunOptions& options) {
   const odo_statistics& s = result.statistics;
   Json notices = Json::object();
@@ -148,6 +171,10 @@ Json summary_of(const Recording& recording, const RunResult& result, const RunOp
       {"final_state", odo_state_text(result.final_state)},
       {"final_reason", odo_reason_text(result.final_reason)},
       {"fixes", {{"accepted", s.fixes_accepted}, {"rejected", s.fixes_rejected}}},
+      {"places",
+       {{"key_frames", result.key_frames.size()},
+        {"loops", json_of_use(result.loops)},
+        {"map_poses", json_of_use(result.map_poses)}}},
       {"timing_ms",
        {{"frame", {{"median", percentile(result.frame_ms, 0.5)}, {"p99", percentile(result.frame_ms, 0.99)}}}}},
       {"timing_us", {{"imu", {{"median", percentile(result.imu_us, 0.5)}, {"p99", percentile(result.imu_us, 0.99)}}}}},
@@ -196,7 +223,7 @@ class RunFiles {
     for (OutputFile& file : files_)
       if (const auto done = file.commit(); !done) return done.failure();
     std::error_code error;
-    for (const char* stale : {"corrected.tum", "vo.csv", "points.ply", "surfaces.json", "report.html"})
+    for (const char* stale : {"corrected.tum", "vo.csv", "places.csv", "points.ply", "surfaces.json", "report.html"})
       if (!names_.contains(stale)) std::filesystem::remove(folder_ / stale, error);
     return true;
   }
@@ -229,6 +256,8 @@ Result<bool> write_run(const std::filesystem::path& folder, const Recording& rec
   if (!result.motions.empty()) files.add("vo.csv", [&](std::ostream& out) { write_motions(out, result.motions); });
   files.add("scale.csv", [&](std::ostream& out) { write_scales(out, result.scales); });
   files.add("fixes.csv", [&](std::ostream& out) { write_fixes(out, result.fixes); });
+  if (!result.loops.empty() || !result.map_poses.empty())
+    files.add("places.csv", [&](std::ostream& out) { write_places(out, result); });
   files.add("states.csv", [&](std::ostream& out) { write_states(out, result); });
   if (!result.points.empty()) files.add("points.ply", [&](std::ostream& out) { write_points(out, result.points); });
   if (!result.patches.empty())

@@ -8,6 +8,8 @@
 #include <set>
 #include <sstream>
 
+#include <odograph/map.h>
+
 #include "sdk/host/base/output_file.hpp"
 #include "sdk/math/rotation.hpp"
 #include "sdk/tools/replay/outcome.hpp"
@@ -54,6 +56,9 @@ struct Collector {
     Eigen::Isometry3d n_new_n_old;
   };
   std::vector<Correction> corrections;
+  std::vector<odo_key_frame> lived_frames;  // as first published
+  size_t closed = 0;                        // corrections until the last loop, in key_frames already
+  int64_t closed_ns = 0;
 
   static void on_event(void* user, const odo_header* event) { static_cast<Collector*>(user)->take(*event); }
 
@@ -71,6 +76,9 @@ struct Collector {
       case ODO_TYPE_SCALE: result.scales.push_back(as<odo_scale>(event)); break;
       case ODO_TYPE_FIX: result.fixes.push_back({as<odo_fix>(event), (event.flags & ODO_FLAG_ACCEPTED) != 0}); break;
       case ODO_TYPE_SURFACE: result.surfaces.push_back(as<odo_surface>(event)); break;
+      case ODO_TYPE_KEY_FRAME: take_key_frame(as<odo_key_frame>(event)); break;
+      case ODO_TYPE_RELATIVE_POSE: result.loops.push_back(as<odo_relative_pose>(event)); break;
+      case ODO_TYPE_MAP_POSE: result.map_poses.push_back(as<odo_map_pose>(event)); break;
       case ODO_TYPE_CORRECTION: take_correction(as<odo_correction>(event)); break;
       case ODO_TYPE_REPORT: take_report(as<odo_report>(event)); break;
       case ODO_TYPE_STATE:
@@ -78,6 +86,47 @@ struct Collector {
         result.final_reason = as<odo_state>(event).reason;
         break;
       default: break;
+    }
+  }
+
+  /// A later message of a key frame has its corrected pose.
+  void take_key_frame(const odo_key_frame& frame) {
+    auto& all = result.key_frames;
+    const auto same = [&](const odo_key_frame& other) {
+      return other.id == frame.id && other.header.source == frame.header.source;
+    };
+    const auto found = std::find_if(all.begin(), all.end(), same);
+    if (found == all.end()) return all.push_back(frame), lived_frames.push_back(frame);
+    *found = frame;
+    closed = corrections.size();
+    closed_ns = result.track.empty() ? 0 : result.track.back().t_ns;
+  }
+
+  /// Loops bend the track: each pose before the last one moves as the key frames before and after it have.
+  void bend(StampedPoses& track) const {
+    const auto pose_of = [](const odo_key_frame& frame) {
+      return Eigen::Translation3d(frame.p_n_b[0], frame.p_n_b[1], frame.p_n_b[2]) * raw_quaternion(frame.q_n_b);
+    };
+    struct Node {
+      int64_t t_ns;
+      Eigen::Isometry3d moved;
+    };
+    std::vector<Node> nodes;
+    for (size_t i = 0; i < lived_frames.size() && lived_frames[i].header.t_ns < closed_ns; ++i)
+      nodes.push_back({lived_frames[i].header.t_ns,
+                       Eigen::Isometry3d(pose_of(result.key_frames[i]) * pose_of(lived_frames[i]).inverse())});
+    nodes.push_back({closed_ns, Eigen::Isometry3d::Identity()});
+    size_t next = 0;
+    for (StampedPose& pose : track) {
+      while (next < nodes.size() && nodes[next].t_ns < pose.t_ns) ++next;
+      if (next == nodes.size()) break;
+      const Node &after = nodes[next], &before = nodes[next > 0 ? next - 1 : 0];
+      const double span = static_cast<double>(after.t_ns - before.t_ns);
+      const double w = span > 0 ? static_cast<double>(pose.t_ns - before.t_ns) / span : 1;
+      const Eigen::Quaterniond turned =
+          Eigen::Quaterniond(before.moved.linear()).slerp(w, Eigen::Quaterniond(after.moved.linear()));
+      pose.p = (1 - w) * (before.moved * pose.p) + w * (after.moved * pose.p);
+      pose.q = (turned * pose.q).normalized();
     }
   }
 
@@ -104,10 +153,12 @@ struct Collector {
   StampedPoses corrected() const {
     if (corrections.empty() || corrections.back().end <= result.first_metric) return {};
     StampedPoses track = result.track;
+    if (!result.key_frames.empty() && closed > 0) bend(track);
     Eigen::Isometry3d since = Eigen::Isometry3d::Identity();
     auto next = corrections.rbegin();
     for (size_t i = track.size(); i-- > 0;) {
-      for (; next != corrections.rend() && next->end > i; ++next) since = since * next->n_new_n_old;
+      for (; next != corrections.rend() - static_cast<std::ptrdiff_t>(closed) && next->end > i; ++next)
+        since = since * next->n_new_n_old;
       track[i].q = (Eigen::Quaterniond(since.linear()) * track[i].q).normalized();
       track[i].p = since * track[i].p;
     }
@@ -138,37 +189,46 @@ struct Collector {
   }
 };
 
-/// More than any pipeline saves: several plugins at the 16 MiB limit.
-constexpr uint64_t kLargestState = 256u << 20;
+/// What a session writes to a file for a later one.
+struct SavedFile {
+  const char* what;
+  uint64_t largest;  ///< bytes; more than any session saves
+  decltype(&odo_session_save) save;
+  decltype(&odo_session_load) load;
+};
+/// Several plugins at the 16 MiB limit.
+constexpr SavedFile kState{"state", 256u << 20, odo_session_save, odo_session_load};
+constexpr SavedFile kMap{"map", uint64_t{ODO_LARGEST_MAP} + (1u << 20), odo_map_save, odo_map_load};
 
-/// Loads the session's state from a file; a missing file is not an error. An existing but unreadable file is a failure,
-/// because the run would overwrite it; so is a file of which a part is rejected (ODO_PARTIAL).
-Result<bool> read_state(odo_session* session, const std::string& path) {
+/// Loads it from a file; a missing file is not an error. An existing but unreadable file is a failure, because the run
+/// would overwrite it; so is a file of which a part is rejected (ODO_PARTIAL).
+Result<bool> read_saved(odo_session* session, const SavedFile& saved, const std::string& path) {
   std::error_code failed;
   const auto there = std::filesystem::status(path, failed);
-  if (there.type() == std::filesystem::file_type::not_found) return true;
+  if (path.empty() || there.type() == std::filesystem::file_type::not_found) return true;
   if (!std::filesystem::is_regular_file(there))
-    return Failure{ODO_E_DATA, path + ": is a folder, a pipe or a device; expected a file with a saved state"};
-  if (std::filesystem::file_size(path, failed) > kLargestState)
-    return Failure{ODO_E_DATA, path + ": is larger than any saved state"};
+    return Failure{ODO_E_DATA, path + ": is a folder, a pipe or a device; expected a file with a saved " + saved.what};
+  if (std::filesystem::file_size(path, failed) > saved.largest)
+    return Failure{ODO_E_DATA, path + ": is larger than any saved " + saved.what};
   std::ifstream file(path, std::ios::binary);
   if (!file) return Failure{ODO_E_IO, path + ": cannot be opened"};
   std::stringstream bytes;
   bytes << file.rdbuf();
   const std::string blob = bytes.str();
-  if (odo_session_load(session, blob.data(), blob.size()) == ODO_OK) return true;
+  if (saved.load(session, blob.data(), blob.size()) == ODO_OK) return true;
   odo_error error{sizeof error, ODO_OK, {}};
   odo_session_last_error(session, &error);
   return Failure{ODO_E_DATA, path + ": " + error.message};
 }
 
 /// Writes to a temporary file first, so that the old one survives a failure.
-Result<bool> write_state(odo_session* session, const std::string& path) {
-  const int64_t size = odo_session_save(session, nullptr, 0);
+Result<bool> write_saved(odo_session* session, const SavedFile& saved, const std::string& path) {
+  const int64_t size = saved.save(session, nullptr, 0);
   std::string blob(static_cast<size_t>(std::max<int64_t>(0, size)), '\0');
-  if (size <= 0 ||
-      odo_session_save(session, blob.data(), blob.size()) != size)  // a plugin may state another size each time
-    return Failure{ODO_E_ERROR, path + ": the state could not be saved: a plugin changed its size between calls"};
+  if (size == 0) return Failure{ODO_E_ERROR, path + ": there is no " + saved.what + " to save"};
+  if (size < 0 || saved.save(session, blob.data(), blob.size()) != size)  // a plugin may state another size each time
+    return Failure{ODO_E_ERROR,
+                   path + ": the " + saved.what + " could not be saved: a plugin changed its size between calls"};
   return write_whole_file(path, blob);
 }
 
@@ -296,8 +356,8 @@ Result<RunResult> replay(const Recording& recording, const RunOptions& options) 
   const std::shared_ptr<odo_session> shared = std::move(*opened);
   odo_session* session = shared.get();
 
-  if (!options.state.empty())
-    if (const auto read = read_state(session, options.state); !read) return read.failure();
+  if (const auto read = read_saved(session, kState, options.state); !read) return read.failure();
+  if (const auto read = read_saved(session, kMap, options.map); !read) return read.failure();
 
   RunResult result;
   result.config_text = config->text;
@@ -305,9 +365,10 @@ Result<RunResult> replay(const Recording& recording, const RunOptions& options) 
   result.loss = recording.loss;
   if (options.keep_session) result.session = shared;
   Collector collector{result, options.collect_poses};
-  std::vector<uint32_t> wanted = {ODO_TYPE_POSE,   ODO_TYPE_VO_MOTION,  ODO_TYPE_STEP,   ODO_TYPE_MOTION_MODE,
-                                  ODO_TYPE_SCALE,  ODO_TYPE_FIX,        ODO_TYPE_STATE,  ODO_TYPE_CALIBRATION,
-                                  ODO_TYPE_REPORT, ODO_TYPE_CORRECTION, ODO_TYPE_SURFACE};
+  std::vector<uint32_t> wanted = {ODO_TYPE_POSE,          ODO_TYPE_VO_MOTION,  ODO_TYPE_STEP,    ODO_TYPE_MOTION_MODE,
+                                  ODO_TYPE_SCALE,         ODO_TYPE_FIX,        ODO_TYPE_STATE,   ODO_TYPE_CALIBRATION,
+                                  ODO_TYPE_REPORT,        ODO_TYPE_CORRECTION, ODO_TYPE_SURFACE, ODO_TYPE_KEY_FRAME,
+                                  ODO_TYPE_RELATIVE_POSE, ODO_TYPE_MAP_POSE};
   if (options.collect_attitudes) wanted.push_back(ODO_TYPE_ATTITUDE);
   odo_session_set_callback(session, wanted.data(), static_cast<uint32_t>(wanted.size()), Collector::on_event,
                            &collector);
@@ -317,9 +378,10 @@ Result<RunResult> replay(const Recording& recording, const RunOptions& options) 
   odo_session_set_callback(session, nullptr, 0, nullptr, nullptr);  // the collector's lifetime ends here
   if (result.loss.pictures > 0)
     result.reports.push_back(std::to_string(result.loss.pictures) + " pictures cannot be read; each cost its frame");
-  if (!options.state.empty())
-    if (const auto written = write_state(session, options.state); !written)
-      result.state_failure = written.failure().text;
+  for (const auto& [saved, path] : {std::pair(&kState, &options.state), std::pair(&kMap, &options.map)})
+    if (!path->empty())
+      if (const auto written = write_saved(session, *saved, *path); !written)
+        result.save_failures.push_back(written.failure().text);
   result.statistics.struct_size = sizeof result.statistics;
   odo_session_get_statistics(session, &result.statistics);
   if (options.progress) options.progress(recording.messages.size(), recording.messages.size());

@@ -45,8 +45,11 @@ struct RunResult {
   std::vector<odo_attitude> attitudes;  // if requested by RunOptions
   std::vector<odo_pose> poses;          // all published poses with covariance; if requested by RunOptions
   odo_statistics statistics{};
-  std::vector<odo_surface> surfaces;  // as published, without outlines
-  std::vector<odo_map_point> points;  // landmarks that the session has at the end, in the n of `corrected`
+  std::vector<odo_key_frame> key_frames;  // as last published
+  std::vector<odo_relative_pose> loops;   // accepted ones have ODO_FLAG_ACCEPTED
+  std::vector<odo_map_pose> map_poses;    // likewise
+  std::vector<odo_surface> surfaces;      // as published, without outlines
+  std::vector<odo_map_point> points;      // landmarks that the session has at the end, in the n of `corrected`
   /// A surface that the session has at the end, likewise.
   struct Patch {
     uint64_t id = 0;
@@ -62,10 +65,10 @@ struct RunResult {
   uint32_t final_reason = 0;
   double heading_offset_rad = 0;  // applied by replay.align_heading_over
   std::vector<std::string> reports;
-  std::string nothing;        // why the run came to nothing (outcome.hpp), which is also a report; empty if it did not
-  std::string state_failure;  // why the state could not be saved; the results remain valid
-  RecordingLoss loss;         // of the recording, including unreadable pictures
-  std::shared_ptr<void> session;  // if requested by RunOptions
+  std::string nothing;  // why the run came to nothing (outcome.hpp), which is also a report; empty if it did not
+  std::vector<std::string> save_failures;  // why state or map could not be saved; the results remain valid
+  RecordingLoss loss;                      // of the recording, including unreadable pictures
+  std::shared_ptr<void> session;           // if requested by RunOptions
   /// Reports of plugins other than errors, by plugin and key: the latest text, and the count.
   struct Notice {
     uint64_t count = 0;
@@ -89,6 +92,7 @@ struct RunOptions {
   std::string plugin_path;
   std::string asset_path;  // folders of files named by the config, if not beside it
   std::string state;       // file of the plugins' saved state; read if it exists, and rewritten
+  std::string map;         // file of the map of places; likewise
   uint64_t seed = 0;
   bool collect_timing = true;
   bool collect_attitudes = false;

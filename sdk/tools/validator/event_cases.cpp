@@ -95,6 +95,8 @@ CASE(event, "events.flags", "sets the flags of the type, none of the host's", 20
       {ODO_TYPE_REFINED, 2 * ODO_REFINED_LINE_TIME - 1},
       {ODO_TYPE_POINTS, ODO_POINTS_METRIC},
       {ODO_TYPE_SURFACE, 0},
+      {ODO_TYPE_KEY_FRAME, 0},
+      {ODO_TYPE_MAP_POSE, 0},
       {ODO_TYPE_RELATIVE_POSE, 2 * ODO_RELATIVE_POSE_ROTATION - 1},
   };
   return of_each_event(fixture, [](const SeenEvent&, const odo_header& h) -> std::string {

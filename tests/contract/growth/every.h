@@ -160,6 +160,13 @@ static void fill(union message* m, uint32_t number, int64_t t_ns) {
       m->relative_pose.covariance[0] = m->relative_pose.covariance[7] = m->relative_pose.covariance[14] = 1;
       m->relative_pose.covariance[21] = m->relative_pose.covariance[28] = m->relative_pose.covariance[35] = 1;
       break;
+    case ODO_TYPE_KEY_FRAME: m->key_frame.id = 1; break;
+    case ODO_TYPE_MAP_POSE: {
+      int i;
+      m->map_pose.map = 1, unit(m->map_pose.q_m_b);
+      for (i = 0; i < 6; ++i) m->map_pose.covariance[7 * i] = 1;
+      break;
+    }
     case ODO_TYPE_POINTS: fill_points(&m->landmarks); break;
     case ODO_TYPE_SURFACE: fill_surface(&m->patch); break;
     default: break;

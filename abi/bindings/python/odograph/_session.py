@@ -218,6 +218,18 @@ class Session:
         check(self._odo.odo_session_save(self._open(), data, len(data)))
         return data.raw
 
+    def save_map(self) -> bytes:
+        """Maps of the places that this session has seen, with its anchors, for `load_map` in a later one."""
+        data = c.create_string_buffer(max(0, self._odo.odo_map_save(self._open(), None, 0)))
+        while (size := int(self._odo.odo_map_save(self._open(), data, len(data)))) != len(data):
+            check(min(size, 0))
+            data = c.create_string_buffer(size)
+        return data.raw
+
+    def load_map(self, data: bytes) -> None:
+        """Raises an OdographError if the map is damaged, or of plugins that the session does not have."""
+        check(self._odo.odo_map_load(self._open(), data, len(data)))
+
     def load(self, data: bytes) -> bool:
         """False if a plugin rejected its part, which last_error() names; the others are restored."""
         status = int(self._odo.odo_session_load(self._open(), data, len(data)))

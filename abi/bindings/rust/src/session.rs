@@ -248,6 +248,22 @@ impl Session {
         }
         Ok(data)
     }
+    /// Maps of the places that this session has seen, with its anchors, for `load_map` in a later one.
+    pub fn save_map(&mut self) -> Result<Vec<u8>> {
+        let mut data = Vec::new();
+        loop {
+            let size = unsafe { odo_map_save(self.c(), data.as_mut_ptr() as *mut c_void, data.len() as u64) };
+            if size == data.len() as i64 {
+                return Ok(data);
+            }
+            check(size.min(0) as i32)?;
+            data = vec![0u8; size as usize];
+        }
+    }
+    /// An error if the map is damaged, or of plugins that the session does not have.
+    pub fn load_map(&mut self, data: &[u8]) -> Result<()> {
+        check(unsafe { odo_map_load(self.c(), data.as_ptr() as *const c_void, data.len() as u64) }).map(|_| ())
+    }
     /// False if a plugin rejected its part, which `last_error` names; the others are restored.
     pub fn load(&mut self, data: &[u8]) -> Result<bool> {
         check(unsafe { odo_session_load(self.c(), data.as_ptr() as *const c_void, data.len() as u64) }).map(|status| status == ODO_OK)
