@@ -9,6 +9,7 @@
 #include <numbers>
 
 #include <CLI/CLI.hpp>
+#include <Eigen/Cholesky>
 #include <opencv2/imgproc.hpp>
 
 #include "plugins/fix/map/key_frame_chooser.hpp"
@@ -146,14 +147,21 @@ class Printer {
     const auto& best = found[0];
     const Evidence& e = best.verified->evidence;
     const KeyFrame& frame = map.key_frames()[best.frame];
-    const int second = found.size() > 1 && found[1].verified ? found[1].verified->evidence.matched : 0;
-    std::printf(" kf=%llu votes=%.1f tentative=%d inliers=%d visible=%d matched=%d cells=%d vcells=%d chance=%.1f second=%d",
-                static_cast<unsigned long long>(frame.id), best.votes, e.tentative, e.inliers, e.visible, e.matched,
-                e.cells, e.visible_cells, e.log_chance, second);
+    const Evidence second = found.size() > 1 && found[1].verified ? found[1].verified->evidence : Evidence();
+    std::printf(" kf=%llu votes=%.1f tentative=%d inliers=%d icells=%d visible=%d matched=%d cells=%d chance=%.1f "
+                "chance2=%.1f",
+                static_cast<unsigned long long>(frame.id), best.votes, e.tentative, e.inliers, e.inlier_cells, e.visible,
+                e.matched, e.cells, e.log_chance, second.log_chance);
+    const auto recognition = map.best_of(picture, found);
+    std::printf(" odds=%.1f runner_up=%.1f accepted=%d", recognition->log_odds, recognition->runner_up,
+                map.is_accepted(*recognition) ? 1 : 0);
     if (truth) {
       const Rigid& place = places_.at(frame.id);
       const Rigid T_k_c = place.inverse() * *truth, estimate = best.verified->T_c_k.inverse();
       const double range = map_range(frame);
+      Eigen::Matrix<double, 6, 1> error;
+      error << log_rotation(estimate.q * T_k_c.q.conjugate()), estimate.p - T_k_c.p;
+      std::printf(" nees=%.2f", error.dot(recognition->covariance.ldlt().solve(error)) / 6);
       std::printf(" error_m=%.3f error_deg=%.2f range=%.2f moved=%.2f", (estimate.p - T_k_c.p).norm(),
                   180 / std::numbers::pi * estimate.q.angularDistance(T_k_c.q), range, T_k_c.p.norm());
     }
@@ -186,7 +194,7 @@ bool make(const std::string& file, const std::string& config, double shots_each_
   Collector collector(*recording, [&](Shot&& shot) {
     if (shot.scale_sigma < 0.1 && chooser.choose(shot.picture.t_ns, shot.T_n_c, shot.landmarks)) {
       uint64_t id = 0;
-      add_ms += milliseconds([&] { id = made.map.add(shot.picture, shot.landmarks, shot.T_n_c); });
+      add_ms += milliseconds([&] { id = made.map.add(shot.picture, shot.landmarks, shot.T_n_c, 0, shot.scale_sigma); });
       if (id) made.places[id] = shot.truth.value_or(shot.T_n_c), landmarks += made.map.find(id)->landmarks.size();
     }
     if (static_cast<double>(shot.picture.t_ns - last_ns) < 1e9 * shots_each_s) return;

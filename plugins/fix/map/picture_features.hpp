@@ -25,6 +25,7 @@ struct FeatureParameters {
 
 struct Feature {
   Eigen::Vector3d ray_c;  ///< unit vector
+  Eigen::Vector2d pixel;
   Descriptor descriptor;
   int level;
   double sigma_rad;  ///< of the ray, one pixel of its level

@@ -25,36 +25,77 @@ KeptLandmark kept(const Landmark& landmark) {
   return out;
 }
 
-double picture_area(const Picture& picture) {
-  const double f = picture.lens.focal();
-  return picture.grey.cols * picture.grey.rows / (f * f);
+/// The descriptors of a pixel at a level, or the next coarser one that allows it, and one octave from there.
+bool describe(const PictureLevels& levels, const Eigen::Vector2d& pixel, int level, const FeatureParameters& f,
+              KeptLandmark& out) {
+  size_t count = 0;
+  while (level < f.levels && count < 2) {
+    const auto descriptor = levels.describe(pixel, level);
+    if (descriptor) out.descriptors[count] = *descriptor, out.levels[count++] = static_cast<int8_t>(level);
+    level += descriptor ? f.second_level : 1;
+  }
+  return count > 0;
 }
+
+constexpr uint64_t kPaired = uint64_t{1} << 63;  ///< ids of landmarks that no front-end tracked
 
 }  // namespace
 
 uint64_t PlaceMap::add(const Picture& picture, std::span<const Landmark> landmarks, const Rigid& T_m_c,
-                       uint32_t epoch) {
+                       uint32_t epoch, double scale_sigma) {
   const PictureLevels levels(picture, p_.features);
   KeyFrame frame;
   frame.epoch = epoch, frame.t_ns = picture.t_ns, frame.T_m_k = T_m_c;
   frame.down_k = picture.down_c.normalized(), frame.tilt_sigma_rad = picture.tilt_sigma_rad;
+  frame.scale_sigma = scale_sigma;
+  add_tracked(levels, landmarks, frame);
+  if (frame.landmarks.size() < kFewest) return 0;
+  CornerView view{last_id_ + 1, epoch, levels.features(), {}};
+  add_paired(levels, view, frame);
+  frame.id = ++last_id_;
+  frames_.push_back(std::move(frame));
+  index(frames_.size() - 1);
+  recent_.insert(recent_.begin(), std::move(view));
+  recent_.resize(std::min(recent_.size(), p_.paired_views));
+  return last_id_;
+}
+
+void PlaceMap::add_tracked(const PictureLevels& levels, std::span<const Landmark> landmarks, KeyFrame& frame) const {
   for (const Landmark& landmark : landmarks) {
     if (frame.landmarks.size() >= p_.max_landmarks) break;
     KeptLandmark one = kept(landmark);
     if (!(static_cast<double>(one.along_sigma) < p_.max_sigma * landmark.p_c.norm())) continue;
-    size_t count = 0;
-    for (int level = 0; level < p_.features.levels && count < 2;) {
-      const auto descriptor = levels.describe(landmark.pixel, level);
-      if (descriptor) one.descriptors[count] = *descriptor, one.levels[count++] = static_cast<int8_t>(level);
-      level += descriptor ? p_.features.second_level : 1;
-    }
-    if (count > 0) frame.landmarks.push_back(one);
+    if (describe(levels, landmark.pixel, 0, p_.features, one)) frame.landmarks.push_back(one);
   }
-  if (frame.landmarks.size() < kFewest) return 0;
-  frame.id = ++last_id_;
-  frames_.push_back(std::move(frame));
-  index(frames_.size() - 1);
-  return last_id_;
+}
+
+void PlaceMap::add_paired(const PictureLevels& levels, CornerView& view, KeyFrame& frame) {
+  view.ids.assign(view.features.size(), 0);
+  std::vector<Vector3d> rays;  // of the landmarks that there are
+  for (const KeptLandmark& one : frame.landmarks)
+    rays.push_back(Eigen::Vector3f::Map(one.p_k.data()).cast<double>().normalized());
+  for (CornerView& older : recent_) {
+    const KeyFrame* before = find(older.key_frame);
+    if (!before || older.epoch != view.epoch) continue;
+    const Rigid T_c_o = frame.T_m_k.inverse() * before->T_m_k;
+    for (const PairedCorner& pair : pair_corners(view, older, T_c_o.q, T_c_o.p, p_.pairs)) {
+      if (frame.landmarks.size() >= p_.max_landmarks) return;
+      if (!(pair.along_sigma < p_.max_sigma * pair.p_c.norm()) || view.ids[pair.feature] != 0) continue;
+      const Vector3d& ray = view.features[pair.feature].ray_c;
+      if (std::any_of(rays.begin(), rays.end(),
+                      [&](const Vector3d& other) { return (other - ray).norm() < p_.pairs.apart_rad; }))
+        continue;
+      KeptLandmark one;
+      one.id = pair.id ? pair.id : kPaired | ++last_paired_;
+      Eigen::Vector3f::Map(one.p_k.data()) = pair.p_c.cast<float>();
+      one.across_sigma = static_cast<float>(pair.across_sigma), one.along_sigma = static_cast<float>(pair.along_sigma);
+      const Feature& feature = view.features[pair.feature];
+      if (!describe(levels, feature.pixel, feature.level, p_.features, one)) continue;
+      view.ids[pair.feature] = older.ids[pair.older] = one.id;
+      rays.push_back(ray);
+      frame.landmarks.push_back(one);
+    }
+  }
 }
 
 void PlaceMap::index(size_t frame) {
@@ -92,104 +133,35 @@ size_t PlaceMap::bytes() const {
   return sum;
 }
 
-std::vector<double> PlaceMap::votes(const std::vector<Feature>& features, const std::vector<char>& excluded) const {
-  std::vector<double> votes(frames_.size(), 0.0);
-  std::vector<int> nearest(frames_.size(), 257);  // of this feature
-  std::vector<uint32_t> touched;
-  for (const Feature& feature : features) {
-    touched.clear();
-    words_.look_up(feature.descriptor, [&](uint32_t number) {
-      const Owner& owner = owners_[number];
-      if (excluded[owner.frame]) return;
-      const int distance =
-          hamming(feature.descriptor, frames_[owner.frame].landmarks[owner.landmark].descriptors[owner.look]);
-      if (distance > p_.vote_distance) return;
-      int& best = nearest[owner.frame];
-      if (best > 256) touched.push_back(owner.frame);
-      best = std::min(best, distance);
-    });
-    // Inverse document frequency: a look that many key frames have tells little.
-    const double rarity = std::log(1 + static_cast<double>(frames_.size()) / (1 + static_cast<double>(touched.size())));
-    for (const uint32_t frame : touched) {
-      votes[frame] += rarity * (1 - static_cast<double>(nearest[frame]) / (p_.vote_distance + 20));
-      nearest[frame] = 257;
-    }
-  }
-  return votes;
+void PlaceMap::restore(std::vector<KeyFrame> frames) {
+  frames_ = std::move(frames), recent_.clear();
+  last_id_ = frames_.empty() ? 0 : frames_.back().id;
+  last_paired_ = 0;  // ids of a later epoch
+  rebuild();
 }
 
-std::vector<size_t> PlaceMap::beside(size_t frame, const std::vector<char>& excluded) const {
-  const KeyFrame& middle = frames_[frame];
-  std::vector<std::pair<double, size_t>> near;
-  for (size_t i = 0; i < frames_.size(); ++i) {
-    if (i == frame || excluded[i] || frames_[i].epoch != middle.epoch) continue;
-    const double distance = (frames_[i].T_m_k.p - middle.T_m_k.p).norm();
-    const double turn = frames_[i].T_m_k.q.angularDistance(middle.T_m_k.q);
-    if (distance < p_.neighbour_m && turn < p_.neighbour_rad)
-      near.emplace_back(distance / p_.neighbour_m + turn / p_.neighbour_rad, i);
-  }
-  std::sort(near.begin(), near.end());
-  std::vector<size_t> chosen;
-  for (const auto& [far, i] : near) chosen.push_back(i);
-  return chosen;
+uint32_t PlaceMap::next_epoch() const {
+  uint32_t next = 0;
+  for (const KeyFrame& frame : frames_) next = std::max(next, frame.epoch + 1);
+  return next;
 }
 
-LocalMap PlaceMap::local_map(size_t frame, const std::vector<char>& excluded) const {
-  LocalMap local;
-  std::map<uint64_t, size_t> known;
-  std::vector<size_t> sources = beside(frame, excluded);
-  sources.resize(std::min(sources.size(), p_.neighbours));
-  sources.insert(sources.begin(), frame);
-  for (const size_t source : sources) {
-    const KeyFrame& from = frames_[source];
-    const Rigid T_k_s = source == frame ? Rigid() : frames_[frame].T_m_k.inverse() * from.T_m_k;
-    for (const KeptLandmark& landmark : from.landmarks) {
-      const Vector3d p_s = Eigen::Vector3f::Map(landmark.p_k.data()).cast<double>();
-      const auto [at, is_new] = known.try_emplace(landmark.id, local.size());
-      if (is_new)
-        local.push_back({landmark.id, T_k_s * p_s, static_cast<double>(landmark.across_sigma),
-                         static_cast<double>(landmark.along_sigma), T_k_s.q * p_s.normalized(), p_s.norm(), {}});
-      for (size_t look = 0; look < 2; ++look)
-        if (landmark.levels[look] >= 0)
-          local[at->second].looks.push_back({landmark.descriptors[look], landmark.levels[look], p_s.norm()});
-    }
+void PlaceMap::thin(size_t most) {
+  constexpr double kMetres_per_rad = 2;
+  const auto apart = [](const KeyFrame& a, const KeyFrame& b) {
+    return (a.T_m_k.p - b.T_m_k.p).norm() + kMetres_per_rad * a.T_m_k.q.angularDistance(b.T_m_k.q);
+  };
+  const size_t each = frames_.empty() ? 0 : bytes() / frames_.size();
+  if (bytes() <= most || each == 0) return;
+  const size_t wanted = most / each;
+  while (frames_.size() > wanted) {
+    std::pair<double, size_t> nearest{1e300, 0};
+    for (size_t i = 0; i < frames_.size(); ++i)
+      for (size_t k = i + 1; k < frames_.size(); ++k)
+        nearest = std::min(nearest, std::pair(apart(frames_[i], frames_[k]), i));
+    frames_.erase(frames_.begin() + static_cast<ptrdiff_t>(nearest.second));
   }
-  return local;
-}
-
-std::vector<PlaceMap::Candidate> PlaceMap::candidates(const Picture& picture, const Excludes& excludes) const {
-  const PictureLevels levels(picture, p_.features);
-  const QueryView query{picture, levels.features(), picture_area(picture)};
-  std::vector<char> excluded(frames_.size(), 0);
-  if (excludes)
-    for (size_t i = 0; i < frames_.size(); ++i) excluded[i] = excludes(frames_[i]) ? 1 : 0;
-  const std::vector<double> score = votes(query.features, excluded);
-  std::vector<size_t> order;
-  for (size_t i = 0; i < frames_.size(); ++i)
-    if (!excluded[i] && score[i] > 0) order.push_back(i);
-  std::stable_sort(order.begin(), order.end(), [&](size_t a, size_t b) { return score[a] > score[b]; });
-  std::vector<Candidate> found;
-  std::vector<char> covered(frames_.size(), 0);
-  for (const size_t frame : order) {
-    if (found.size() >= p_.candidates) break;
-    if (covered[frame]) continue;
-    std::vector<size_t> near = beside(frame, excluded);
-    for (size_t i = 0; i < std::min(near.size(), p_.neighbours); ++i) covered[near[i]] = 1;
-    const Gravity gravity{frames_[frame].down_k, picture.down_c.normalized(),
-                          std::hypot(frames_[frame].tilt_sigma_rad, picture.tilt_sigma_rad)};
-    found.push_back({frame, score[frame],
-                     verify(query, local_map(frame, excluded), gravity, p_.pose, p_.verification, p_.features)});
-  }
-  const auto strength = [](const Candidate& c) { return c.verified ? c.verified->evidence.matched : -1; };
-  std::stable_sort(found.begin(), found.end(),
-                   [&](const Candidate& a, const Candidate& b) { return strength(a) > strength(b); });
-  return found;
-}
-
-std::optional<Recognition> PlaceMap::recognise(const Picture& picture, const Excludes& excludes) const {
-  const auto found = candidates(picture, excludes);
-  if (found.empty() || !found[0].verified) return std::nullopt;
-  return std::nullopt;
+  rebuild();
 }
 
 }  // namespace odograph::place_map

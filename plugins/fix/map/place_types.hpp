@@ -44,9 +44,20 @@ struct Picture {
 
 /// A binary descriptor, 256 comparisons of intensity.
 using Descriptor = std::array<uint64_t, 4>;
+/// Bits set in two words; without a processor's own instruction, which x86-64 does not guarantee.
+inline int bits_of(uint64_t a, uint64_t b) {
+  constexpr uint64_t k1 = 0x5555555555555555u, k2 = 0x3333333333333333u, k4 = 0x0f0f0f0f0f0f0f0fu;
+  a -= a >> 1 & k1, b -= b >> 1 & k1;
+  const uint64_t nibbles = (a & k2) + (a >> 2 & k2) + (b & k2) + (b >> 2 & k2);
+  return static_cast<int>(((nibbles & k4) + (nibbles >> 4 & k4)) * 0x0101010101010101u >> 56);
+}
 inline int hamming(const Descriptor& a, const Descriptor& b) {
-  return __builtin_popcountll(a[0] ^ b[0]) + __builtin_popcountll(a[1] ^ b[1]) + __builtin_popcountll(a[2] ^ b[2]) +
-         __builtin_popcountll(a[3] ^ b[3]);
+  return bits_of(a[0] ^ b[0], a[1] ^ b[1]) + bits_of(a[2] ^ b[2], a[3] ^ b[3]);
+}
+/// The same, or 257 where the first half alone shows that it is beyond the limit, or is very likely to.
+inline int hamming_within(const Descriptor& a, const Descriptor& b, int limit) {
+  const int half = bits_of(a[0] ^ b[0], a[1] ^ b[1]);
+  return half > limit / 2 + 12 ? 257 : half + bits_of(a[2] ^ b[2], a[3] ^ b[3]);
 }
 
 /// A landmark of a key frame, as it is kept and stored.
@@ -65,7 +76,7 @@ struct KeyFrame {
   Rigid T_m_k;
   Eigen::Vector3d down_k = Eigen::Vector3d::UnitY();
   double tilt_sigma_rad = 0.01;
-  float angular_radius_rad = 0.5f;  ///< of the picture's inscribed circle
+  double scale_sigma = 0.02;  ///< of all landmarks in common, relative
   std::vector<KeptLandmark> landmarks;
 };
 
@@ -77,6 +88,7 @@ struct Recognition {
   /// Of rotation (left perturbation, in k) and position (in k), rad^2, rad m, m^2.
   Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Identity();
   int inliers = 0;
+  int cells = 0;  ///< of the picture with inliers
   double log_odds = 0;    ///< natural logarithm: of this place against chance
   double runner_up = 0;   ///< the same of the best other place of the map
   std::vector<uint64_t> landmarks;  ///< ids of the inliers

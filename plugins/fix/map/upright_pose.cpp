@@ -55,7 +55,7 @@ bool has_zoom(const Correspondence& match, const Rigid& T, double tolerance) {
   return ratio < tolerance && ratio > 1 / tolerance;
 }
 
-/// Quality of a pose: inliers, each less by its distance.
+/// Quality of a pose: inliers, each by its confidence and less by its distance.
 double score(const std::vector<Correspondence>& matches, const Rigid& T, const PoseParameters& p, double tilt_rad,
              std::vector<size_t>* inliers = nullptr) {
   double sum = 0;
@@ -65,7 +65,7 @@ double score(const std::vector<Correspondence>& matches, const Rigid& T, const P
     if (x.dot(matches[i].ray_c) < 0.9 * x.norm() || !has_zoom(matches[i], T, p.max_zoom_error)) continue;
     const double squared = residual_of(matches[i], T, p.lens_rad, tilt_rad).squared;
     if (squared >= p.gate) continue;
-    sum += 1 - squared / p.gate;
+    sum += matches[i].confidence * (1 - squared / p.gate);
     if (inliers) inliers->push_back(i);
   }
   return sum;

@@ -19,7 +19,9 @@ struct Correspondence {
   double sigma_rad = 0;                    ///< of the ray, about each axis
   double zoom = 1;  ///< how much larger the landmark appears than in k, by the levels of the descriptors; 0: not known
   int distance = 0;  ///< Hamming
+  double confidence = 1;  ///< probability that it is right, by its descriptors alone
   size_t landmark = 0, feature = 0;  ///< indices of the caller
+  uint64_t id = 0;                   ///< of the landmark
 };
 
 struct Gravity {
