@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <functional>
+#include <map>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "plugins/fix/map/verification.hpp"
+#include "plugins/fix/map/view_pairs.hpp"
+#include "plugins/fix/map/word_index.hpp"
+
+namespace odograph::place_map {
+
+struct PlaceMapParameters {
+  FeatureParameters features;
+  PoseParameters pose;
+  VerificationParameters verification;
+  ViewPairParameters pairs;
+  size_t paired_views = 2;     ///< earlier key frames with which landmarks are triangulated
+  int vote_distance = 60;      ///< Hamming, of a descriptor that votes for its key frame
+  size_t candidates = 6;       ///< key frames that are verified
+  size_t neighbours = 3;       ///< key frames beside a candidate whose landmarks are added
+  double neighbour_m = 1.5;    ///< largest distance of a neighbour
+  double neighbour_rad = 0.6;  ///< and of its direction of view
+  size_t max_landmarks = 250;  ///< of a key frame
+  double max_sigma = 0.15;     ///< of a landmark's distance, relative
+  double min_log_odds = 30;    ///< of a place against chance; see the README for look-alikes
+  int min_cells = 8;           ///< of the picture with inliers: spread over it, not one object
+  double max_runner_up = 0.5;  ///< log odds of the best other place, relative: look-alikes within the map
+  double same_place_m = 1, same_place_rad = 0.35;  ///< poses in the map that are farther apart are other places
+  double focal_sigma = 0.005;  ///< relative, of the lens: the distance to what is seen
+  double rotation_floor_rad = 0.003, position_floor_m = 0.005;  ///< of lens and shutter
+};
+
+/// Key frames with their landmarks, and the recognition of pictures among them. Not thread-safe, except that several
+/// threads may call const methods.
+class PlaceMap {
+ public:
+  /// Key frames that recognise() must not use.
+  using Excludes = std::function<bool(const KeyFrame&)>;
+
+  PlaceMap() = default;
+  explicit PlaceMap(const PlaceMapParameters& parameters) : p_(parameters) {}
+
+  /// Adds a key frame and returns its id, not 0; 0 if too few landmarks can be described.
+  uint64_t add(const Picture& picture, std::span<const Landmark> landmarks, const Rigid& T_m_c, uint32_t epoch = 0,
+               double scale_sigma = 0.02);
+  void set_pose(uint64_t id, const Rigid& T_m_k);
+  void remove(uint64_t id);
+  /// Removes key frames until the map has at most that size: each time the one that another is nearest to, in place and
+  /// direction, the older of the two.
+  void thin(size_t bytes);
+  /// Replaces all key frames, whose ids increase.
+  void restore(std::vector<KeyFrame> frames);
+  /// Larger than the epoch of any key frame.
+  uint32_t next_epoch() const;
+  const KeyFrame* find(uint64_t id) const;
+  const std::vector<KeyFrame>& key_frames() const { return frames_; }
+  size_t bytes() const;
+
+  std::optional<Recognition> recognise(const Picture& picture, const Excludes& excludes = {}) const;
+
+  /// A candidate that was verified; for figures.
+  struct Candidate {
+    size_t frame;  ///< index into key_frames()
+    double votes;
+    std::optional<Verified> verified;
+  };
+  /// The candidates of a picture, the one with the best evidence first.
+  std::vector<Candidate> candidates(const Picture& picture, const Excludes& excludes = {}) const;
+  /// The best of the candidates, with its log odds and those of the best other place, whether accepted or not.
+  std::optional<Recognition> best_of(const Picture& picture, const std::vector<Candidate>& candidates) const;
+  bool is_accepted(const Recognition& recognition) const;
+
+  const PlaceMapParameters& parameters() const { return p_; }
+
+ private:
+  struct Owner {
+    uint32_t frame;
+    uint16_t landmark;
+    uint16_t look;
+  };
+
+  void add_tracked(const PictureLevels& levels, std::span<const Landmark> landmarks, KeyFrame& frame) const;
+  void add_paired(const PictureLevels& levels, CornerView& view, KeyFrame& frame);
+  void index(size_t frame);
+  void rebuild();
+  double log_odds(const Candidate& candidate) const;
+  void set_covariance(const Candidate& candidate, Recognition& recognition) const;
+  std::vector<double> votes(const std::vector<Feature>& features, const std::vector<char>& excluded) const;
+  std::vector<size_t> beside(size_t frame, const std::vector<char>& excluded) const;
+  LocalMap local_map(size_t frame, const std::vector<char>& excluded) const;
+
+  PlaceMapParameters p_;
+  std::vector<KeyFrame> frames_;
+  WordIndex words_;
+  std::vector<Owner> owners_;  // by number of the descriptor
+  std::vector<CornerView> recent_;  // the last key frames, the newest first
+  uint64_t last_id_ = 0, last_paired_ = 0;
+};
+
+}  // namespace odograph::place_map

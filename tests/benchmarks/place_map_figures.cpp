@@ -1,0 +1,328 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Figures of fix/map's recognition: maps from the landmarks of a replayed recording, queries from recordings or
+// rendered in simulated worlds. Prints one line per query; place_map_figures.py sums them up.
+#include <chrono>
+#include <cstdio>
+#include <cstring>
+#include <map>
+#include <numbers>
+
+#include <CLI/CLI.hpp>
+#include <Eigen/Cholesky>
+#include <opencv2/imgproc.hpp>
+
+#include "plugins/fix/map/key_frame_chooser.hpp"
+#include "plugins/fix/map/place_map.hpp"
+#include "sdk/math/rotation.hpp"
+#include "sdk/tools/recording/recording.hpp"
+#include "sdk/tools/replay/picture_source.hpp"
+#include "sdk/tools/replay/replayed.hpp"
+#include "sdk/tools/simulation/camera.hpp"
+#include "sdk/tools/simulation/random.hpp"
+#include "sdk/tools/simulation/simulate.hpp"
+#include "sdk/tools/simulation/world.hpp"
+
+namespace {
+
+using namespace odograph;
+using namespace odograph::place_map;
+using Eigen::Quaterniond;
+using Eigen::Vector3d;
+
+/// A frame of a replayed recording.
+struct Shot {
+  Picture picture;
+  Rigid T_n_c;                 // as estimated
+  std::optional<Rigid> truth;  // of the recording
+  std::vector<Landmark> landmarks;
+  double scale_sigma = 1;
+};
+
+CameraModel lens_of(const odo_calibration& c) {
+  CameraModel lens;
+  lens.distortion = c.model == ODO_CAMERA_KANNALA_BRANDT ? CameraModel::Distortion::kannala_brandt
+                                                         : CameraModel::Distortion::radial_tangential;
+  lens.fx = c.fx, lens.fy = c.fy, lens.cx = c.cx, lens.cy = c.cy;
+  lens.coefficients.assign(c.distortion, c.distortion + c.distortion_count);
+  return lens;
+}
+
+/// Replays a recording and collects its frames with pose and landmarks.
+class Collector {
+ public:
+  Collector(const Recording& recording, std::function<void(Shot&&)> take)
+      : recording_(recording), take_(std::move(take)) {}
+
+  bool run(const std::string& config) {
+    RunOptions options;
+    options.config = config;
+    auto session = replay_session(options);
+    if (!session) return std::fprintf(stderr, "%s\n", session.failure().text.c_str()), false;
+    const uint32_t wanted[] = {ODO_TYPE_POSE, ODO_TYPE_POINTS};
+    odo_session_set_callback(session->get(), wanted, 2, on_event, this);
+    for (const RecordedMessage& message : recording_.messages) {
+      const odo_header& header = message.message.header();
+      if (header.type == ODO_TYPE_CALIBRATION) lens_ = lens_of(copy_as<odo_calibration>(header));
+      if (header.type != ODO_TYPE_FRAME) {
+        odo_session_push(session->get(), &header);
+        continue;
+      }
+      const auto frame = load_frame(message);
+      if (!frame) continue;
+      grey_[header.t_ns] = grey_of(*frame);
+      if (grey_.size() > 8) grey_.erase(grey_.begin());
+      odo_session_push(session->get(), &frame->header);
+      frame->loan.release(frame->loan.owner);
+    }
+    odo_session_flush(session->get());
+    return true;
+  }
+
+ private:
+  static void on_event(void* user, const odo_header* event) {
+    auto& self = *static_cast<Collector*>(user);
+    if (event->type == ODO_TYPE_POINTS) self.hold(*reinterpret_cast<const odo_points*>(event));
+    if (event->type == ODO_TYPE_POSE) self.pose(copy_as<odo_pose>(*event));
+  }
+  void hold(const odo_points& points) {
+    points_.clear(), points_ns_ = points.header.t_ns;
+    for (uint32_t i = 0; i < points.count; ++i)
+      if (const odo_point* point = ODO_POINTS_AT(&points, i)) points_.push_back(*point);
+  }
+  void pose(const odo_pose& pose) {
+    constexpr uint32_t needed = ODO_POSE_POSITION | ODO_POSE_ORIENTATION | ODO_POSE_CAMERA;
+    const auto grey = grey_.find(pose.header.t_ns);
+    if ((pose.header.flags & needed) != needed || grey == grey_.end()) return;
+    Shot shot;
+    shot.picture.t_ns = pose.header.t_ns, shot.picture.grey = grey->second, shot.picture.lens = lens_;
+    shot.T_n_c = {quaternion(pose.q_n), Vector3d(pose.p_n)};
+    shot.picture.down_c = shot.T_n_c.q.conjugate() * Vector3d::UnitZ();
+    shot.picture.tilt_sigma_rad = std::max(0.005, std::sqrt(0.5 * (pose.covariance[0] + pose.covariance[7])));
+    if (const auto truth = pose_at(recording_.truth, pose.header.t_ns, 0.1)) shot.truth = Rigid{truth->q, truth->p};
+    shot.scale_sigma = pose.scale > 0 && pose.scale_sigma > 0 ? pose.scale_sigma / pose.scale : 1;
+    if (points_ns_ == pose.header.t_ns && pose.header.flags & ODO_POSE_METRIC)
+      for (const odo_point& point : points_) {
+        if (point.flags & (ODO_POINT_UNCERTAIN | ODO_POINT_LOST) || point.age < 3) continue;
+        Landmark& landmark = shot.landmarks.emplace_back();
+        landmark.id = point.id, landmark.pixel = Eigen::Vector2f::Map(point.pixel).cast<double>();
+        landmark.p_c = pose.scale * Eigen::Vector3f::Map(point.p_c).cast<double>();
+        const float* c = point.covariance;
+        Eigen::Matrix3f P;
+        P << c[0], c[1], c[2], c[1], c[3], c[4], c[2], c[4], c[5];
+        landmark.covariance = pose.scale * pose.scale * P.cast<double>();
+      }
+    take_(std::move(shot));
+  }
+
+  const Recording& recording_;
+  std::function<void(Shot&&)> take_;
+  CameraModel lens_;
+  std::map<int64_t, cv::Mat> grey_;
+  std::vector<odo_point> points_;
+  int64_t points_ns_ = 0;
+};
+
+double milliseconds(const std::function<void()>& call) {
+  const auto start = std::chrono::steady_clock::now();
+  call();
+  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+}
+
+/// One line per query: what the best candidate is and what speaks for it.
+class Printer {
+ public:
+  explicit Printer(const std::map<uint64_t, Rigid>& places) : places_(places) {}
+
+  /// `truth`: of the query in the frame of `places`, nothing if it is elsewhere.
+  void query(const std::string& name, const PlaceMap& map, const Picture& picture, const std::optional<Rigid>& truth,
+             const PlaceMap::Excludes& excludes = {}) {
+    std::vector<PlaceMap::Candidate> found;
+    const double ms = milliseconds([&] { found = map.candidates(picture, excludes); });
+    std::printf("%s %.3f ms=%.1f", name.c_str(), 1e-9 * static_cast<double>(picture.t_ns), ms);
+    if (found.empty() || !found[0].verified) {
+      std::printf(" none\n");
+      return;
+    }
+    const auto& best = found[0];
+    const Evidence& e = best.verified->evidence;
+    const KeyFrame& frame = map.key_frames()[best.frame];
+    const Evidence second = found.size() > 1 && found[1].verified ? found[1].verified->evidence : Evidence();
+    std::printf(" kf=%llu votes=%.1f tentative=%d inliers=%d icells=%d visible=%d matched=%d cells=%d chance=%.1f "
+                "chance2=%.1f",
+                static_cast<unsigned long long>(frame.id), best.votes, e.tentative, e.inliers, e.inlier_cells, e.visible,
+                e.matched, e.cells, e.log_chance, second.log_chance);
+    const auto recognition = map.best_of(picture, found);
+    std::printf(" odds=%.1f runner_up=%.1f accepted=%d", recognition->log_odds, recognition->runner_up,
+                map.is_accepted(*recognition) ? 1 : 0);
+    if (truth) {
+      const Rigid& place = places_.at(frame.id);
+      const Rigid T_k_c = place.inverse() * *truth, estimate = best.verified->T_c_k.inverse();
+      const double range = map_range(frame);
+      Eigen::Matrix<double, 6, 1> error;
+      error << log_rotation(estimate.q * T_k_c.q.conjugate()), estimate.p - T_k_c.p;
+      std::printf(" nees=%.2f", error.dot(recognition->covariance.ldlt().solve(error)) / 6);
+      std::printf(" error_m=%.3f error_deg=%.2f range=%.2f moved=%.2f", (estimate.p - T_k_c.p).norm(),
+                  180 / std::numbers::pi * estimate.q.angularDistance(T_k_c.q), range, T_k_c.p.norm());
+    }
+    std::printf("\n");
+  }
+
+ private:
+  static double map_range(const KeyFrame& frame) {
+    std::vector<float> d;
+    for (const auto& l : frame.landmarks) d.push_back(Eigen::Vector3f::Map(l.p_k.data()).norm());
+    std::nth_element(d.begin(), d.begin() + static_cast<long>(d.size() / 2), d.end());
+    return static_cast<double>(d[d.size() / 2]);
+  }
+  const std::map<uint64_t, Rigid>& places_;
+};
+
+struct Made {
+  PlaceMap map;
+  std::map<uint64_t, Rigid> places;  // the key frames' true poses; estimated ones without a truth
+  std::vector<Shot> shots;           // some of the frames
+};
+
+bool make(const std::string& file, const std::string& config, double shots_each_s, Made& made) {
+  const auto recording = read_recording(file);
+  if (!recording) return std::fprintf(stderr, "%s\n", recording.failure().text.c_str()), false;
+  KeyFrameChooser chooser;
+  int64_t last_ns = INT64_MIN / 2;
+  double add_ms = 0;
+  size_t landmarks = 0;
+  Collector collector(*recording, [&](Shot&& shot) {
+    if (shot.scale_sigma < 0.1 && chooser.choose(shot.picture.t_ns, shot.T_n_c, shot.landmarks)) {
+      uint64_t id = 0;
+      add_ms += milliseconds([&] { id = made.map.add(shot.picture, shot.landmarks, shot.T_n_c, 0, shot.scale_sigma); });
+      if (id) made.places[id] = shot.truth.value_or(shot.T_n_c), landmarks += made.map.find(id)->landmarks.size();
+    }
+    if (static_cast<double>(shot.picture.t_ns - last_ns) < 1e9 * shots_each_s) return;
+    last_ns = shot.picture.t_ns;
+    made.shots.push_back(std::move(shot));
+  });
+  if (!collector.run(config)) return false;
+  const auto count = static_cast<double>(std::max<size_t>(1, made.map.key_frames().size()));
+  std::fprintf(stderr, "%s: %zu key frames, %.0f landmarks and %.0f bytes each, %.1f ms to add, %zu frames\n",
+               file.c_str(), made.map.key_frames().size(), static_cast<double>(landmarks) / count,
+               static_cast<double>(made.map.bytes()) / count, add_ms / count, made.shots.size());
+  return true;
+}
+
+/// Views of a simulated world, near the places of a map.
+class Views {
+ public:
+  Views(const Scenario& scenario, uint64_t seed) : scenario_(scenario), world_(scenario, seed) {}
+
+  Picture render(const Rigid& T_n_c, double light, const Scenario::Camera& with, uint64_t number) const {
+    Scenario scenario = scenario_;
+    scenario.camera = with, scenario.world.light = light;
+    const SimCamera camera(scenario.camera, light, number);
+    const Motion still(1, {T_n_c.p}, {(T_n_c.q * camera.in_body().conjugate()).normalized()});
+    View view(world_, camera, scenario);
+    Picture picture;
+    picture.grey = camera.develop(view.render(still, 0, 0), number);
+    picture.t_ns = static_cast<int64_t>(number) * 1'000'000'000;
+    picture.lens.fx = picture.lens.fy = with.focal_px, picture.lens.cx = camera.cx(), picture.lens.cy = camera.cy();
+    picture.lens.coefficients = with.distortion;
+    if (with.model == "kannala_brandt") picture.lens.distortion = CameraModel::Distortion::kannala_brandt;
+    picture.down_c = T_n_c.q.conjugate() * Vector3d::UnitZ();
+    return picture;
+  }
+  const World& world() const { return world_; }
+
+ private:
+  Scenario scenario_;
+  World world_;
+};
+
+struct SimulatedOptions {
+  std::string scenario, recording, config;
+  uint64_t seed = 1, other_seed = 0;
+  size_t queries = 100;
+  double light = 1, tilt_sigma_rad = 0.005, aside_m = 0.5, turn_rad = 0.25;
+  std::string other_lens;
+};
+
+int simulated_queries(const SimulatedOptions& o) {
+  Made made;
+  if (!make(o.recording, o.config, 1e9, made)) return 1;
+  const auto scenario = read_scenario(o.scenario);
+  if (!scenario) return std::fprintf(stderr, "%s\n", scenario.failure().text.c_str()), 1;
+  const Views views(*scenario, o.other_seed ? o.other_seed : o.seed);
+  Scenario::Camera camera = scenario->camera;
+  camera.stabiliser = {}, camera.focus = {};
+  if (o.other_lens == "wide") camera.width = 800, camera.height = 600, camera.focal_px = 450;
+  if (o.other_lens == "tele") camera.width = 960, camera.height = 720, camera.focal_px = 950;
+  if (o.other_lens == "portrait") camera.width = 480, camera.height = 640, camera.focal_px = 520;
+  if (o.other_lens == "fisheye")
+    camera.model = "kannala_brandt", camera.distortion = {0.01, -0.005, 0.001, 0}, camera.focal_px = 380;
+  Printer printer(made.places);
+  Random random(o.seed, 4711);
+  std::vector<Rigid> places;
+  for (const auto& [id, place] : made.places) places.push_back(place);
+  for (size_t i = 0; i < o.queries; ++i) {
+    const Rigid& place = places[random.next() % places.size()];
+    const Quaterniond turn(Eigen::AngleAxisd(o.turn_rad * random.normal(), Vector3d::UnitZ()));
+    const Quaterniond nod(Eigen::AngleAxisd(0.1 * random.normal(), Vector3d::UnitX()));
+    const Quaterniond roll(Eigen::AngleAxisd(0.1 * random.normal(), Vector3d::UnitZ()));
+    Rigid at{(turn * place.q * nod * roll).normalized(), place.p};
+    at.p += o.aside_m * Vector3d(random.normal(), random.normal(), 0) + Vector3d(0, 0, 0.1 * random.normal());
+    Picture picture = views.render(at, o.light, camera, i + 1);
+    const Vector3d tilt(o.tilt_sigma_rad * random.normal(), o.tilt_sigma_rad * random.normal(), 0);
+    picture.down_c = exp_rotation(tilt) * picture.down_c, picture.tilt_sigma_rad = std::max(0.003, o.tilt_sigma_rad);
+    const auto ahead = views.world().look(at.p, at.q * Vector3d::UnitZ());
+    std::printf("d=%.2f ", ahead ? ahead->distance_m : 99.0);
+    printer.query("sim", made.map, picture, o.other_seed ? std::nullopt : std::optional(at));
+  }
+  return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app("Figures of fix/map");
+  std::string recording, config = "samples/configs/walk.yaml";
+  std::vector<std::string> others;
+  double each_s = 0.5, excluded_s = 10;
+  SimulatedOptions o;
+  app.add_option("--config", config);
+  auto* self = app.add_subcommand("self", "frames of a recording in its own map, without the key frames of their time");
+  self->add_option("recording", recording)->required();
+  self->add_option("--each", each_s, "s");
+  self->add_option("--excluded", excluded_s, "s");
+  auto* cross = app.add_subcommand("cross", "pictures of others in a map");
+  cross->add_option("recording", recording)->required();
+  cross->add_option("others", others)->required();
+  auto* sim = app.add_subcommand("sim", "views of a simulated world in the map of a walk in it");
+  sim->add_option("scenario", o.scenario)->required();
+  sim->add_option("recording", o.recording)->required();
+  sim->add_option("--seed", o.seed);
+  sim->add_option("--other-seed", o.other_seed, "of another world");
+  sim->add_option("--queries", o.queries);
+  sim->add_option("--light", o.light);
+  sim->add_option("--tilt", o.tilt_sigma_rad);
+  sim->add_option("--aside", o.aside_m);
+  sim->add_option("--turn", o.turn_rad);
+  sim->add_option("--lens", o.other_lens);
+  app.require_subcommand(1);
+  CLI11_PARSE(app, argc, argv);
+  o.config = config;
+  if (*sim) return simulated_queries(o);
+  Made made;
+  if (!make(recording, config, *self ? each_s : 1e9, made)) return 1;
+  Printer printer(made.places);
+  if (*self) {
+    for (const Shot& shot : made.shots)
+      printer.query("self", made.map, shot.picture, shot.truth.value_or(shot.T_n_c), [&](const KeyFrame& frame) {
+        return std::abs(static_cast<double>(frame.t_ns - shot.picture.t_ns)) < 1e9 * excluded_s;
+      });
+    return 0;
+  }
+  for (const std::string& other : others) {
+    Made theirs;
+    if (!make(other, config, each_s, theirs)) return 1;
+    for (const Shot& shot : theirs.shots) printer.query("cross", made.map, shot.picture, std::nullopt);
+  }
+  return 0;
+}
