@@ -26,7 +26,8 @@ struct PlaceMapParameters {
   double neighbour_rad = 0.6;  ///< and of its direction of view
   size_t max_landmarks = 250;  ///< of a key frame
   double max_sigma = 0.15;     ///< of a landmark's distance, relative
-  double min_log_odds = 30;    ///< of a place against chance; see the README for look-alikes
+  double min_log_odds = 20;    ///< of a place against chance; see the README for look-alikes
+  double min_share = 0.16;     ///< of the landmarks that should be seen and are: look-alikes agree in parts
   int min_cells = 8;           ///< of the picture with inliers: spread over it, not one object
   double max_runner_up = 0.5;  ///< log odds of the best other place, relative: look-alikes within the map
   double same_place_m = 1, same_place_rad = 0.35;  ///< poses in the map that are farther apart are other places

@@ -26,7 +26,7 @@ bool PlaceSession::see(Sight sight) {
   const int64_t t_ns = sight.picture.t_ns;
   const bool scaled = !sight.landmarks.empty() && sight.scale_sigma < p_.max_scale_sigma;
   const bool is_key = scaled && chooser_.choose(t_ns, sight.T_s_c, sight.landmarks);
-  const bool asks = seconds_between(asked_ns_, t_ns) >= p_.interval_s || asked_ns_ == INT64_MIN;
+  const bool asks = asked_ns_ == INT64_MIN || seconds_between(asked_ns_, t_ns) >= p_.interval_s;
   const bool busy = is_live_ && worker_.waiting() >= p_.most_waiting;
   if (is_key || (asks && !busy)) sight.picture.grey = sight.picture.grey.clone();
   if (asks && !busy) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <memory>
 #include <optional>
@@ -52,6 +53,7 @@ class Map {
     pose_ = {}, pose_.header.t_ns = INT64_MIN;
     T_n_s_ = {};
     camera_ = {};
+    for (Waiting& waiting : waiting_) waiting.t_ns = INT64_MIN;
   }
 
   void on(const odo_calibration& c, odo::Output&) {
@@ -76,9 +78,12 @@ class Map {
     }
   }
 
-  void on(const odo_pose& pose, odo::Output&) {
+  void on(const odo_pose& pose, odo::Output& output) {
     constexpr uint32_t needed = ODO_POSE_ORIENTATION | ODO_POSE_CAMERA;
-    if ((pose.header.flags & needed) == needed && (pose.header.flags & ODO_POSE_EXTRAPOLATED) == 0) pose_ = pose;
+    if ((pose.header.flags & needed) != needed || (pose.header.flags & ODO_POSE_EXTRAPOLATED) != 0) return;
+    pose_ = pose;
+    for (const Waiting& waiting : waiting_)
+      if (waiting.t_ns == pose.header.t_ns) return see(waiting, output);
   }
 
   void on(const odo_correction& correction, odo::Output&) {
@@ -92,27 +97,38 @@ class Map {
     session_->move(frame.header.t_ns, T_n_s_.inverse() * T_n_b * T_b_c_);
   }
 
-  /// The pose of a frame precedes it, unless the front-end gave none.
+  /// The pose of a frame precedes it, or follows within some frames where the front-end waits for inertial samples.
   void on(const odo_frame& frame, odo::Output& output) {
-    const int64_t t_ns = frame.header.t_ns;
-    if (pose_.header.t_ns == t_ns) see(frame, output);
-    for (const Found& found : session_->take(t_ns)) emit(found, output);
+    Waiting& waiting = waiting_[next_++ % waiting_.size()];
+    waiting.t_ns = frame.header.t_ns, waiting.camera = frame.header.source;
+    waiting.lens = camera_.lens_of(frame);
+    odograph::grey_of(frame, converted_).copyTo(waiting.grey);
+    if (pose_.header.t_ns == waiting.t_ns) see(waiting, output);
+    for (const Found& found : session_->take(waiting.t_ns)) emit(found, output);
   }
 
  private:
-  void see(const odo_frame& frame, odo::Output& output) {
+  /// A frame that waits for its pose.
+  struct Waiting {
+    int64_t t_ns = INT64_MIN;
+    uint32_t camera = 0;
+    odograph::CameraModel lens;
+    cv::Mat grey;
+  };
+
+  void see(const Waiting& frame, odo::Output& output) {
     Sight sight;
     const Rigid T_n_c{odograph::quaternion(pose_.q_n), Vector3d(pose_.p_n)};
-    sight.picture.t_ns = frame.header.t_ns;
-    sight.picture.grey = odograph::grey_of(frame, converted_);
-    sight.picture.lens = camera_.lens_of(frame);
+    sight.picture.t_ns = frame.t_ns;
+    sight.picture.grey = frame.grey;
+    sight.picture.lens = frame.lens;
     sight.picture.down_c = T_n_c.q.conjugate() * Vector3d::UnitZ();
     sight.picture.tilt_sigma_rad = std::sqrt(std::max(pose_.covariance[0], pose_.covariance[7]));
     sight.T_s_c = T_n_s_.inverse() * T_n_c;
     constexpr uint32_t placed = ODO_POSE_POSITION | ODO_POSE_METRIC;
     const bool metric = (pose_.header.flags & placed) == placed && pose_.scale > 0 && pose_.scale_sigma > 0;
     scale_sigma_ = metric ? pose_.scale_sigma / pose_.scale : 1;
-    if (metric && pose_.state == ODO_TRACKING && landmarks_ns_ == frame.header.t_ns) {
+    if (metric && pose_.state == ODO_TRACKING && landmarks_ns_ == frame.t_ns) {
       sight.scale_sigma = scale_sigma_, sight.epoch = epoch_;
       sight.landmarks = landmarks_;
       for (Landmark& landmark : sight.landmarks)
@@ -120,8 +136,8 @@ class Map {
     }
     const auto count = static_cast<uint32_t>(sight.landmarks.size());
     if (!session_->see(std::move(sight))) return;
-    auto key_frame = odo::make<odo_key_frame>(frame.header.t_ns);
-    key_frame.id = ++key_frames_, key_frame.camera = frame.header.source, key_frame.landmarks = count;
+    auto key_frame = odo::make<odo_key_frame>(frame.t_ns);
+    key_frame.id = ++key_frames_, key_frame.camera = frame.camera, key_frame.landmarks = count;
     output.emit(key_frame);
   }
 
@@ -164,6 +180,8 @@ class Map {
   std::vector<Landmark> landmarks_;  // of the newest frame, in units of the front-end
   int64_t landmarks_ns_ = INT64_MIN;
   uint32_t epoch_ = 0;
+  std::array<Waiting, 4> waiting_;
+  size_t next_ = 0;
   odo_pose pose_{};
   double scale_sigma_ = 1;
   Rigid T_n_s_;  // what corrections have moved so far

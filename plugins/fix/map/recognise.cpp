@@ -152,6 +152,7 @@ std::optional<Recognition> PlaceMap::best_of(const Picture& picture, const std::
   out.key_frame = frames_[best.frame].id, out.t_ns = picture.t_ns;
   out.T_k_c = best.verified->T_c_k.inverse();
   out.inliers = best.verified->evidence.matched, out.cells = best.verified->evidence.inlier_cells;
+  out.share = static_cast<double>(out.inliers) / std::max(1, best.verified->evidence.visible);
   out.log_odds = log_odds(best);
   set_covariance(best, out);
   const Rigid T_m_c = frames_[best.frame].T_m_k * out.T_k_c;
@@ -166,7 +167,8 @@ std::optional<Recognition> PlaceMap::best_of(const Picture& picture, const std::
 }
 
 bool PlaceMap::is_accepted(const Recognition& recognition) const {
-  return recognition.log_odds > p_.min_log_odds && recognition.cells >= p_.min_cells &&
+  return recognition.log_odds > p_.min_log_odds && recognition.share > p_.min_share &&
+         recognition.cells >= p_.min_cells &&
          recognition.runner_up < p_.max_runner_up * recognition.log_odds;
 }
 

@@ -50,7 +50,10 @@ void Pipeline::process(const odo_header& message) {
   }
   handle_events();
   if (std::exchange(places_moved_, false)) {  // after the correction
-    fusion_->publish_moved_key_frames([this](const odo_key_frame& frame) { publish_and_forward(frame.header); });
+    fusion_->publish_moved_key_frames([this](const odo_key_frame& frame) {
+      publish_and_forward(frame.header);
+      roster_.return_event(frame.header);
+    });
     handle_events();
   }
   sources_.judge();

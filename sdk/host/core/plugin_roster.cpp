@@ -69,6 +69,11 @@ void PluginRoster::forward_event(const odo_header& event, bool scale_sources_too
   }
 }
 
+void PluginRoster::return_event(const odo_header& event) {
+  for (PluginInstance* plugin : call_order_)
+    if (plugin->number() == event.source && plugin->wants(event.type)) deliver(*plugin, event);
+}
+
 void PluginRoster::forward_to_kind(const char* interface_id, const odo_header& message) {
   for (PluginInstance* plugin : call_order_)
     if (plugin->interface_id() == interface_id && plugin->wants(message.type)) deliver(*plugin, message);

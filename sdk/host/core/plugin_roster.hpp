@@ -31,6 +31,8 @@ class PluginRoster {
   /// it already.
   void forward_event(const odo_header& event, bool scale_sources_too = true);
   /// Passes a message to the plugins of one kind that want it.
+  /// Passes an event to the plugin that it is from.
+  void return_event(const odo_header& event);
   void forward_to_kind(const char* interface_id, const odo_header& message);
   /// Calls the plugins that requested it (odo.wake/1); `handled` after each.
   void wake(const std::function<void()>& handled);

@@ -10,8 +10,8 @@ namespace odograph {
 namespace {
 
 /// Without which a plugin of any kind does its work: descriptions, and what the host adds.
-constexpr uint32_t kOptional[] = {ODO_TYPE_CALIBRATION, ODO_TYPE_IMU_NOISE,   ODO_TYPE_EARTH_FIELD,
-                                  ODO_TYPE_SYSTEM_STEP, ODO_TYPE_MOTION_MODE, ODO_TYPE_CORRECTION};
+constexpr uint32_t kOptional[] = {ODO_TYPE_CALIBRATION, ODO_TYPE_IMU_NOISE,  ODO_TYPE_EARTH_FIELD, ODO_TYPE_SYSTEM_STEP,
+                                  ODO_TYPE_MOTION_MODE, ODO_TYPE_CORRECTION, ODO_TYPE_KEY_FRAME};
 
 }  // namespace
 

@@ -1,0 +1,363 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// fix/map's recognition on pictures of painted walls, whose geometry is exact.
+#include "plugins/fix/map/place_map.hpp"
+
+#include <random>
+
+#include <Eigen/Cholesky>
+#include <opencv2/imgproc.hpp>
+
+#include "plugins/fix/map/agreement.hpp"
+#include "plugins/fix/map/key_frame_chooser.hpp"
+#include "plugins/fix/map/map_section.hpp"
+#include "sdk/math/rotation.hpp"
+#include "tests/support/support.hpp"
+
+using Eigen::Quaterniond;
+using Eigen::Vector3d;
+using namespace odograph::place_map;
+
+TEST_SUITE_BEGIN("place_map");
+
+namespace {
+
+constexpr double kDegree = M_PI / 180;
+
+/// A wall 6 m wide and 4 m high across the z axis, 3 m ahead, painted with shapes that cover each other. World: x
+/// right, y down.
+class Wall {
+ public:
+  static constexpr double kAhead_m = 3, kPerMetre = 200;
+
+  explicit Wall(unsigned seed) : paint_(800, 1200, CV_8U, cv::Scalar(128)) {
+    std::mt19937 random(seed);
+    const auto below = [&](int n) { return static_cast<int>(random() % static_cast<unsigned>(n)); };
+    for (int i = 0; i < 900; ++i) {
+      const cv::Point at(below(paint_.cols), below(paint_.rows));
+      const int size = 5 + below(60), grey = below(256);
+      if (below(2) == 0)
+        cv::circle(paint_, at, size / 2, grey, cv::FILLED);
+      else
+        cv::rectangle(paint_, at, at + cv::Point(size, 5 + below(60)), grey, cv::FILLED);
+    }
+  }
+
+  /// The world point that a pixel shows.
+  static Vector3d seen(const Picture& picture, const Rigid& T_w_c, const Eigen::Vector2d& pixel) {
+    const auto rays = rays_of(picture.lens, {cv::Point2f(pixel.cast<float>().x(), pixel.cast<float>().y())}, 1.4);
+    const Vector3d ray = T_w_c.q * rays[0];
+    return T_w_c.p + (kAhead_m - T_w_c.p.z()) / ray.z() * ray;
+  }
+
+  Picture picture(const Rigid& T_w_c, double focal_px = 500, cv::Size size = {640, 480}, double light = 1) const {
+    Picture out;
+    out.lens.fx = out.lens.fy = focal_px;
+    out.lens.cx = 0.5 * (size.width - 1), out.lens.cy = 0.5 * (size.height - 1);
+    cv::Mat columns(size, CV_32F), rows(size, CV_32F);
+    for (int y = 0; y < size.height; ++y)
+      for (int x = 0; x < size.width; ++x) {
+        const Vector3d ray = T_w_c.q * Vector3d((x - out.lens.cx) / focal_px, (y - out.lens.cy) / focal_px, 1);
+        const Vector3d p = T_w_c.p + (kAhead_m - T_w_c.p.z()) / ray.z() * ray;
+        columns.at<float>(y, x) = static_cast<float>(p.x() * kPerMetre + 0.5 * paint_.cols);
+        rows.at<float>(y, x) = static_cast<float>(p.y() * kPerMetre + 0.5 * paint_.rows);
+      }
+    cv::remap(paint_, out.grey, columns, rows, cv::INTER_LINEAR, cv::BORDER_CONSTANT, 128);
+    cv::GaussianBlur(out.grey, out.grey, {0, 0}, 0.8);
+    out.grey.convertTo(out.grey, CV_8U, light);
+    out.down_c = T_w_c.q.conjugate() * Vector3d::UnitY();
+    out.tilt_sigma_rad = 0.005;
+    return out;
+  }
+
+  /// Landmarks at corners of the picture, as a front-end would have them.
+  static std::vector<Landmark> landmarks(const Picture& picture, const Rigid& T_w_c) {
+    std::vector<cv::Point2f> corners;
+    cv::goodFeaturesToTrack(picture.grey, corners, 150, 0.01, 12);
+    std::vector<Landmark> out;
+    for (const cv::Point2f& corner : corners) {
+      Landmark& landmark = out.emplace_back();
+      landmark.id = out.size(), landmark.pixel = Eigen::Vector2d(corner.x, corner.y);
+      landmark.p_c = T_w_c.inverse() * seen(picture, T_w_c, landmark.pixel);
+      landmark.covariance = 1e-4 * Eigen::Matrix3d::Identity();
+    }
+    return out;
+  }
+
+ private:
+  cv::Mat paint_;
+};
+
+Rigid at(const Vector3d& p, double yaw_deg = 0, double roll_deg = 0) {
+  return {Quaterniond(Eigen::AngleAxisd(yaw_deg * kDegree, Vector3d::UnitY()) *
+                      Eigen::AngleAxisd(roll_deg * kDegree, Vector3d::UnitZ())),
+          p};
+}
+
+uint64_t add(PlaceMap& map, const Wall& wall, const Rigid& T_w_c, const Rigid& T_m_w = {}, uint32_t epoch = 0) {
+  const Picture picture = wall.picture(T_w_c);
+  return map.add(picture, Wall::landmarks(picture, T_w_c), T_m_w * T_w_c, epoch);
+}
+
+double squared_error(const Recognition& seen, const Rigid& T_k_c) {
+  Eigen::Matrix<double, 6, 1> error;
+  error << odograph::log_rotation(seen.T_k_c.q * T_k_c.q.conjugate()), seen.T_k_c.p - T_k_c.p;
+  return error.dot(seen.covariance.ldlt().solve(error));
+}
+
+}  // namespace
+
+TEST_CASE("two rays with gravity give the pose from which the landmarks were projected") {
+  std::mt19937 random(3);
+  std::normal_distribution<double> normal;
+  for (int i = 0; i < 200; ++i) {
+    const Rigid T{Quaterniond(Eigen::AngleAxisd(normal(random), Vector3d::UnitZ())),
+                  Vector3d(normal(random), normal(random), normal(random))};
+    const Vector3d X0(4 + normal(random), normal(random), normal(random)),
+        X1(4 + normal(random), normal(random), normal(random));
+    const auto poses = two_point_poses(X0, X1, (T * X0).normalized(), (T * X1).normalized());
+    double best = 1e9;
+    for (const Rigid& pose : poses)
+      best = std::min(best, (pose.p - T.p).norm() + pose.q.angularDistance(T.q));
+    CHECK(best < 1e-6);
+  }
+}
+
+TEST_CASE("two points at the horizon leave the distance open, and give no pose") {
+  CHECK(two_point_poses({4, 1, 0}, {4, -1, 0}, Vector3d(4, 1, 0).normalized(), Vector3d(4, -1, 0).normalized()).empty());
+}
+
+TEST_CASE("the covariance of a refined pose is that of its scatter") {
+  // 2 mrad of noise on 40 rays: the mean of 6 squared normalised errors has the expectation 6.
+  std::mt19937 random(5);
+  std::normal_distribution<double> normal;
+  const Rigid T{odograph::exp_rotation({0.1, 0.3, -0.2}), Vector3d(0.3, -0.1, 0.4)};
+  PoseParameters parameters;
+  parameters.lens_rad = 0;
+  double sum = 0;
+  constexpr int kTrials = 200;
+  for (int trial = 0; trial < kTrials; ++trial) {
+    std::vector<Correspondence> matches;
+    for (int i = 0; i < 40; ++i) {
+      Correspondence& match = matches.emplace_back();
+      match.p_k = Vector3d(2 * normal(random), normal(random), 5 + normal(random));
+      match.sigma_rad = 0.002;
+      const Vector3d noise(normal(random), normal(random), normal(random));
+      match.ray_c = ((T * match.p_k).normalized() + match.sigma_rad * noise).normalized();
+    }
+    const Vector3d tilt = 0.01 * Vector3d(normal(random), normal(random), normal(random));
+    const Gravity gravity{Vector3d::UnitY(), odograph::exp_rotation(tilt) * (T.q * Vector3d::UnitY()), 0.01};
+    const auto refined = refine_pose(matches, gravity, {T.q, T.p + Vector3d(0.1, 0, 0)}, parameters);
+    REQUIRE(refined);
+    Eigen::Matrix<double, 6, 1> error;
+    error << odograph::log_rotation(refined->T_c_k.q * T.q.conjugate()), refined->T_c_k.p - T.p;
+    sum += error.dot(refined->information * error);
+  }
+  CHECK(sum / kTrials > 5);  // sigma of the mean: 0.25
+  CHECK(sum / kTrials < 7.5);  // Huber's weights cost some
+}
+
+TEST_CASE("a descriptor does not depend on the phone's rotation about its axis") {
+  const Wall wall(1);
+  const Picture upright = wall.picture(at({0, 0, 0}));
+  Picture turned = upright;  // by exactly a quarter
+  cv::rotate(upright.grey, turned.grey, cv::ROTATE_90_CLOCKWISE);
+  std::swap(turned.lens.cx, turned.lens.cy);
+  turned.down_c = -Vector3d::UnitX();
+  const PictureLevels a(upright, {}), b(turned, {});
+  for (const auto& [x, y] : {std::pair(300.0, 200.0), std::pair(250.0, 260.0), std::pair(400.0, 220.0)}) {
+    const auto first = a.describe({x, y}, 1), second = b.describe({479 - y, x}, 1);
+    REQUIRE(first);
+    REQUIRE(second);
+    CHECK(hamming(*first, *second) < 20);  // places are rounded to pixels; others differ by some 60
+  }
+}
+
+TEST_CASE("the distance of two descriptors is the number of different bits, up to all of them") {
+  const Descriptor zeros{}, ones{~0ull, ~0ull, ~0ull, ~0ull}, some{1, 3, 7, 1ull << 63};
+  CHECK(hamming(zeros, ones) == 256);
+  CHECK(hamming(zeros, some) == 7);
+  CHECK(hamming(some, some) == 0);
+}
+
+TEST_CASE("the inverted file finds a descriptor again with one wrong bit in each word") {
+  std::mt19937_64 random(1);
+  WordIndex index;
+  std::vector<Descriptor> all(500);
+  for (Descriptor& descriptor : all) {
+    for (uint64_t& word : descriptor) word = random();
+    index.add(descriptor);
+  }
+  for (uint32_t i = 0; i < all.size(); ++i) {
+    Descriptor seen = all[i];
+    seen[0] ^= 1ull << 3 | 1ull << 17 | 1ull << 30 | 1ull << 45;
+    bool found = false;
+    index.look_up(seen, [&](uint32_t number) { found = found || number == i; });
+    CHECK(found);
+  }
+}
+
+TEST_CASE("a place is recognised from elsewhere, with another lens, rotated and in less light") {
+  const Wall wall(1);
+  PlaceMap map;
+  const Rigid place = at({0, 0, 0});
+  const uint64_t id = add(map, wall, place);
+  REQUIRE(id != 0);
+  struct Case {
+    Rigid T;
+    double focal_px;
+    cv::Size size;
+    double light;
+  };
+  for (const Case& c : {Case{at({0, 0, 0}), 500, {640, 480}, 1}, Case{at({0.4, -0.1, 0.3}, -8), 500, {640, 480}, 1},
+                        Case{at({0, 0, 1.0}), 500, {640, 480}, 1}, Case{at({0, 0, -1.5}), 500, {640, 480}, 1},
+                        Case{at({-0.3, 0.2, 0}, 10), 800, {960, 720}, 1},
+                        Case{at({0.2, 0, 0.2}, 0, 90), 500, {480, 640}, 1},
+                        Case{at({0.2, 0, 0.2}, -5, 10), 500, {640, 480}, 0.3}}) {
+    const auto seen = map.recognise(wall.picture(c.T, c.focal_px, c.size, c.light));
+    REQUIRE(seen);
+    CHECK(seen->key_frame == id);
+    const Rigid truth = place.inverse() * c.T;
+    CHECK((seen->T_k_c.p - truth.p).norm() < 0.03 + 0.01 * Wall::kAhead_m);  // the mark of the requirement
+    CHECK(seen->T_k_c.q.angularDistance(truth.q) < 1 * kDegree);
+    CHECK(squared_error(*seen, truth) < 22.5);  // 99.9 % of six degrees of freedom
+    CHECK(seen->landmarks.size() == static_cast<size_t>(seen->inliers));
+  }
+}
+
+TEST_CASE("other walls are not recognised") {
+  PlaceMap map;
+  add(map, Wall(1), at({0, 0, 0}));
+  for (unsigned seed = 2; seed < 22; ++seed) CHECK(!map.recognise(Wall(seed).picture(at({0, 0, 0}))));
+  Picture nothing = Wall(1).picture(at({0, 0, 0}));
+  nothing.grey = 128;
+  CHECK(!map.recognise(nothing));
+  CHECK(!PlaceMap().recognise(Wall(1).picture(at({0, 0, 0}))));
+}
+
+TEST_CASE("a place of which the map has a copy is not recognised: it might be either") {
+  const Wall wall(1);
+  PlaceMap map;
+  add(map, wall, at({0, 0, 0}), {}, 0);
+  const Picture query = wall.picture(at({0.2, 0, 0.1}));
+  CHECK(map.recognise(query));
+  const uint64_t copy = add(map, wall, at({0, 0, 0}), at({10, 0, 0}), 1);
+  CHECK(!map.recognise(query));
+  CHECK(map.recognise(query, [copy](const KeyFrame& frame) { return frame.id == copy; }));
+  map.remove(copy);
+  CHECK(map.recognise(query));
+  CHECK(map.find(copy) == nullptr);
+}
+
+TEST_CASE("landmarks between key frames lie where the wall is") {
+  // The first has no earlier one: its landmarks are the front-end's, which the test leaves out of the second.
+  const Wall wall(1);
+  PlaceMap map;
+  add(map, wall, at({0, 0, 0}));
+  const Rigid second = at({0.4, 0, 0});
+  const Picture picture = wall.picture(second);
+  const auto few = Wall::landmarks(picture, second);
+  map.add(picture, std::span(few).first(40), second);
+  REQUIRE(map.key_frames().size() == 2);
+  size_t paired = 0, on_wall = 0;
+  for (const KeptLandmark& landmark : map.key_frames()[1].landmarks) {
+    if (landmark.id < 1ull << 63) continue;
+    const Vector3d p = second * Eigen::Vector3f::Map(landmark.p_k.data()).cast<double>();
+    ++paired;
+    on_wall += std::abs(p.z() - Wall::kAhead_m) < 3 * static_cast<double>(landmark.along_sigma) ? 1 : 0;
+  }
+  CHECK(paired > 50);
+  CHECK(static_cast<double>(on_wall) > 0.97 * static_cast<double>(paired));
+}
+
+TEST_CASE("the same pictures give the same recognition, and a stored map the same as the one it was made from") {
+  const Wall wall(1);
+  const auto made = [&] {
+    PlaceMap map;
+    add(map, wall, at({0, 0, 0})), add(map, wall, at({0.3, 0, 0}));
+    return map;
+  };
+  const PlaceMap first = made(), second = made();
+  const std::vector<uint8_t> bytes = bytes_of(first);
+  CHECK(bytes == bytes_of(second));
+  auto read = key_frames_of(bytes);
+  REQUIRE(std::holds_alternative<std::vector<KeyFrame>>(read));
+  PlaceMap restored;
+  restored.restore(std::get<std::vector<KeyFrame>>(std::move(read)));
+  CHECK(bytes_of(restored) == bytes);
+  CHECK(restored.next_epoch() == 1);
+  const Picture query = wall.picture(at({0.1, 0.1, 0.2}, 5));
+  const auto a = first.recognise(query), b = restored.recognise(query);
+  REQUIRE(a);
+  REQUIRE(b);
+  CHECK(a->T_k_c.p == b->T_k_c.p);
+  CHECK(a->covariance == b->covariance);
+}
+
+TEST_CASE("damaged maps are refused") {
+  PlaceMap map;
+  add(map, Wall(1), at({0, 0, 0}));
+  const std::vector<uint8_t> bytes = bytes_of(map);
+  const auto is_refused = [](std::span<const uint8_t> some) {
+    return std::holds_alternative<std::string>(key_frames_of(some));
+  };
+  for (size_t size = 0; size < bytes.size(); size += 1 + size / 50) CHECK(is_refused(std::span(bytes).first(size)));
+  for (size_t i = 0; i < bytes.size(); i += 1 + i / 50) {
+    std::vector<uint8_t> damaged = bytes;
+    damaged[i] ^= 0x10;
+    CHECK(is_refused(damaged));
+  }
+  std::vector<uint8_t> longer = bytes;
+  longer.push_back(0);
+  CHECK(is_refused(longer));
+}
+
+TEST_CASE("key frames are removed down to a size, those beside another first") {
+  const Wall wall(1);
+  PlaceMap map;
+  std::vector<uint64_t> ids;
+  for (const double x : {0.0, 0.02, 0.04, 1.0}) ids.push_back(add(map, wall, at({x, 0, 0})));
+  map.thin(map.bytes());
+  CHECK(map.key_frames().size() == 4);
+  map.thin(map.bytes() / 2);
+  REQUIRE(map.key_frames().size() == 2);
+  CHECK(map.find(ids[3]));  // alone at its place
+  CHECK(map.find(ids[2]));  // the newest of the others
+}
+
+TEST_CASE("two recognitions agree if the motion between their pictures fits") {
+  Recognition a, b;
+  a.covariance = b.covariance = 1e-4 * Eigen::Matrix<double, 6, 6>::Identity();
+  const Eigen::Matrix<double, 6, 6> motion = 1e-6 * Eigen::Matrix<double, 6, 6>::Identity();
+  const Rigid T_m_ka = at({1, 2, 3}, 30), T_m_kb = at({2, 2, 3}, 50), T_ca_cb = at({0.3, 0, 0}, 10);
+  a.T_k_c = at({0.1, 0.2, 0}, 5);
+  b.T_k_c = T_m_kb.inverse() * T_m_ka * a.T_k_c * T_ca_cb;
+  CHECK(agree(a, T_m_ka, b, T_m_kb, T_ca_cb, motion) == Agreement::yes);
+  CHECK(agree(b, T_m_kb, a, T_m_ka, T_ca_cb.inverse(), motion) == Agreement::yes);
+  Recognition off = b;
+  off.T_k_c.p += Vector3d(0, 0, 0.2);  // eight sigmas of 2.5 cm, with the drift between the key frames
+  CHECK(agree(a, T_m_ka, off, T_m_kb, T_ca_cb, motion) == Agreement::no);
+  off.covariance *= 1e4, off.T_k_c.p.z() += 2;  // a covariance excuses only so much
+  CHECK(agree(a, T_m_ka, off, T_m_kb, T_ca_cb, motion) == Agreement::no);
+  CHECK(agree(a, T_m_ka, a, T_m_ka, Rigid(), motion) == Agreement::not_apart);
+}
+
+TEST_CASE("a key frame is chosen after motion, rotation or with new landmarks, not at rest") {
+  KeyFrameChooser chooser;
+  std::vector<Landmark> landmarks(40);
+  for (size_t i = 0; i < landmarks.size(); ++i) landmarks[i].id = i, landmarks[i].p_c = Vector3d(0, 0, 4);
+  int64_t t_ns = 0;
+  const auto next = [&](const Rigid& T) { return chooser.choose(t_ns += 1'000'000'000, T, landmarks); };
+  CHECK(next(at({0, 0, 0})));
+  CHECK(!next(at({0, 0, 0})));
+  CHECK(!next(at({0.1, 0, 0})));
+  CHECK(next(at({1, 0, 0})));
+  CHECK(next(at({1, 0, 0}, 25)));
+  for (size_t i = 0; i < 30; ++i) landmarks[i].id += 1000;
+  CHECK(next(at({1, 0, 0}, 25)));
+  CHECK(!chooser.choose(t_ns + 1000, at({5, 0, 0}), landmarks));  // too soon
+  landmarks.resize(5);
+  CHECK(!next(at({9, 0, 0})));  // nothing to recognise it by
+}
+
+TEST_SUITE_END();
