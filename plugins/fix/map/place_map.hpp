@@ -22,6 +22,7 @@ struct PlaceMapParameters {
   int vote_distance = 60;      ///< Hamming, of a descriptor that votes for its key frame
   size_t candidates = 6;       ///< key frames that are verified
   size_t neighbours = 3;       ///< key frames beside a candidate whose landmarks are added
+  size_t max_looks = 4;        ///< descriptors of a landmark, from several key frames
   double neighbour_m = 1.5;    ///< largest distance of a neighbour
   double neighbour_rad = 0.6;  ///< and of its direction of view
   size_t max_landmarks = 250;  ///< of a key frame

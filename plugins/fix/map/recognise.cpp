@@ -81,7 +81,7 @@ LocalMap PlaceMap::local_map(size_t frame, const std::vector<char>& excluded) co
         local.push_back({landmark.id, T_k_s * p_s, static_cast<double>(landmark.across_sigma),
                          static_cast<double>(landmark.along_sigma), T_k_s.q * p_s.normalized(), p_s.norm(), {}});
       for (size_t look = 0; look < 2; ++look)
-        if (landmark.levels[look] >= 0)
+        if (landmark.levels[look] >= 0 && local[at->second].looks.size() < p_.max_looks)
           local[at->second].looks.push_back({landmark.descriptors[look], landmark.levels[look], p_s.norm()});
     }
   }
