@@ -7,8 +7,12 @@
 #include <chrono>
 #include <cstdio>
 #include <cstring>
+#include <fstream>
+#include <iterator>
 #include <optional>
+#include <string>
 
+#include <odograph/map.h>
 #include <odograph/recording.h>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
@@ -126,6 +130,28 @@ bool replay(odo_session* session, const Options& options, App& app) {
   return status == ODO_OK || status == ODO_END;
 }
 
+/// A file that is not there is an empty map.
+bool read_map(odo_session* session, const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  if (path.empty() || !file) return true;
+  const std::string data{std::istreambuf_iterator<char>(file), {}};
+  if (odo_map_load(session, data.data(), data.size()) == ODO_OK) return true;
+  odo_error error{};
+  error.struct_size = sizeof error;
+  odo_session_last_error(session, &error);
+  return std::fprintf(stderr, "ar_overlay: %s: %s\n", path.c_str(), error.message), false;
+}
+
+bool write_map(odo_session* session, const std::string& path) {
+  std::string data;
+  for (int64_t size; (size = odo_map_save(session, data.data(), data.size())) > static_cast<int64_t>(data.size());)
+    data.resize(static_cast<size_t>(size));
+  if (data.empty()) return std::fprintf(stderr, "ar_overlay: no map: has the config fix/map?\n"), false;
+  std::ofstream file(path, std::ios::binary);
+  if (file.write(data.data(), static_cast<std::streamsize>(data.size())).flush()) return true;
+  return std::fprintf(stderr, "ar_overlay: cannot write %s\n", path.c_str()), false;
+}
+
 /// A camera without an inertial sensor: no metric scale unless the config's front-end or steps give one.
 bool live(const Options& options, App& app) {
   cv::VideoCapture camera(options.camera, cv::CAP_V4L2);
@@ -162,11 +188,12 @@ int main(int argc, char** argv) {
   error.struct_size = sizeof error;
   if (odo_session_create(&o, &session, &error) != ODO_OK) return std::fprintf(stderr, "%s\n", error.message), 2;
   int frames = 0;
-  bool done;
-  {
+  bool done = read_map(session, options.map);
+  if (done) {
     App app(session, options);
     done = options.camera < 0 ? replay(session, options, app) : live(options, app);
     frames = app.frames();
+    if (!options.map.empty()) done = write_map(session, options.map) && done;
   }
   odo_statistics statistics{};
   statistics.struct_size = sizeof statistics;

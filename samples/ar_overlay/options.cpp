@@ -14,6 +14,8 @@ constexpr const char* kUsage =
     "  --drop SECONDS:NAME:X,Y,Z       place an object right, down and ahead of the camera, m\n"
     "  --tap SECONDS:NAME:COLUMN,ROW   place an object where this pixel's ray meets a surface or a landmark\n"
     "  --place NAME:LAT,LON,HEIGHT     a geodetic position: degrees, metres above the ellipsoid\n"
+    "  --map FILE                      map of the place (fix/map): read if it exists, written at the end, with what\n"
+    "                                  was dropped and tapped\n"
     "  --for SECONDS                   stop after this time\n"
     "  --height METRES                 height of the phone above the ground (1.45)\n"
     "  --factor N                      enlargement of the picture (2)\n";
@@ -37,6 +39,7 @@ bool three(const std::string& text, double* out) {
 
 bool take(const std::string& key, const std::string& value, Options& options) {
   if (key == "-o") return options.video = value, true;
+  if (key == "--map") return options.map = value, true;
   if (key == "--camera") return options.camera = std::atoi(value.c_str()), true;
   if (key == "--for") return options.for_s = std::atof(value.c_str()), options.for_s > 0;
   if (key == "--height") return options.height_m = std::atof(value.c_str()), options.height_m > 0;

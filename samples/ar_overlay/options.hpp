@@ -22,7 +22,7 @@ struct Options {
     double at_s;
     std::string file;
   };
-  std::string config, recording, video;
+  std::string config, recording, video, map;
   int camera = -1;         ///< number of a V4L2 camera, instead of a recording
   double for_s = 1e9;      ///< of the recording, or of the camera
   double height_m = 1.45;  ///< of the phone above the ground

@@ -26,8 +26,10 @@ constexpr double kDegree = 3.14159265358979323846 / 180;
 /// A walker and the filter that follows him: metre by metre, with a heading that drifts and a scale that is off.
 class DriftingWalk {
  public:
-  DriftingWalk(uint32_t seed, double heading_sigma_rad, double scale_sigma) : random_(seed) {
-    for (const StateIndex i : {kNorth, kEast, kDown, kHeading}) filter_.set(i, 0, 1e-8);
+  DriftingWalk(uint32_t seed, double heading_sigma_rad, double scale_sigma, double start_heading_sigma_rad = 1e-4)
+      : random_(seed) {
+    for (const StateIndex i : {kNorth, kEast, kDown}) filter_.set(i, 0, 1e-8);
+    filter_.set(kHeading, 0, squared(start_heading_sigma_rad));
     filter_.set(kLogScale, 0, squared(scale_sigma));
     log_scale_ = scale_sigma * normal_(random_);
     step_variance_ = squared(heading_sigma_rad) / 400;  // over 400 m
@@ -143,6 +145,34 @@ TEST_CASE("a loop closed at five and at fifteen degrees of heading error leaves 
     CHECK(after_m < 0.1 * before_m);
     CHECK(half_way_after_m < 0.8 * half_way_before_m);
   }
+}
+
+TEST_CASE("loops do not turn n: with an unknown heading they do the same to all poses as with a known one") {
+  const auto walked = [](double start_heading_sigma_rad) {
+    DriftingWalk walk(7, 8 * kDegree, 0.03, start_heading_sigma_rad);
+    KeyFrames frames;
+    const Attachment start{walk.filter_.keep_pose(walk.point_, walk.point_), {}, Matrix4d::Zero()};
+    std::vector<uint64_t> kept;
+    square(walk, 60, [&] { kept.push_back(walk.filter_.keep_pose(walk.point_, walk.point_)); });
+    for (int again = 0; again < 5; ++again) {
+      CHECK(frames.use(walk.filter_, walk.seen_from(0, Vector3d::Zero(), 0.02, 0.003), start, walk.context()).accepted);
+      walk.walk(0, 1);
+    }
+    std::vector<Vector3d> places{walk.filter_.p_n()};
+    for (const uint64_t id : kept) {
+      KeptPose pose;
+      REQUIRE(walk.filter_.kept_pose(id, 0, pose));
+      places.push_back(pose.p_n_b);
+    }
+    KeptPose first;
+    REQUIRE(walk.filter_.kept_pose(start.pose_id, 0, first));
+    CHECK(first.own(2, 2) == doctest::Approx(squared(start_heading_sigma_rad)).epsilon(1e-3));
+    CHECK(first.q_n_b.angularDistance(Quaterniond::Identity()) < 1e-6);
+    return places;
+  };
+  const auto known = walked(1e-4), unknown = walked(kUnknownHeading_rad);
+  CHECK((known[0] - Vector3d(5, 0, 0)).norm() < 0.5);
+  for (size_t i = 0; i < known.size(); ++i) CHECK((known[i] - unknown[i]).norm() < 1e-3);
 }
 
 TEST_CASE("a wrong loop is refused, and so is one that turns the track by more than half a radian") {

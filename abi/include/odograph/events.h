@@ -161,8 +161,8 @@ typedef struct odo_fix {
 
 /* Relative pose of the body between two times, for example from a loop closure. The host publishes and records it and
  * passes it to plugins that declare it, and may use it; not used by this library up to 1.0. Since 1.1 it corrects
- * position, heading and scale if the earlier time is that of an odo_key_frame of the same source or at most 3 s before
- * the newest pose; both components are required, and ODO_FLAG_ACCEPTED on the published one means that it was used. The
+ * position and heading if the earlier time is that of an odo_key_frame of the same source or at most 3 s before the
+ * newest pose; both components are required, and ODO_FLAG_ACCEPTED on the published one means that it was used. The
  * two must not have a measurement in common with the track between them, such as a landmark that was seen throughout. */
 #define ODO_RELATIVE_POSE_TRANSLATION 1u
 #define ODO_RELATIVE_POSE_ROTATION 2u

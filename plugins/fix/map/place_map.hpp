@@ -32,7 +32,7 @@ struct PlaceMapParameters {
   int min_cells = 8;           ///< of the picture with inliers: spread over it, not one object
   double max_runner_up = 0.5;  ///< log odds of the best other place, relative: look-alikes within the map
   double same_place_m = 1, same_place_rad = 0.35;  ///< poses in the map that are farther apart are other places
-  double focal_sigma = 0.005;  ///< relative, of the lens: the distance to what is seen
+  double focal_sigma = 0.005;                      ///< relative, of the lens: the distance to what is seen
   double rotation_floor_rad = 0.003, position_floor_m = 0.005;  ///< of lens and shutter
 };
 
@@ -98,7 +98,7 @@ class PlaceMap {
   PlaceMapParameters p_;
   std::vector<KeyFrame> frames_;
   WordIndex words_;
-  std::vector<Owner> owners_;  // by number of the descriptor
+  std::vector<Owner> owners_;       // by number of the descriptor
   std::vector<CornerView> recent_;  // the last key frames, the newest first
   uint64_t last_id_ = 0, last_paired_ = 0;
 };

@@ -3,15 +3,22 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
+#include <variant>
 
-#include "sdk/math/rotation.hpp"
+#include "plugins/fix/map/map_section.hpp"
 
 namespace odograph::place_map {
 namespace {
 
 double seconds_between(int64_t from_ns, int64_t to_ns) { return 1e-9 * static_cast<double>(to_ns - from_ns); }
 
-double angle_of(const Eigen::Quaterniond& q) { return 2 * std::atan2(q.vec().norm(), std::abs(q.w())); }
+/// Not 0.
+uint64_t fnv1a(std::span<const uint8_t> bytes) {
+  uint64_t hash = 14695981039346656037u;
+  for (const uint8_t byte : bytes) hash = (hash ^ byte) * 1099511628211u;
+  return hash != 0 ? hash : 1;
+}
 
 /// Covariance in the map's frame of a pose that is known in a key frame's.
 Eigen::Matrix<double, 6, 6> in_map(const Rigid& T_m_k, const Eigen::Matrix<double, 6, 6>& covariance) {
@@ -39,7 +46,7 @@ bool PlaceSession::see(Sight sight) {
   }
   if (!is_key) return false;
   auto key = std::make_shared<Sight>(std::move(sight));
-  worker_.add([this, key] { own_->add(key->picture, key->landmarks, key->T_s_c, key->epoch); });
+  worker_.add([this, key] { own_->add(key->picture, key->landmarks, key->T_s_c, key->epoch, key->scale_sigma); });
   return true;
 }
 
@@ -58,8 +65,7 @@ void PlaceSession::look_up(Query& query) const {
     const auto found = map.recognise(query.sight.picture, without);
     if (!found) return;
     const KeyFrame* frame = map.find(found->key_frame);
-    query.found.emplace_back(id, *found);
-    query.frames.emplace_back(frame->t_ns, frame->T_m_k);
+    query.found.push_back({id, *found, frame->t_ns, frame->T_m_k, query.sight.T_s_c});
   };
   look(0, *own_, excludes);
   for (const Loaded& loaded : loaded_) look(loaded.id, *loaded.map, {});
@@ -73,52 +79,43 @@ std::vector<Found> PlaceSession::take(int64_t now_ns) {
     if (!done && is_live_) break;  // a later frame takes it
     if (!done) worker_.wait(query.job);
     const bool late = is_live_ && seconds_between(query.sight.picture.t_ns, now_ns) > 2 * p_.delay_s;
-    for (size_t i = 0; i < query.found.size() && !late; ++i)
-      if (const auto found = judge(query, i)) out.push_back(*found);
+    for (const Sighting& sighting : query.found)
+      if (const auto found = late ? std::nullopt : judge(sighting)) out.push_back(*found);
     queries_.pop_front();
   }
   return out;
 }
 
-bool PlaceSession::agree(const Candidate& one, const Candidate& other) const {
-  if (seconds_between(one.t_ns, other.t_ns) > p_.agreement_s) return false;
-  const Rigid by_map = one.T_m_c.inverse() * other.T_m_c, by_track = one.T_s_c.inverse() * other.T_s_c;
-  const double way_m = by_track.p.norm();
-  const double most_m = 3 * std::hypot(one.sigma_m, other.sigma_m) + p_.agreement_m + p_.drift * way_m;
-  const double most_rad = 3 * std::hypot(one.sigma_rad, other.sigma_rad) + p_.agreement_rad;
-  return (by_map.p - by_track.p).norm() < most_m && angle_of(by_map.q.conjugate() * by_track.q) < most_rad;
+bool PlaceSession::agrees(const Sighting& before, const Sighting& now) const {
+  if (seconds_between(before.recognition.t_ns, now.recognition.t_ns) > p_.agreement_s) return false;
+  const Rigid way = before.T_s_c.inverse() * now.T_s_c;
+  Eigen::Matrix<double, 6, 6> drift = Eigen::Matrix<double, 6, 6>::Zero();
+  drift.diagonal().head<3>().setConstant(std::pow(p_.drift_rad, 2));
+  drift.diagonal().tail<3>().setConstant(std::pow(p_.drift_m, 2) + std::pow(p_.drift * way.p.norm(), 2));
+  return agree(before.recognition, before.T_m_k, now.recognition, now.T_m_k, way, drift) == Agreement::yes;
 }
 
 /// One recognition is none: it needs a second one of the same map to which the track leads.
-std::optional<Found> PlaceSession::judge(const Query& query, size_t i) {
-  const auto& [map, recognition] = query.found[i];
-  const auto& [key_frame_ns, T_m_k] = query.frames[i];
-  Candidate now{query.sight.picture.t_ns,
-                map,
-                recognition.key_frame,
-                T_m_k * recognition.T_k_c,
-                query.sight.T_s_c,
-                std::sqrt(recognition.covariance.diagonal().tail<3>().maxCoeff()),
-                std::sqrt(recognition.covariance.diagonal().head<3>().maxCoeff()),
-                false};
-  const auto of_map = [&](const Candidate& other) { return other.map == map; };
-  const auto before = std::find_if(candidates_.begin(), candidates_.end(), of_map);
-  const bool agrees = before != candidates_.end() && agree(*before, now);
-  if (before != candidates_.end()) candidates_.erase(before);
-  candidates_.push_back(now);
-  if (!agrees) return std::nullopt;
+std::optional<Found> PlaceSession::judge(const Sighting& now) {
+  const auto of_map = [&](const Sighting& other) { return other.map == now.map; };
+  const auto before = std::find_if(newest_.begin(), newest_.end(), of_map);
+  const bool agreed = before != newest_.end() && agrees(*before, now);
+  std::erase_if(newest_, of_map);
+  newest_.push_back(now);
+  if (!agreed) return std::nullopt;
 
   const auto last = std::find_if(used_.begin(), used_.end(), of_map);
-  const bool again = last != used_.end() && last->key_frame == now.key_frame &&
+  const bool again = last != used_.end() && last->recognition.key_frame == now.recognition.key_frame &&
                      (last->T_s_c.p - now.T_s_c.p).norm() < p_.again_m &&
-                     seconds_between(last->t_ns, now.t_ns) < p_.again_s;
+                     seconds_between(last->recognition.t_ns, now.recognition.t_ns) < p_.again_s;
   if (again) return std::nullopt;
-  if (last != used_.end()) used_.erase(last);
+  std::erase_if(used_, of_map);
   used_.push_back(now);
   for (Loaded& loaded : loaded_)
-    if (loaded.id == map) loaded.T_s_m = now.T_s_c * now.T_m_c.inverse();
-  if (map == 0) return Found{0, key_frame_ns, now.t_ns, recognition.T_k_c, recognition.covariance};
-  return Found{map, 0, now.t_ns, now.T_m_c, in_map(T_m_k, recognition.covariance)};
+    if (loaded.id == now.map) loaded.T_s_m = now.T_s_c * now.T_m_c().inverse();
+  const Recognition& seen = now.recognition;
+  if (now.map == 0) return Found{0, now.key_frame_ns, seen.t_ns, seen.T_k_c, seen.covariance};
+  return Found{now.map, 0, seen.t_ns, now.T_m_c(), in_map(now.T_m_k, seen.covariance)};
 }
 
 void PlaceSession::move(int64_t t_ns, const Rigid& T_s_c) {
@@ -128,22 +125,50 @@ void PlaceSession::move(int64_t t_ns, const Rigid& T_s_c) {
   });
 }
 
-const PlaceMap* PlaceSession::loaded(uint64_t id) {
+PlaceSession::Saved PlaceSession::save(const Rigid& T_n_s, size_t largest) {
   worker_.wait_for_all();
+  Saved saved;
+  const auto recognised =
+      std::find_if(loaded_.begin(), loaded_.end(), [](const Loaded& l) { return l.T_s_m.has_value(); });
+  saved.is_whole = loaded_.empty() || recognised != loaded_.end();
+  if (!saved.is_whole) return saved.id = loaded_[0].id, saved.bytes = bytes_of(*loaded_[0].map), saved;
+  // From s to the frame in which it is saved.
+  const Rigid T_m_s = loaded_.empty() ? T_n_s : recognised->T_s_m->inverse();
+  std::vector<KeyFrame> frames;
+  uint32_t epochs = 0;  // landmark ids of different sessions are unrelated
+  const auto add = [&](const PlaceMap& map, const Rigid& T_m_x) {
+    const size_t before = frames.size();
+    for (KeyFrame frame : map.key_frames()) {
+      frame.id = frames.size() + 1, frame.epoch += epochs, frame.T_m_k = T_m_x * frame.T_m_k;
+      const auto is_near = [&](const KeyFrame& other) {
+        return (other.T_m_k.p - frame.T_m_k.p).norm() < p_.known_m &&
+               other.T_m_k.q.angularDistance(frame.T_m_k.q) < p_.known_rad;
+      };
+      if (std::none_of(frames.begin(), frames.begin() + static_cast<ptrdiff_t>(before), is_near))
+        frames.push_back(std::move(frame));
+    }
+    epochs += map.next_epoch();
+  };
   for (const Loaded& loaded : loaded_)
-    if (loaded.id == id) return loaded.map.get();
-  return nullptr;
+    if (loaded.T_s_m) add(*loaded.map, T_m_s * *loaded.T_s_m);
+  add(*own_, T_m_s);
+  if (frames.empty()) return saved;
+  PlaceMap whole(map_parameters_);
+  whole.restore(std::move(frames));
+  whole.thin(largest);
+  saved.bytes = bytes_of(whole);
+  saved.id = loaded_.empty() ? fnv1a(saved.bytes) : recognised->id;
+  return saved;
 }
 
-void PlaceSession::load(uint64_t id, PlaceMap&& map) {
+std::optional<std::string> PlaceSession::load(uint64_t id, std::span<const uint8_t> bytes) {
+  auto frames = key_frames_of(bytes);
+  if (const auto* reason = std::get_if<std::string>(&frames)) return *reason;
   worker_.wait_for_all();
+  auto map = std::make_unique<PlaceMap>(map_parameters_);
+  map->restore(std::move(std::get<std::vector<KeyFrame>>(frames)));
   std::erase_if(loaded_, [id](const Loaded& loaded) { return loaded.id == id; });
-  loaded_.push_back({id, std::make_unique<PlaceMap>(std::move(map)), std::nullopt});
-}
-
-std::optional<Rigid> PlaceSession::place_of(uint64_t map) const {
-  for (const Loaded& loaded : loaded_)
-    if (loaded.id == map) return loaded.T_s_m;
+  loaded_.push_back({id, std::move(map), std::nullopt});
   return std::nullopt;
 }
 

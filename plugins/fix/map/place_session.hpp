@@ -5,10 +5,11 @@
 #include <deque>
 #include <memory>
 #include <optional>
-#include <set>
 #include <span>
+#include <string>
 #include <vector>
 
+#include "plugins/fix/map/agreement.hpp"
 #include "plugins/fix/map/key_frame_chooser.hpp"
 #include "plugins/fix/map/place_map.hpp"
 #include "plugins/fix/map/worker.hpp"
@@ -42,13 +43,14 @@ class PlaceSession {
     double delay_s = 0.5;          ///< from a picture to its result
     double apart_s = 10;           ///< of a picture and a key frame of this session, at least; docs/estimator.md
     double agreement_s = 5;        ///< within which two recognitions must agree
-    double agreement_m = 0.05;     ///< m, besides three sigmas and ...
-    double drift = 0.05;           ///< of the way between them
-    double agreement_rad = 0.03;   ///< rad, besides three sigmas
+    double drift = 0.02;           ///< sigma of the way between their pictures, relative, ...
+    double drift_m = 0.01;         ///< m, at least, ...
+    double drift_rad = 0.005;      ///< rad, and of its rotation: half a degree of a gyroscope in 5 s
     double again_m = 0.5;          ///< m of way, or ...
     double again_s = 5;            ///< s, until the same place counts again: its landmarks' errors are the same
     double max_scale_sigma = 0.1;  ///< relative, of a key frame's landmarks
-    size_t most_waiting = 3;       ///< jobs in a live run; then pictures are passed over
+    double known_m = 0.3, known_rad = 0.2;  ///< m, rad: a key frame so near one of a loaded map is not saved again
+    size_t most_waiting = 3;                ///< jobs in a live run; then pictures are passed over
   };
 
   PlaceSession(const PlaceMapParameters& map, const Parameters& parameters, bool is_live)
@@ -61,12 +63,16 @@ class PlaceSession {
   /// The pose of a key frame was corrected.
   void move(int64_t t_ns, const Rigid& T_s_c);
 
-  /// Waits until no job is left.
-  PlaceMap& own() { return worker_.wait_for_all(), *own_; }
-  const PlaceMap* loaded(uint64_t id);
-  void load(uint64_t id, PlaceMap&& map);
-  /// Where the frame of a loaded map is in s, once it was recognised.
-  std::optional<Rigid> place_of(uint64_t map) const;
+  /// The map of this session in n, or, once a loaded map was recognised, both in the frame of that. Waits until no job
+  /// is left.
+  struct Saved {
+    uint64_t id = 0;  ///< 0: there is nothing to save
+    std::vector<uint8_t> bytes;
+    bool is_whole = true;  ///< false: a loaded map was not recognised, so that it alone is kept
+  };
+  Saved save(const Rigid& T_n_s, size_t largest);
+  /// Adds a map, whose frame is not known yet. The reason if it is damaged. Waits likewise.
+  std::optional<std::string> load(uint64_t id, std::span<const uint8_t> bytes);
 
  private:
   struct Loaded {
@@ -74,24 +80,24 @@ class PlaceSession {
     std::unique_ptr<PlaceMap> map;
     std::optional<Rigid> T_s_m;
   };
+  /// What one picture gave for one map.
+  struct Sighting {
+    uint64_t map;  ///< 0: this session's
+    Recognition recognition;
+    int64_t key_frame_ns;
+    Rigid T_m_k, T_s_c;
+    Rigid T_m_c() const { return T_m_k * recognition.T_k_c; }
+  };
   /// A picture that is looked up, and what was found.
   struct Query {
     Sight sight;
     uint64_t job = 0;
-    std::vector<std::pair<uint64_t, Recognition>> found;  // with the id of the map
-    std::vector<std::pair<int64_t, Rigid>> frames;        // time and pose of the key frame of each
-  };
-  struct Candidate {
-    int64_t t_ns;
-    uint64_t map, key_frame;
-    Rigid T_m_c, T_s_c;
-    double sigma_m, sigma_rad;
-    bool accepted;
+    std::vector<Sighting> found;
   };
 
   void look_up(Query& query) const;
-  std::optional<Found> judge(const Query& query, size_t i);
-  bool agree(const Candidate& one, const Candidate& other) const;
+  std::optional<Found> judge(const Sighting& now);
+  bool agrees(const Sighting& before, const Sighting& now) const;
 
   Parameters p_;
   PlaceMapParameters map_parameters_;
@@ -100,8 +106,8 @@ class PlaceSession {
   int64_t asked_ns_ = INT64_MIN;
   std::vector<Loaded> loaded_;
   std::deque<std::unique_ptr<Query>> queries_;
-  std::vector<Candidate> candidates_;  // the newest of each map
-  std::vector<Candidate> used_;        // the last that counted, of each map
+  std::vector<Sighting> newest_;  // of each map
+  std::vector<Sighting> used_;    // the last that counted, of each map
   std::unique_ptr<PlaceMap> own_;
   Worker worker_;  // last: it ends first
 };

@@ -22,7 +22,7 @@ using Eigen::Vector3d;
 class Map {
  public:
   double interval = PlaceSession::Parameters().interval_s, delay = PlaceSession::Parameters().delay_s,
-         apart = PlaceSession::Parameters().apart_s, map_sigma = 0.03, map_yaw_sigma = 0.01;
+         apart = PlaceSession::Parameters().apart_s, map_sigma = 0.03, map_yaw_sigma = 0.01, largest = 60;
 
   static constexpr odo::Description description{"fix/map", "1.0.0",
                                                 "Map of landmarks that recognises places: loops, and maps of earlier "
@@ -43,6 +43,7 @@ class Map {
     const auto* run = static_cast<const odo_run_service*>(
         host.host()->get_service ? host.host()->get_service(host.host(), id.data(), id.size()) : nullptr);
     is_live_ = run && run->is_live;
+    output_ = host;
     reset();
   }
   void reset() {
@@ -107,6 +108,26 @@ class Map {
     for (const Found& found : session_->take(waiting.t_ns)) emit(found, output);
   }
 
+  std::vector<uint8_t> save_map() const {
+    const PlaceSession::Saved saved = session_->save(T_n_s_, static_cast<size_t>(largest * 1e6));
+    if (!saved.is_whole)
+      output_.report(ODO_SEVERITY_WARNING, "map_not_recognised",
+                     "the loaded map was not recognised in this session: it is saved as it was, without what this "
+                     "session has seen");
+    std::vector<uint8_t> out;
+    if (saved.id == 0) return out;
+    for (int i = 0; i < 8; ++i) out.push_back(static_cast<uint8_t>(saved.id >> 8 * i));
+    out.insert(out.end(), saved.bytes.begin(), saved.bytes.end());
+    return out;
+  }
+
+  void load_map(const uint8_t* data, size_t size) {
+    uint64_t id = 0;
+    for (size_t i = 0; i < 8 && i < size; ++i) id |= uint64_t{data[i]} << 8 * i;
+    if (size < 8 || id == 0) throw odo::Error(ODO_E_DATA, "a map of fewer than 8 bytes, or without an id");
+    if (const auto why = session_->load(id, {data + 8, size - 8})) throw odo::Error(ODO_E_DATA, *why);
+  }
+
  private:
   /// A frame that waits for its pose.
   struct Waiting {
@@ -127,9 +148,9 @@ class Map {
     sight.T_s_c = T_n_s_.inverse() * T_n_c;
     constexpr uint32_t placed = ODO_POSE_POSITION | ODO_POSE_METRIC;
     const bool metric = (pose_.header.flags & placed) == placed && pose_.scale > 0 && pose_.scale_sigma > 0;
-    scale_sigma_ = metric ? pose_.scale_sigma / pose_.scale : 1;
+    const double scale_sigma = metric ? pose_.scale_sigma / pose_.scale : 1;
     if (metric && pose_.state == ODO_TRACKING && landmarks_ns_ == frame.t_ns) {
-      sight.scale_sigma = scale_sigma_, sight.epoch = epoch_;
+      sight.scale_sigma = scale_sigma, sight.epoch = epoch_;
       sight.landmarks = landmarks_;
       for (Landmark& landmark : sight.landmarks)
         landmark.p_c *= pose_.scale, landmark.covariance *= pose_.scale * pose_.scale;
@@ -149,9 +170,7 @@ class Map {
     Eigen::Matrix<double, 6, 6> by = Eigen::Matrix<double, 6, 6>::Zero();
     by.topLeftCorner<3, 3>() = by.bottomRightCorner<3, 3>() = outer.q.toRotationMatrix();
     by.bottomLeftCorner<3, 3>() = -odograph::skew(lever) * outer.q.toRotationMatrix();
-    Eigen::Matrix<double, 6, 6> covariance = by * found.covariance * by.transpose();
-    const double scaled_m = std::min(scale_sigma_, 1.0) * (found.map == 0 ? found.T_x_c.p.norm() : 0.0);
-    covariance.diagonal().tail<3>().array() += scaled_m * scaled_m;
+    const Eigen::Matrix<double, 6, 6> covariance = by * found.covariance * by.transpose();
     if (found.map == 0) {
       auto loop = odo::make<odo_relative_pose>(found.t_ns);
       loop.header.flags = ODO_RELATIVE_POSE_TRANSLATION | ODO_RELATIVE_POSE_ROTATION;
@@ -174,6 +193,7 @@ class Map {
   }
 
   bool is_live_ = false;
+  odo::Output output_;  // for reports
   std::unique_ptr<PlaceSession> session_;
   odograph::CalibratedCamera camera_;
   Rigid T_b_c_;
@@ -183,7 +203,6 @@ class Map {
   std::array<Waiting, 4> waiting_;
   size_t next_ = 0;
   odo_pose pose_{};
-  double scale_sigma_ = 1;
   Rigid T_n_s_;  // what corrections have moved so far
   uint64_t key_frames_ = 0;
   cv::Mat converted_;

@@ -256,8 +256,9 @@ UpdateResult Fusion::recognise(const odo_header& header, const double (&covarian
     if (!then)
       return out.notices.add({"late_recognition", "a place was recognised too late: not used"}), UpdateResult{};
     state_.add_gap(header.t_ns);
-    const UpdateResult result =
-        use({*then, state_.track.newest(), p_.tilt_sigma_rad, kept_by_heading_ & kept_by_position_});
+    // In metres of the front-end itself, or of the session that made the map: it says nothing new of the scale.
+    const StateSet considered = (kept_by_heading_ & kept_by_position_) | only({kLogScale});
+    const UpdateResult result = use({*then, state_.track.newest(), p_.tilt_sigma_rad, considered});
     if (!result.accepted) return result;
     displacement_reference_.fixed(header.t_ns);
     state_.observe(header.t_ns, std::sqrt(std::max({covariance[21], covariance[28], covariance[35]})));

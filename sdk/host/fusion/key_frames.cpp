@@ -53,7 +53,8 @@ Innovation innovation_of(const PoseFilter& filter, uint64_t id, const KeptPose& 
   out.H.block<3, 1>(1, kLogScale) = -since_n;
   out.kept[0].id = id;
   out.kept[0].H = -Matrix4d::Identity();
-  out.kept[0].H.block<3, 1>(1, 0) = -across(from_kept_n);
+  // By the predicted position, not the measured one: a rotation of n as a whole must not be observable.
+  out.kept[0].H.block<3, 1>(1, 0) = -across(filter.p_n() - since_n - kept.p_n_b);
   out.noise = noise_of(seen, kept.q_n_b);
   out.noise.diagonal().tail<3>().array() += squared(at.tilt_sigma_rad) * from_kept_n.squaredNorm();
   out.drift_then = drift_of(at.then), out.drift_now = drift_of(at.now);

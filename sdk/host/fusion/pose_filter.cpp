@@ -420,7 +420,8 @@ UpdateResult PoseFilter::update(const Innovation& innovation, double max_nis, St
       if (considered[static_cast<size_t>(kPose[i])]) kept_K.row(row + i).setZero();
     const Eigen::Vector4d moved = kept_K.middleRows<4>(row).lazyProduct(innovation.residual);
     kept_[pose].q_n_b = (about_down(moved[0]) * kept_[pose].q_n_b).normalized();
-    kept_[pose].p_n_b += along_arc(moved.tail<3>(), moved[0]);
+    kept_[pose].moved_n = along_arc(moved.tail<3>(), moved[0]);
+    kept_[pose].p_n_b += kept_[pose].moved_n;
   }
   if (!kept_.empty()) {
     const KeptGain kept_half = kept_PHt - 0.5 * kept_K.lazyProduct(S);
@@ -431,7 +432,24 @@ UpdateResult PoseFilter::update(const Innovation& innovation, double max_nis, St
   moved.head<3>() = along_arc(moved.head<3>(), moved[kHeading]);
   x_ += moved;
   P_ -= K.lazyProduct(half.transpose()) + half.lazyProduct(K.transpose());
+  if (of_kept) turn_errors(moved.head<3>());
   return {true, nis, rows};
+}
+
+/// What all poses have in common, a rotation of n, moves each by its distance from the centre. A relative measurement
+/// does not observe it, also after positions have moved: dp <- dp + moved x psi, as with an invariant error (Barrau and
+/// Bonnabel 2017).
+void PoseFilter::turn_errors(const Vector3d& moved_n) {
+  P_.topRows<3>() += across(moved_n) * P_.row(kHeading);
+  P_.leftCols<3>() += P_.col(kHeading) * across(moved_n).transpose();
+  kept_with_state_.leftCols<3>() += kept_with_state_.col(kHeading) * across(moved_n).transpose();
+  for (size_t pose = 0; pose < kept_.size(); ++pose) {
+    const Eigen::Index row = 4 * static_cast<Eigen::Index>(pose);
+    const Vector3d by = across(kept_[pose].moved_n);
+    kept_with_state_.middleRows<3>(row + 1) += by * kept_with_state_.row(row);
+    kept_with_kept_.middleRows<3>(row + 1) += by * kept_with_kept_.row(row);
+    kept_with_kept_.middleCols<3>(row + 1) += kept_with_kept_.col(row) * by.transpose();
+  }
 }
 
 }  // namespace odograph

@@ -152,6 +152,7 @@ class PoseFilter {
     Eigen::Quaterniond q_n_b;
     Eigen::Vector3d p_n_b;
     bool is_frame = false;
+    Eigen::Vector3d moved_n = Eigen::Vector3d::Zero();  ///< by the newest update
   };
   using Matrix4X = Eigen::Matrix<double, 4, kStates>;
   /// A pose of the track as a function of the state, with its derivative H, the noise since, and its covariances.
@@ -171,6 +172,7 @@ class PoseFilter {
   using UpTo4 = Eigen::Matrix<double, rows, Eigen::Dynamic, 0, rows, Innovation::kMaxRows>;
   using KeptGain = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 4 * kMostKept, Innovation::kMaxRows>;
   KeptGain kept_with(const UpTo4<kStates>& Ht, const StateVector& drift_then, const StateVector& noise) const;
+  void turn_errors(const Eigen::Vector3d& moved_n);
   StateVector noise_between(const StateVector& drift_then, const StateVector& drift_now) const;
 
   StateVector x_ = StateVector::Zero();

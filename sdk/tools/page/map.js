@@ -98,6 +98,27 @@ function drawFixes(g, run, w, h) {
   });
 }
 
+/** Key frames, the loops that lead back to them, and where the map of an earlier session was recognised. */
+function drawPlaces(g, run, w, h) {
+  const at = t => toScreen(run.placed, 3 * Math.max(0, before(run.t, t)), w, h);
+  g.fillStyle = run.colour;
+  for (const t of run.places.key_frames) g.fillRect(at(t)[0] - 1.5, at(t)[1] - 1.5, 3, 3);
+  g.lineWidth = 1;
+  for (const [from, to, used] of run.places.loops) {
+    g.strokeStyle = used ? css('--good') : css('--bad');
+    g.beginPath();
+    g.moveTo(...at(from));
+    g.lineTo(...at(to));
+    g.stroke();
+  }
+  for (const [t, used] of run.places.map_poses) {
+    g.strokeStyle = used ? css('--good') : css('--bad');
+    g.beginPath();
+    g.arc(at(t)[0], at(t)[1], 4, 0, 7);
+    g.stroke();
+  }
+}
+
 function drawHere(g, run, w, h) {
   const i = before(run.t, view.now);
   if (i < 0) return;
@@ -170,6 +191,7 @@ function showMap(data) {
     if (data.truth) drawPath(g, data.truth.p, w, h, () => css('--soft'), 4, []);
     for (const run of data.runs) {
       drawFixes(g, run, w, h);
+      drawPlaces(g, run, w, h);
       const colours = several ? () => run.colour : k => states[run.state[k]] || run.colour;
       drawPath(g, run.placed, w, h, map.by_error && run.parts ? k => heat(run.parts[k]) : colours, 2);
     }

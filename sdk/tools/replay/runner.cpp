@@ -335,6 +335,7 @@ void name_unused(RunResult& result) {
   for (const odo_scale& scale : result.scales) add(scale.header);
   for (const RunResult::Fix& fix : result.fixes) add(fix.fix.header);
   for (const odo_surface& surface : result.surfaces) add(surface.header);
+  for (const odo_key_frame& frame : result.key_frames) add(frame.header);
   for (const RunResult::Plugin& plugin : result.plugins)
     if (plugin.kind != "attitude" && !gave.contains(plugin.number))
       result.notices.try_emplace(plugin.id + " unused_source", RunResult::Notice{1, "no effect: it has given nothing"});
