@@ -22,9 +22,9 @@ struct Pattern {
   std::array<Pair, kBits> pairs;
 };
 
-/// Pairs of places uniform over a disc. Calonder et al. 2010 prefer places near the middle; about a corner those all see
-/// the same edge: of wrong matches 16 % were nearer than a right one, with the uniform disc 11 % (simulated hall). The
-/// fixed generator makes the pattern part of the format.
+/// Pairs of places uniform over a disc. Calonder et al. 2010 prefer places near the middle; about a corner those all
+/// see the same edge: of wrong matches 16 % were nearer than a right one, with the uniform disc 11 % (simulated hall).
+/// The fixed generator makes the pattern part of the format.
 const Pattern& pattern() {
   static const Pattern fixed = [] {
     Pattern made;

@@ -19,7 +19,8 @@ struct FeatureParameters {
   int max_corners = 500;         ///< at the finest level; fewer at the others by their area
   double quality = 0.005;        ///< min response relative to the best corner, half of the front-end's
   double min_distance_px = 8;    ///< between corners of a level
-  double min_vertical_sine = 0.25;  ///< of ray and gravity: nearer than 15 degrees to it there is no "up" in the picture
+  double min_vertical_sine =
+      0.25;                        ///< of ray and gravity: nearer than 15 degrees to it there is no "up" in the picture
   double max_off_axis_rad = 1.05;  ///< 60 degrees, where lens models end to be calibrated
 };
 

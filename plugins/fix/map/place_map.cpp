@@ -41,8 +41,8 @@ constexpr uint64_t kPaired = uint64_t{1} << 63;  ///< ids of landmarks that no f
 
 }  // namespace
 
-uint64_t PlaceMap::add(const Picture& picture, std::span<const Landmark> landmarks, const Rigid& T_m_c,
-                       uint32_t epoch, double scale_sigma) {
+uint64_t PlaceMap::add(const Picture& picture, std::span<const Landmark> landmarks, const Rigid& T_m_c, uint32_t epoch,
+                       double scale_sigma) {
   const PictureLevels levels(picture, p_.features);
   KeyFrame frame;
   frame.epoch = epoch, frame.t_ns = picture.t_ns, frame.T_m_k = T_m_c;

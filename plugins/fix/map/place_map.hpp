@@ -30,9 +30,10 @@ struct PlaceMapParameters {
   double min_log_odds = 20;    ///< of a place against chance; see the README for look-alikes
   double min_share = 0.16;     ///< of the landmarks that should be seen and are: look-alikes agree in parts
   int min_cells = 8;           ///< of the picture with inliers: spread over it, not one object
+  int min_off_plane = 4;       ///< cells with matches off the plane of most: flat pictures, fronts, doors have copies
   double max_runner_up = 0.5;  ///< log odds of the best other place, relative: look-alikes within the map
   double same_place_m = 1, same_place_rad = 0.35;  ///< poses in the map that are farther apart are other places
-  double focal_sigma = 0.005;  ///< relative, of the lens: the distance to what is seen
+  double focal_sigma = 0.005;                      ///< relative, of the lens: the distance to what is seen
   double rotation_floor_rad = 0.003, position_floor_m = 0.005;  ///< of lens and shutter
 };
 
@@ -74,7 +75,10 @@ class PlaceMap {
   std::vector<Candidate> candidates(const Picture& picture, const Excludes& excludes = {}) const;
   /// The best of the candidates, with its log odds and those of the best other place, whether accepted or not.
   std::optional<Recognition> best_of(const Picture& picture, const std::vector<Candidate>& candidates) const;
-  bool is_accepted(const Recognition& recognition) const;
+  bool is_accepted(const Recognition& recognition) const { return is_plausible(recognition) && has_depth(recognition); }
+  /// Accepted but for the depth: what is seen is nearly flat, of which other places may have copies. To be used only
+  /// where odometry or another fix predicts the pose as well.
+  bool is_plausible(const Recognition& recognition) const;
 
   const PlaceMapParameters& parameters() const { return p_; }
 
@@ -90,6 +94,7 @@ class PlaceMap {
   void index(size_t frame);
   void rebuild();
   double log_odds(const Candidate& candidate) const;
+  bool has_depth(const Recognition& recognition) const { return recognition.off_plane >= p_.min_off_plane; }
   void set_covariance(const Candidate& candidate, Recognition& recognition) const;
   std::vector<double> votes(const std::vector<Feature>& features, const std::vector<char>& excluded) const;
   std::vector<size_t> beside(size_t frame, const std::vector<char>& excluded) const;
@@ -98,7 +103,7 @@ class PlaceMap {
   PlaceMapParameters p_;
   std::vector<KeyFrame> frames_;
   WordIndex words_;
-  std::vector<Owner> owners_;  // by number of the descriptor
+  std::vector<Owner> owners_;       // by number of the descriptor
   std::vector<CornerView> recent_;  // the last key frames, the newest first
   uint64_t last_id_ = 0, last_paired_ = 0;
 };

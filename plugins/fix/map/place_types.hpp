@@ -36,10 +36,10 @@ struct Landmark {
 
 struct Picture {
   int64_t t_ns = 0;
-  cv::Mat grey;                                        ///< 8 bits
-  CameraModel lens;                                    ///< in pixels of `grey`
-  Eigen::Vector3d down_c = Eigen::Vector3d::UnitY();   ///< unit vector
-  double tilt_sigma_rad = 0.01;                        ///< of down_c, about each axis across it
+  cv::Mat grey;                                       ///< 8 bits
+  CameraModel lens;                                   ///< in pixels of `grey`
+  Eigen::Vector3d down_c = Eigen::Vector3d::UnitY();  ///< unit vector
+  double tilt_sigma_rad = 0.01;                       ///< of down_c, about each axis across it
 };
 
 /// A binary descriptor, 256 comparisons of intensity.
@@ -63,10 +63,10 @@ inline int hamming_within(const Descriptor& a, const Descriptor& b, int limit) {
 /// A landmark of a key frame, as it is kept and stored.
 struct KeptLandmark {
   uint64_t id = 0;
-  std::array<float, 3> p_k{};                ///< metres
-  float across_sigma = 0, along_sigma = 0;   ///< across and along the ray, metres
-  std::array<Descriptor, 2> descriptors{};   ///< in two octaves
-  std::array<int8_t, 2> levels{-1, -1};      ///< of the descriptors; -1: there is none
+  std::array<float, 3> p_k{};               ///< metres
+  float across_sigma = 0, along_sigma = 0;  ///< across and along the ray, metres
+  std::array<Descriptor, 2> descriptors{};  ///< in two octaves
+  std::array<int8_t, 2> levels{-1, -1};     ///< of the descriptors; -1: there is none
 };
 
 struct KeyFrame {
@@ -88,10 +88,11 @@ struct Recognition {
   /// Of rotation (left perturbation, in k) and position (in k), rad^2, rad m, m^2.
   Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Identity();
   int inliers = 0;
-  int cells = 0;  ///< of the picture with inliers
-  double share = 0;  ///< of the landmarks that should be in the picture, those that are
-  double log_odds = 0;    ///< natural logarithm: of this place against chance
-  double runner_up = 0;   ///< the same of the best other place of the map
+  int cells = 0;                    ///< of the picture with inliers
+  int off_plane = 0;                ///< cells with matches that are not on the plane of most of them
+  double share = 0;                 ///< of the landmarks that should be in the picture, those that are
+  double log_odds = 0;              ///< natural logarithm: of this place against chance
+  double runner_up = 0;             ///< the same of the best other place of the map
   std::vector<uint64_t> landmarks;  ///< ids of the inliers
 };
 
