@@ -31,6 +31,7 @@ struct PlaceMapParameters {
   double sure_log_odds = 40;   ///< and to be accepted: the look-alikes of 3,696 views had up to 29 (README)
   double min_share = 0.16;     ///< of the landmarks that should be seen and are: look-alikes agree in parts
   int min_cells = 8;           ///< of the picture with inliers: spread over it, not one object
+  double min_covered = 0.6;    ///< of the cells with landmarks: wrong poses agree in parts of the picture
   int min_off_plane = 4;       ///< cells with matches off the plane of most: flat pictures, fronts, doors have copies
   double max_runner_up = 0.5;  ///< log odds of the best other place, relative: look-alikes within the map
   double same_place_m = 1, same_place_rad = 0.35;  ///< poses in the map that are farther apart are other places
@@ -96,7 +97,8 @@ class PlaceMap {
   void rebuild();
   double log_odds(const Candidate& candidate) const;
   bool is_sure(const Recognition& recognition) const {
-    return recognition.off_plane >= p_.min_off_plane && recognition.log_odds > p_.sure_log_odds;
+    return recognition.off_plane >= p_.min_off_plane && recognition.log_odds > p_.sure_log_odds &&
+           recognition.covered > p_.min_covered;
   }
   void set_covariance(const Candidate& candidate, Recognition& recognition) const;
   std::vector<double> votes(const std::vector<Feature>& features, const std::vector<char>& excluded) const;

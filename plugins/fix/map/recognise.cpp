@@ -156,6 +156,7 @@ std::optional<Recognition> PlaceMap::best_of(const Picture& picture, const std::
   out.T_k_c = best.verified->T_c_k.inverse();
   out.inliers = best.verified->evidence.matched, out.cells = best.verified->evidence.inlier_cells;
   out.share = static_cast<double>(out.inliers) / std::max(1, best.verified->evidence.visible);
+  out.covered = best.verified->evidence.covered;
   out.off_plane = best.verified->evidence.off_plane;
   out.log_odds = log_odds(best);
   set_covariance(best, out);
