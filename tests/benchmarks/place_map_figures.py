@@ -19,7 +19,7 @@ def summary(path):
             continue
         queries += 1
         row = {key: float(value) for key, value in (word.split("=") for word in line.split() if "=" in word)}
-        if "odds" not in row:
+        if "plausible" not in row:
             continue
         plausible += int(row["plausible"])
         known = "error_m" in row
