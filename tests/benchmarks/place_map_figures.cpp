@@ -148,13 +148,15 @@ class Printer {
     const Evidence& e = best.verified->evidence;
     const KeyFrame& frame = map.key_frames()[best.frame];
     const Evidence second = found.size() > 1 && found[1].verified ? found[1].verified->evidence : Evidence();
-    std::printf(" kf=%llu votes=%.1f tentative=%d inliers=%d icells=%d visible=%d matched=%d cells=%d chance=%.1f "
-                "chance2=%.1f",
-                static_cast<unsigned long long>(frame.id), best.votes, e.tentative, e.inliers, e.inlier_cells, e.visible,
-                e.matched, e.cells, e.log_chance, second.log_chance);
+    std::printf(
+        " kf=%llu votes=%.1f tentative=%d inliers=%d icells=%d visible=%d matched=%d cells=%d chance=%.1f "
+        "chance2=%.1f",
+        static_cast<unsigned long long>(frame.id), best.votes, e.tentative, e.inliers, e.inlier_cells, e.visible,
+        e.matched, e.cells, e.log_chance, second.log_chance);
     const auto recognition = map.best_of(picture, found);
-    std::printf(" odds=%.1f runner_up=%.1f accepted=%d", recognition->log_odds, recognition->runner_up,
-                map.is_accepted(*recognition) ? 1 : 0);
+    std::printf(" off=%d covered=%.2f odds=%.1f runner_up=%.1f accepted=%d plausible=%d", e.off_plane, e.covered,
+                recognition->log_odds, recognition->runner_up, map.is_accepted(*recognition) ? 1 : 0,
+                map.is_plausible(*recognition) ? 1 : 0);
     if (truth) {
       const Rigid& place = places_.at(frame.id);
       const Rigid T_k_c = place.inverse() * *truth, estimate = best.verified->T_c_k.inverse();
@@ -236,11 +238,31 @@ class Views {
   World world_;
 };
 
+/// Pictures of files in a map, held upright by a lens of 60 degrees.
+void photographs(const PlaceMap& map, const std::vector<std::string>& paths, Printer& printer) {
+  for (const std::string& path : paths) {
+    const auto pictures = pictures_of(path);
+    if (!pictures) {
+      std::fprintf(stderr, "%s\n", pictures.failure().text.c_str());
+      continue;
+    }
+    for (const PictureSource& source : *pictures) {
+      Picture picture;
+      picture.grey = source.grey();
+      if (picture.grey.empty()) continue;
+      picture.lens.fx = picture.lens.fy = 0.87 * std::max(picture.grey.cols, picture.grey.rows);
+      picture.lens.cx = 0.5 * (picture.grey.cols - 1), picture.lens.cy = 0.5 * (picture.grey.rows - 1);
+      picture.tilt_sigma_rad = 0.05;
+      printer.query("photo", map, picture, std::nullopt);
+    }
+  }
+}
+
 struct SimulatedOptions {
   std::string scenario, recording, config;
   uint64_t seed = 1, other_seed = 0;
   size_t queries = 100;
-  double light = 1, tilt_sigma_rad = 0.005, aside_m = 0.5, turn_rad = 0.25;
+  double light = 1, tilt_sigma_rad = 0.005, aside_m = 0.5, yaw_rad = 0.25;
   std::string other_lens;
 };
 
@@ -263,13 +285,15 @@ int simulated_queries(const SimulatedOptions& o) {
   for (const auto& [id, place] : made.places) places.push_back(place);
   for (size_t i = 0; i < o.queries; ++i) {
     const Rigid& place = places[random.next() % places.size()];
-    const Quaterniond turn(Eigen::AngleAxisd(o.turn_rad * random.normal(), Vector3d::UnitZ()));
+    const Quaterniond yaw(Eigen::AngleAxisd(o.yaw_rad * random.normal(), Vector3d::UnitZ()));
     const Quaterniond nod(Eigen::AngleAxisd(0.1 * random.normal(), Vector3d::UnitX()));
     const Quaterniond roll(Eigen::AngleAxisd(0.1 * random.normal(), Vector3d::UnitZ()));
-    Rigid at{(turn * place.q * nod * roll).normalized(), place.p};
-    at.p += o.aside_m * Vector3d(random.normal(), random.normal(), 0) + Vector3d(0, 0, 0.1 * random.normal());
+    Rigid at{(yaw * place.q * nod * roll).normalized(), place.p};
+    const double north = random.normal(), east = random.normal(), down = random.normal();
+    at.p += Vector3d(o.aside_m * north, o.aside_m * east, 0.1 * down);
     Picture picture = views.render(at, o.light, camera, i + 1);
-    const Vector3d tilt(o.tilt_sigma_rad * random.normal(), o.tilt_sigma_rad * random.normal(), 0);
+    const double pitch = random.normal(), other = random.normal();
+    const Vector3d tilt(o.tilt_sigma_rad * pitch, o.tilt_sigma_rad * other, 0);
     picture.down_c = exp_rotation(tilt) * picture.down_c, picture.tilt_sigma_rad = std::max(0.003, o.tilt_sigma_rad);
     const auto ahead = views.world().look(at.p, at.q * Vector3d::UnitZ());
     std::printf("d=%.2f ", ahead ? ahead->distance_m : 99.0);
@@ -294,6 +318,9 @@ int main(int argc, char** argv) {
   auto* cross = app.add_subcommand("cross", "pictures of others in a map");
   cross->add_option("recording", recording)->required();
   cross->add_option("others", others)->required();
+  auto* photos = app.add_subcommand("photos", "pictures in files in a map");
+  photos->add_option("recording", recording)->required();
+  photos->add_option("paths", others)->required();
   auto* sim = app.add_subcommand("sim", "views of a simulated world in the map of a walk in it");
   sim->add_option("scenario", o.scenario)->required();
   sim->add_option("recording", o.recording)->required();
@@ -303,7 +330,7 @@ int main(int argc, char** argv) {
   sim->add_option("--light", o.light);
   sim->add_option("--tilt", o.tilt_sigma_rad);
   sim->add_option("--aside", o.aside_m);
-  sim->add_option("--turn", o.turn_rad);
+  sim->add_option("--yaw", o.yaw_rad);
   sim->add_option("--lens", o.other_lens);
   app.require_subcommand(1);
   CLI11_PARSE(app, argc, argv);
@@ -319,6 +346,7 @@ int main(int argc, char** argv) {
       });
     return 0;
   }
+  if (*photos) return photographs(made.map, others, printer), 0;
   for (const std::string& other : others) {
     Made theirs;
     if (!make(other, config, each_s, theirs)) return 1;

@@ -24,17 +24,18 @@ namespace {
 
 constexpr double kDegree = M_PI / 180;
 
-/// A wall 6 m wide and 4 m high across the z axis, 3 m ahead, painted with shapes that cover each other. World: x
-/// right, y down.
+/// The corner of a room 3 m ahead, painted with shapes that cover each other: two walls whose depth falls by `slope`
+/// to either side; without a slope, one flat wall. World: x right, y down.
 class Wall {
  public:
   static constexpr double kAhead_m = 3, kPerMetre = 200;
 
-  explicit Wall(unsigned seed) : paint_(800, 1200, CV_8U, cv::Scalar(128)) {
-    std::mt19937 random(seed);
-    const auto below = [&](int n) { return static_cast<int>(random() % static_cast<unsigned>(n)); };
+  explicit Wall(unsigned seed, double slope = 0.4) : paint_(800, 1200, CV_8U, cv::Scalar(128)), slope_(slope) {
+    std::mt19937 draws(seed);
+    const auto below = [&](int n) { return static_cast<int>(draws() % static_cast<unsigned>(n)); };
     for (int i = 0; i < 900; ++i) {
-      const cv::Point at(below(paint_.cols), below(paint_.rows));
+      cv::Point at;
+      at.x = below(paint_.cols), at.y = below(paint_.rows);
       const int size = 5 + below(60), grey = below(256);
       if (below(2) == 0)
         cv::circle(paint_, at, size / 2, grey, cv::FILLED);
@@ -43,11 +44,14 @@ class Wall {
     }
   }
 
-  /// The world point that a pixel shows.
-  static Vector3d seen(const Picture& picture, const Rigid& T_w_c, const Eigen::Vector2d& pixel) {
-    const auto rays = rays_of(picture.lens, {cv::Point2f(pixel.cast<float>().x(), pixel.cast<float>().y())}, 1.4);
-    const Vector3d ray = T_w_c.q * rays[0];
-    return T_w_c.p + (kAhead_m - T_w_c.p.z()) / ray.z() * ray;
+  /// The world point on a ray.
+  Vector3d hit(const Vector3d& from, const Vector3d& ray) const {
+    double nearest = 1e9;
+    for (const double side : {-slope_, slope_}) {
+      const double towards = ray.z() + side * ray.x();
+      if (towards > 0) nearest = std::min(nearest, (kAhead_m - from.z() - side * from.x()) / towards);
+    }
+    return from + nearest * ray;
   }
 
   Picture picture(const Rigid& T_w_c, double focal_px = 500, cv::Size size = {640, 480}, double light = 1) const {
@@ -58,7 +62,7 @@ class Wall {
     for (int y = 0; y < size.height; ++y)
       for (int x = 0; x < size.width; ++x) {
         const Vector3d ray = T_w_c.q * Vector3d((x - out.lens.cx) / focal_px, (y - out.lens.cy) / focal_px, 1);
-        const Vector3d p = T_w_c.p + (kAhead_m - T_w_c.p.z()) / ray.z() * ray;
+        const Vector3d p = hit(T_w_c.p, ray);
         columns.at<float>(y, x) = static_cast<float>(p.x() * kPerMetre + 0.5 * paint_.cols);
         rows.at<float>(y, x) = static_cast<float>(p.y() * kPerMetre + 0.5 * paint_.rows);
       }
@@ -71,14 +75,14 @@ class Wall {
   }
 
   /// Landmarks at corners of the picture, as a front-end would have them.
-  static std::vector<Landmark> landmarks(const Picture& picture, const Rigid& T_w_c) {
+  std::vector<Landmark> landmarks(const Picture& picture, const Rigid& T_w_c) const {
     std::vector<cv::Point2f> corners;
     cv::goodFeaturesToTrack(picture.grey, corners, 150, 0.01, 12);
     std::vector<Landmark> out;
     for (const cv::Point2f& corner : corners) {
       Landmark& landmark = out.emplace_back();
       landmark.id = out.size(), landmark.pixel = Eigen::Vector2d(corner.x, corner.y);
-      landmark.p_c = T_w_c.inverse() * seen(picture, T_w_c, landmark.pixel);
+      landmark.p_c = T_w_c.inverse() * hit(T_w_c.p, T_w_c.q * rays_of(picture.lens, {corner}, 1.4)[0]);
       landmark.covariance = 1e-4 * Eigen::Matrix3d::Identity();
     }
     return out;
@@ -86,6 +90,21 @@ class Wall {
 
  private:
   cv::Mat paint_;
+  double slope_;
+};
+
+class Draws {
+ public:
+  explicit Draws(unsigned seed) : generator_(seed) {}
+  Vector3d vector() {
+    Vector3d v;
+    for (double& x : v) x = normal_(generator_);
+    return v;
+  }
+
+ private:
+  std::mt19937 generator_;
+  std::normal_distribution<double> normal_;
 };
 
 Rigid at(const Vector3d& p, double yaw_deg = 0, double roll_deg = 0) {
@@ -96,7 +115,7 @@ Rigid at(const Vector3d& p, double yaw_deg = 0, double roll_deg = 0) {
 
 uint64_t add(PlaceMap& map, const Wall& wall, const Rigid& T_w_c, const Rigid& T_m_w = {}, uint32_t epoch = 0) {
   const Picture picture = wall.picture(T_w_c);
-  return map.add(picture, Wall::landmarks(picture, T_w_c), T_m_w * T_w_c, epoch);
+  return map.add(picture, wall.landmarks(picture, T_w_c), T_m_w * T_w_c, epoch);
 }
 
 double squared_error(const Recognition& seen, const Rigid& T_k_c) {
@@ -108,29 +127,26 @@ double squared_error(const Recognition& seen, const Rigid& T_k_c) {
 }  // namespace
 
 TEST_CASE("two rays with gravity give the pose from which the landmarks were projected") {
-  std::mt19937 random(3);
-  std::normal_distribution<double> normal;
+  Draws draws(3);
   for (int i = 0; i < 200; ++i) {
-    const Rigid T{Quaterniond(Eigen::AngleAxisd(normal(random), Vector3d::UnitZ())),
-                  Vector3d(normal(random), normal(random), normal(random))};
-    const Vector3d X0(4 + normal(random), normal(random), normal(random)),
-        X1(4 + normal(random), normal(random), normal(random));
+    const Vector3d yaw = draws.vector(), p = draws.vector();
+    const Rigid T{Quaterniond(Eigen::AngleAxisd(yaw.x(), Vector3d::UnitZ())), p};
+    const Vector3d X0 = Vector3d(4, 0, 0) + draws.vector(), X1 = Vector3d(4, 0, 0) + draws.vector();
     const auto poses = two_point_poses(X0, X1, (T * X0).normalized(), (T * X1).normalized());
     double best = 1e9;
-    for (const Rigid& pose : poses)
-      best = std::min(best, (pose.p - T.p).norm() + pose.q.angularDistance(T.q));
+    for (const Rigid& pose : poses) best = std::min(best, (pose.p - T.p).norm() + pose.q.angularDistance(T.q));
     CHECK(best < 1e-6);
   }
 }
 
 TEST_CASE("two points at the horizon leave the distance open, and give no pose") {
-  CHECK(two_point_poses({4, 1, 0}, {4, -1, 0}, Vector3d(4, 1, 0).normalized(), Vector3d(4, -1, 0).normalized()).empty());
+  CHECK(
+      two_point_poses({4, 1, 0}, {4, -1, 0}, Vector3d(4, 1, 0).normalized(), Vector3d(4, -1, 0).normalized()).empty());
 }
 
 TEST_CASE("the covariance of a refined pose is that of its scatter") {
   // 2 mrad of noise on 40 rays: the mean of 6 squared normalised errors has the expectation 6.
-  std::mt19937 random(5);
-  std::normal_distribution<double> normal;
+  Draws draws(5);
   const Rigid T{odograph::exp_rotation({0.1, 0.3, -0.2}), Vector3d(0.3, -0.1, 0.4)};
   PoseParameters parameters;
   parameters.lens_rad = 0;
@@ -140,12 +156,12 @@ TEST_CASE("the covariance of a refined pose is that of its scatter") {
     std::vector<Correspondence> matches;
     for (int i = 0; i < 40; ++i) {
       Correspondence& match = matches.emplace_back();
-      match.p_k = Vector3d(2 * normal(random), normal(random), 5 + normal(random));
+      match.p_k = Vector3d(0, 0, 5) + draws.vector();
       match.sigma_rad = 0.002;
-      const Vector3d noise(normal(random), normal(random), normal(random));
+      const Vector3d noise = draws.vector();
       match.ray_c = ((T * match.p_k).normalized() + match.sigma_rad * noise).normalized();
     }
-    const Vector3d tilt = 0.01 * Vector3d(normal(random), normal(random), normal(random));
+    const Vector3d tilt = 0.01 * draws.vector();
     const Gravity gravity{Vector3d::UnitY(), odograph::exp_rotation(tilt) * (T.q * Vector3d::UnitY()), 0.01};
     const auto refined = refine_pose(matches, gravity, {T.q, T.p + Vector3d(0.1, 0, 0)}, parameters);
     REQUIRE(refined);
@@ -153,7 +169,7 @@ TEST_CASE("the covariance of a refined pose is that of its scatter") {
     error << odograph::log_rotation(refined->T_c_k.q * T.q.conjugate()), refined->T_c_k.p - T.p;
     sum += error.dot(refined->information * error);
   }
-  CHECK(sum / kTrials > 5);  // sigma of the mean: 0.25
+  CHECK(sum / kTrials > 5);    // sigma of the mean: 0.25
   CHECK(sum / kTrials < 7.5);  // Huber's weights cost some
 }
 
@@ -181,11 +197,11 @@ TEST_CASE("the distance of two descriptors is the number of different bits, up t
 }
 
 TEST_CASE("the inverted file finds a descriptor again with one wrong bit in each word") {
-  std::mt19937_64 random(1);
+  std::mt19937_64 bits(1);
   WordIndex index;
   std::vector<Descriptor> all(500);
   for (Descriptor& descriptor : all) {
-    for (uint64_t& word : descriptor) word = random();
+    for (uint64_t& word : descriptor) word = bits();
     index.add(descriptor);
   }
   for (uint32_t i = 0; i < all.size(); ++i) {
@@ -209,11 +225,11 @@ TEST_CASE("a place is recognised from elsewhere, with another lens, rotated and 
     cv::Size size;
     double light;
   };
-  for (const Case& c : {Case{at({0, 0, 0}), 500, {640, 480}, 1}, Case{at({0.4, -0.1, 0.3}, -8), 500, {640, 480}, 1},
-                        Case{at({0, 0, 1.0}), 500, {640, 480}, 1}, Case{at({0, 0, -1.5}), 500, {640, 480}, 1},
-                        Case{at({-0.3, 0.2, 0}, 10), 800, {960, 720}, 1},
-                        Case{at({0.2, 0, 0.2}, 0, 90), 500, {480, 640}, 1},
-                        Case{at({0.2, 0, 0.2}, -5, 10), 500, {640, 480}, 0.3}}) {
+  for (const Case& c :
+       {Case{at({0, 0, 0}), 500, {640, 480}, 1}, Case{at({0.4, -0.1, 0.3}, -8), 500, {640, 480}, 1},
+        Case{at({0, 0, 1.0}), 500, {640, 480}, 1}, Case{at({0, 0, -1.5}), 500, {640, 480}, 1},
+        Case{at({-0.3, 0.2, 0}, 10), 800, {960, 720}, 1}, Case{at({0.2, 0, 0.2}, 0, 90), 500, {480, 640}, 1},
+        Case{at({0.2, 0, 0.2}, -5, 10), 500, {640, 480}, 0.3}}) {
     const auto seen = map.recognise(wall.picture(c.T, c.focal_px, c.size, c.light));
     REQUIRE(seen);
     CHECK(seen->key_frame == id);
@@ -249,6 +265,18 @@ TEST_CASE("a place of which the map has a copy is not recognised: it might be ei
   CHECK(map.find(copy) == nullptr);
 }
 
+TEST_CASE("a flat picture is plausible and not accepted: it may hang anywhere") {
+  const Wall flat(1, 0);
+  PlaceMap map;
+  add(map, flat, at({0, 0, 0}));
+  const Picture query = flat.picture(at({0.2, 0, 0.1}));
+  const auto best = map.best_of(query, map.candidates(query));
+  REQUIRE(best);
+  CHECK(map.is_plausible(*best));
+  CHECK(!map.is_accepted(*best));
+  CHECK(!map.recognise(query));
+}
+
 TEST_CASE("landmarks between key frames lie where the wall is") {
   // The first has no earlier one: its landmarks are the front-end's, which the test leaves out of the second.
   const Wall wall(1);
@@ -256,7 +284,7 @@ TEST_CASE("landmarks between key frames lie where the wall is") {
   add(map, wall, at({0, 0, 0}));
   const Rigid second = at({0.4, 0, 0});
   const Picture picture = wall.picture(second);
-  const auto few = Wall::landmarks(picture, second);
+  const auto few = wall.landmarks(picture, second);
   map.add(picture, std::span(few).first(40), second);
   REQUIRE(map.key_frames().size() == 2);
   size_t paired = 0, on_wall = 0;
@@ -264,7 +292,9 @@ TEST_CASE("landmarks between key frames lie where the wall is") {
     if (landmark.id < 1ull << 63) continue;
     const Vector3d p = second * Eigen::Vector3f::Map(landmark.p_k.data()).cast<double>();
     ++paired;
-    on_wall += std::abs(p.z() - Wall::kAhead_m) < 3 * static_cast<double>(landmark.along_sigma) ? 1 : 0;
+    on_wall += std::abs(p.z() + 0.4 * std::abs(p.x()) - Wall::kAhead_m) < 3 * static_cast<double>(landmark.along_sigma)
+                   ? 1
+                   : 0;
   }
   CHECK(paired > 50);
   CHECK(static_cast<double>(on_wall) > 0.97 * static_cast<double>(paired));

@@ -6,19 +6,19 @@
 namespace odograph::place_map {
 
 struct AgreementParameters {
-  double gate = 22.5;            ///< squared Mahalanobis distance: 99.9 % of six degrees of freedom
-  double apart_s = 0.5;          ///< recognitions are independent if they are this far apart in time,
-  double apart_m = 0.2;          ///< in place,
-  double apart_rad = 0.2;        ///< or in direction
-  double drift = 0.02;           ///< of the map between two key frames, relative to their distance
+  double gate = 22.5;      ///< squared Mahalanobis distance: 99.9 % of six degrees of freedom
+  double apart_s = 0.5;    ///< recognitions are independent if they are this far apart in time,
+  double apart_m = 0.2;    ///< in place,
+  double apart_rad = 0.2;  ///< or in direction
+  double drift = 0.02;     ///< of the map between two key frames, relative to their distance
   double drift_rad_per_m = 0.003;
-  double longest_m = 1;          ///< difference that never agrees, whatever the covariances,
-  double largest_rad = 0.2;      ///< nor this one
+  double longest_m = 1;      ///< difference that never agrees, whatever the covariances,
+  double largest_rad = 0.2;  ///< nor this one
 };
 
 enum class Agreement {
-  no,           ///< at least one is wrong, or the motion is
-  not_apart,    ///< the pictures are so near each other that an error would be common to them
+  no,         ///< at least one is wrong, or the motion is
+  not_apart,  ///< the pictures are so near each other that an error would be common to them
   yes
 };
 

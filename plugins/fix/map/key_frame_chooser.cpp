@@ -18,7 +18,7 @@ bool KeyFrameChooser::choose(int64_t t_ns, const Rigid& T_w_c, std::span<const L
     const auto middle = distances.begin() + static_cast<ptrdiff_t>(distances.size() / 2);
     std::nth_element(distances.begin(), middle, distances.end());
     const bool moved = (T_w_c.p - last_->T_w_c.p).norm() > p_.parallax_rad * *middle;
-    const bool turned = T_w_c.q.angularDistance(last_->T_w_c.q) > p_.turn_rad;
+    const bool turned = T_w_c.q.angularDistance(last_->T_w_c.q) > p_.rotation_rad;
     const bool is_new = static_cast<double>(known) < (1 - p_.new_share) * static_cast<double>(landmarks.size());
     if (!moved && !turned && !is_new) return false;
   }

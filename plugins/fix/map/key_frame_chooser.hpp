@@ -15,11 +15,11 @@ namespace odograph::place_map {
 class KeyFrameChooser {
  public:
   struct Parameters {
-    double shortest_s = 0.5;     ///< between two key frames
-    double parallax_rad = 0.2;   ///< motion over the landmarks' median distance: 11 degrees, within BRIEF's tolerance
-    double turn_rad = 0.3;       ///< rotation: a quarter of a phone's picture
-    double new_share = 0.5;      ///< of the landmarks
-    size_t fewest = 20;          ///< landmarks of a key frame
+    double shortest_s = 0.5;    ///< between two key frames
+    double parallax_rad = 0.2;  ///< motion over the landmarks' median distance: 11 degrees, within BRIEF's tolerance
+    double rotation_rad = 0.3;  ///< rotation: a quarter of a phone's picture
+    double new_share = 0.5;     ///< of the landmarks
+    size_t fewest = 20;         ///< landmarks of a key frame
   };
 
   KeyFrameChooser() = default;

@@ -125,7 +125,8 @@ const char* read(Reader& in, KeyFrame& frame) {
   if (!is_unit(frame.T_m_k.q.norm()) || !is_unit(frame.down_k.norm())) return "a direction is not of unit length";
   frame.T_m_k.q.normalize(), frame.down_k.normalize();
   if (!frame.T_m_k.p.allFinite() || !(frame.T_m_k.p.norm() < kFarthest_m)) return "a key frame is nowhere";
-  if (!(frame.tilt_sigma_rad > 1e-6 && frame.tilt_sigma_rad < 10) || !(frame.scale_sigma >= 0 && frame.scale_sigma < 10))
+  if (!(frame.tilt_sigma_rad > 1e-6 && frame.tilt_sigma_rad < 10) ||
+      !(frame.scale_sigma >= 0 && frame.scale_sigma < 10))
     return "a sigma is out of range";
   if (count > kMost_landmarks || count > in.left() / kLandmark_bytes) return "has more landmarks than bytes";
   frame.landmarks.resize(count);

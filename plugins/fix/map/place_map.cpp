@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "sdk/math/rotation.hpp"
 
@@ -148,19 +149,34 @@ uint32_t PlaceMap::next_epoch() const {
 
 void PlaceMap::thin(size_t most) {
   constexpr double kMetres_per_rad = 2;
-  const auto apart = [](const KeyFrame& a, const KeyFrame& b) {
-    return (a.T_m_k.p - b.T_m_k.p).norm() + kMetres_per_rad * a.T_m_k.q.angularDistance(b.T_m_k.q);
+  const size_t size = bytes();
+  if (size <= most || frames_.empty()) return;
+  const size_t wanted = most / (size / frames_.size());
+  // Of each key frame the nearest newer one that remains.
+  std::vector<std::pair<double, size_t>> nearest(frames_.size());
+  std::vector<char> gone(frames_.size(), 0);
+  const auto find_nearest = [&](size_t i) {
+    nearest[i] = {std::numeric_limits<double>::infinity(), i};
+    for (size_t k = i + 1; k < frames_.size(); ++k) {
+      if (gone[k]) continue;
+      const Rigid &a = frames_[i].T_m_k, &b = frames_[k].T_m_k;
+      const double apart = (a.p - b.p).norm() + kMetres_per_rad * a.q.angularDistance(b.q);
+      nearest[i] = std::min(nearest[i], std::pair(apart, k));
+    }
   };
-  const size_t each = frames_.empty() ? 0 : bytes() / frames_.size();
-  if (bytes() <= most || each == 0) return;
-  const size_t wanted = most / each;
-  while (frames_.size() > wanted) {
-    std::pair<double, size_t> nearest{1e300, 0};
+  for (size_t i = 0; i < frames_.size(); ++i) find_nearest(i);
+  for (size_t left = frames_.size(); left > wanted; --left) {
+    size_t least = frames_.size();
     for (size_t i = 0; i < frames_.size(); ++i)
-      for (size_t k = i + 1; k < frames_.size(); ++k)
-        nearest = std::min(nearest, std::pair(apart(frames_[i], frames_[k]), i));
-    frames_.erase(frames_.begin() + static_cast<ptrdiff_t>(nearest.second));
+      if (!gone[i] && (least == frames_.size() || nearest[i].first < nearest[least].first)) least = i;
+    gone[least] = 1;
+    for (size_t i = 0; i < least; ++i)
+      if (!gone[i] && nearest[i].second == least) find_nearest(i);
   }
+  std::vector<KeyFrame> kept;
+  for (size_t i = 0; i < frames_.size(); ++i)
+    if (!gone[i]) kept.push_back(std::move(frames_[i]));
+  frames_ = std::move(kept);
   rebuild();
 }
 

@@ -27,9 +27,12 @@ struct PlaceMapParameters {
   double neighbour_rad = 0.6;  ///< and of its direction of view
   size_t max_landmarks = 250;  ///< of a key frame
   double max_sigma = 0.15;     ///< of a landmark's distance, relative
-  double min_log_odds = 20;    ///< of a place against chance; see the README for look-alikes
+  double min_log_odds = 20;    ///< of a place against chance, to be plausible,
+  double sure_log_odds = 40;   ///< and to be accepted: the look-alikes of 3,696 views had up to 29 (README)
   double min_share = 0.16;     ///< of the landmarks that should be seen and are: look-alikes agree in parts
   int min_cells = 8;           ///< of the picture with inliers: spread over it, not one object
+  double min_covered = 0.6;    ///< of the cells with landmarks: wrong poses agree in parts of the picture
+  int min_off_plane = 4;       ///< cells with matches off the plane of most: flat pictures, fronts, doors have copies
   double max_runner_up = 0.5;  ///< log odds of the best other place, relative: look-alikes within the map
   double same_place_m = 1, same_place_rad = 0.35;  ///< poses in the map that are farther apart are other places
   double focal_sigma = 0.005;                      ///< relative, of the lens: the distance to what is seen
@@ -74,7 +77,10 @@ class PlaceMap {
   std::vector<Candidate> candidates(const Picture& picture, const Excludes& excludes = {}) const;
   /// The best of the candidates, with its log odds and those of the best other place, whether accepted or not.
   std::optional<Recognition> best_of(const Picture& picture, const std::vector<Candidate>& candidates) const;
-  bool is_accepted(const Recognition& recognition) const;
+  bool is_accepted(const Recognition& recognition) const { return is_plausible(recognition) && is_sure(recognition); }
+  /// Less: what is seen may be nearly flat, of which other places may have copies, and the odds lower. To be used only
+  /// where odometry or another fix predicts the pose as well.
+  bool is_plausible(const Recognition& recognition) const;
 
   const PlaceMapParameters& parameters() const { return p_; }
 
@@ -90,6 +96,10 @@ class PlaceMap {
   void index(size_t frame);
   void rebuild();
   double log_odds(const Candidate& candidate) const;
+  bool is_sure(const Recognition& recognition) const {
+    return recognition.off_plane >= p_.min_off_plane && recognition.log_odds > p_.sure_log_odds &&
+           recognition.covered > p_.min_covered;
+  }
   void set_covariance(const Candidate& candidate, Recognition& recognition) const;
   std::vector<double> votes(const std::vector<Feature>& features, const std::vector<char>& excluded) const;
   std::vector<size_t> beside(size_t frame, const std::vector<char>& excluded) const;

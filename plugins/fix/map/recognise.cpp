@@ -31,9 +31,8 @@ std::vector<double> PlaceMap::votes(const std::vector<Feature>& features, const 
     words_.look_up(feature.descriptor, [&](uint32_t number) {
       const Owner& owner = owners_[number];
       if (excluded[owner.frame]) return;
-      const int distance =
-          hamming_within(feature.descriptor, frames_[owner.frame].landmarks[owner.landmark].descriptors[owner.look],
-                         p_.vote_distance);
+      const int distance = hamming_within(
+          feature.descriptor, frames_[owner.frame].landmarks[owner.landmark].descriptors[owner.look], p_.vote_distance);
       if (distance > p_.vote_distance) return;
       int& best = nearest[owner.frame];
       if (best > 256) touched.push_back(owner.frame);
@@ -78,8 +77,13 @@ LocalMap PlaceMap::local_map(size_t frame, const std::vector<char>& excluded) co
       const Vector3d p_s = Eigen::Vector3f::Map(landmark.p_k.data()).cast<double>();
       const auto [at, is_new] = known.try_emplace(landmark.id, local.size());
       if (is_new)
-        local.push_back({landmark.id, T_k_s * p_s, static_cast<double>(landmark.across_sigma),
-                         static_cast<double>(landmark.along_sigma), T_k_s.q * p_s.normalized(), p_s.norm(), {}});
+        local.push_back({landmark.id,
+                         T_k_s * p_s,
+                         static_cast<double>(landmark.across_sigma),
+                         static_cast<double>(landmark.along_sigma),
+                         T_k_s.q * p_s.normalized(),
+                         p_s.norm(),
+                         {}});
       for (size_t look = 0; look < 2; ++look)
         if (landmark.levels[look] >= 0 && local[at->second].looks.size() < p_.max_looks)
           local[at->second].looks.push_back({landmark.descriptors[look], landmark.levels[look], p_s.norm()});
@@ -140,9 +144,8 @@ void PlaceMap::set_covariance(const Candidate& candidate, Recognition& recogniti
   recognition.covariance.diagonal().head<3>().array() += variance(p_.rotation_floor_rad);
   recognition.covariance.diagonal().tail<3>().array() += variance(p_.position_floor_m);
   const Vector3d ahead = R.col(2), from = recognition.T_k_c.p;
-  recognition.covariance.bottomRightCorner<3, 3>() +=
-      variance(p_.focal_sigma * range) * ahead * ahead.transpose() +
-      variance(frame.scale_sigma) * from * from.transpose();
+  recognition.covariance.bottomRightCorner<3, 3>() += variance(p_.focal_sigma * range) * ahead * ahead.transpose() +
+                                                      variance(frame.scale_sigma) * from * from.transpose();
 }
 
 std::optional<Recognition> PlaceMap::best_of(const Picture& picture, const std::vector<Candidate>& found) const {
@@ -153,6 +156,8 @@ std::optional<Recognition> PlaceMap::best_of(const Picture& picture, const std::
   out.T_k_c = best.verified->T_c_k.inverse();
   out.inliers = best.verified->evidence.matched, out.cells = best.verified->evidence.inlier_cells;
   out.share = static_cast<double>(out.inliers) / std::max(1, best.verified->evidence.visible);
+  out.covered = best.verified->evidence.covered;
+  out.off_plane = best.verified->evidence.off_plane;
   out.log_odds = log_odds(best);
   set_covariance(best, out);
   const Rigid T_m_c = frames_[best.frame].T_m_k * out.T_k_c;
@@ -166,10 +171,9 @@ std::optional<Recognition> PlaceMap::best_of(const Picture& picture, const std::
   return out;
 }
 
-bool PlaceMap::is_accepted(const Recognition& recognition) const {
+bool PlaceMap::is_plausible(const Recognition& recognition) const {
   return recognition.log_odds > p_.min_log_odds && recognition.share > p_.min_share &&
-         recognition.cells >= p_.min_cells &&
-         recognition.runner_up < p_.max_runner_up * recognition.log_odds;
+         recognition.cells >= p_.min_cells && recognition.runner_up < p_.max_runner_up * recognition.log_odds;
 }
 
 std::optional<Recognition> PlaceMap::recognise(const Picture& picture, const Excludes& excludes) const {

@@ -167,8 +167,7 @@ std::optional<RansacPose> ransac_pose(const std::vector<Correspondence>& matches
   const Quaterniond q_u_k = shortest_rotation(gravity.down_k, Vector3d::UnitZ());
   const Quaterniond q_u_c = shortest_rotation(gravity.down_c, Vector3d::UnitZ());
   std::vector<Vector3d> X, rays;
-  for (const Correspondence& match : matches)
-    X.push_back(q_u_k * match.p_k), rays.push_back(q_u_c * match.ray_c);
+  for (const Correspondence& match : matches) X.push_back(q_u_k * match.p_k), rays.push_back(q_u_c * match.ray_c);
   Draws draws;
   RansacPose best;
   double best_score = 0, best_start = 0;

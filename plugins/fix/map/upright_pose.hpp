@@ -13,13 +13,13 @@ namespace odograph::place_map {
 
 /// A ray of the picture that may show a landmark.
 struct Correspondence {
-  Eigen::Vector3d p_k;                     ///< of the landmark
+  Eigen::Vector3d p_k;                       ///< of the landmark
   double across_sigma = 0, along_sigma = 0;  ///< across and along the ray from k, metres
-  Eigen::Vector3d ray_c;                   ///< unit vector
-  double sigma_rad = 0;                    ///< of the ray, about each axis
-  double zoom = 1;  ///< how much larger the landmark appears than in k, by the levels of the descriptors; 0: not known
+  Eigen::Vector3d ray_c;                     ///< unit vector
+  double sigma_rad = 0;                      ///< of the ray, about each axis
+  double zoom = 1;   ///< how much larger the landmark appears than in k, by the levels of the descriptors; 0: not known
   int distance = 0;  ///< Hamming
-  double confidence = 1;  ///< probability that it is right, by its descriptors alone
+  double confidence = 1;             ///< probability that it is right, by its descriptors alone
   size_t landmark = 0, feature = 0;  ///< indices of the caller
   uint64_t id = 0;                   ///< of the landmark
 };
@@ -30,11 +30,11 @@ struct Gravity {
 };
 
 struct PoseParameters {
-  int trials = 1000;       ///< of RANSAC: 99.99 % with one inlier in ten
-  double gate = 9.21;      ///< squared Mahalanobis distance of an inlier: 99 % of two degrees of freedom
-  double lens_rad = 1e-3;  ///< sigma of a ray by lens and shutter: half a pixel of 500
+  int trials = 1000;            ///< of RANSAC: 99.99 % with one inlier in ten
+  double gate = 9.21;           ///< squared Mahalanobis distance of an inlier: 99 % of two degrees of freedom
+  double lens_rad = 1e-3;       ///< sigma of a ray by lens and shutter: half a pixel of 500
   double max_zoom_error = 1.6;  ///< between the zoom by levels and by distances; levels are 1.26 apart
-  int iterations = 5;      ///< of least squares
+  int iterations = 5;           ///< of least squares
 };
 
 /// Squared Mahalanobis distance of a correspondence and the area of its unit ellipse, sr. `T`: from k to c;

@@ -171,10 +171,51 @@ class Verifier {
   }
 
   void count_matches(Verified& out) const {
-    std::set<std::pair<int, int>> cells;
-    for (const Correspondence& match : out.matches) cells.insert(cell_of(match.ray_c, p_.cell_rad));
+    std::map<std::pair<int, int>, int> visible, matched;
+    for (const LocalLandmark& landmark : map_)
+      if (is_visible(landmark, out.T_c_k)) ++visible[cell_of((out.T_c_k * landmark.p_k).normalized(), p_.cell_rad)];
+    for (const Correspondence& match : out.matches) ++matched[cell_of(match.ray_c, p_.cell_rad)];
     out.evidence.matched = static_cast<int>(out.matches.size());
-    out.evidence.cells = static_cast<int>(cells.size());
+    out.evidence.cells = static_cast<int>(matched.size());
+    int full = 0, covered = 0;
+    for (const auto& [cell, count] : visible)
+      if (count >= 3) ++full, covered += matched.contains(cell);
+    out.evidence.covered = covered / std::max(1.0, static_cast<double>(full));
+    out.evidence.off_plane = cells_off_plane(out.matches);
+  }
+
+  /// A picture on a wall, a front or a door may have copies. Cells with matches that are not on the plane of most.
+  int cells_off_plane(const std::vector<Correspondence>& matches) const {
+    const auto is_off = [&](const Correspondence& match, const Vector3d& normal, const Vector3d& through) {
+      const double along = std::abs(normal.dot(match.p_k.normalized()));
+      const double tolerance = 3 * std::hypot(along * match.along_sigma, match.across_sigma);
+      return std::abs(normal.dot(match.p_k - through)) > tolerance + p_.plane_part * match.p_k.norm();
+    };
+    size_t least = matches.size(), state = 1;
+    std::vector<char> off(matches.size(), 1), best = off;
+    const auto draw = [&] { return (state = state * 6364136223846793005u + 1442695040888963407u) >> 33; };
+    for (int trial = 0; trial < 200 && matches.size() > 3; ++trial) {
+      const Vector3d a = matches[draw() % matches.size()].p_k;
+      const Vector3d b = matches[draw() % matches.size()].p_k - a, c = matches[draw() % matches.size()].p_k - a;
+      const Vector3d across = b.cross(c);
+      if (across.norm() < 0.05 * b.norm() * c.norm() || across.isZero()) continue;
+      size_t count = 0;
+      for (size_t i = 0; i < matches.size(); ++i)
+        off[i] = is_off(matches[i], across.normalized(), a) ? 1 : 0, count += static_cast<size_t>(off[i]);
+      if (count < least) least = count, best = off;
+    }
+    std::set<std::pair<int, int>> cells;
+    for (size_t i = 0; i < matches.size(); ++i)
+      if (best[i]) cells.insert(cell_of(matches[i].ray_c, p_.cell_rad));
+    return static_cast<int>(cells.size());
+  }
+
+  bool is_visible(const LocalLandmark& landmark, const Rigid& T) const {
+    const Vector3d x = T * landmark.p_k;
+    const double distance = x.norm(), zoom = landmark.seen_from_m / distance;
+    if (!is_in_picture(x) || zoom > p_.max_zoom || zoom < 1 / p_.max_zoom) return false;
+    const Vector3d seen_along = T.q * landmark.seen_along_k;
+    return x.dot(seen_along) > std::cos(p_.max_view_angle_rad) * distance;
   }
 
   bool is_in_picture(const Vector3d& x) const {
@@ -188,14 +229,12 @@ class Verifier {
   std::vector<Correspondence> guided_matches(const Rigid& T, double sigma_rad, Evidence& evidence) const {
     std::vector<Correspondence> matches;
     evidence.visible = 0;
-    const Vector3d eye_k = T.inverse().p;
     std::vector<int> taken(query_.features.size(), -1);
     for (size_t i = 0; i < map_.size(); ++i) {
       const LocalLandmark& landmark = map_[i];
       const Vector3d x = T * landmark.p_k;
-      const double distance = x.norm(), zoom = landmark.seen_from_m / distance;
-      if (!is_in_picture(x) || zoom > p_.max_zoom || zoom < 1 / p_.max_zoom) continue;
-      if ((landmark.p_k - eye_k).dot(landmark.seen_along_k) < std::cos(p_.max_turn_rad) * distance) continue;
+      const double distance = x.norm();
+      if (!is_visible(landmark, T)) continue;
       ++evidence.visible;
       Correspondence match;
       match.p_k = landmark.p_k, match.across_sigma = landmark.across_sigma, match.along_sigma = landmark.along_sigma;

@@ -12,12 +12,14 @@
 namespace odograph::place_map {
 
 struct VerificationParameters {
-  int max_distance = 72;         ///< Hamming, of a match: chance comes so near in 1e-4 of pairs (bench)
-  double guided_rad = 0.004;     ///< sigma of a predicted ray in common, by lens and scale: 2 px of 500
-  double max_turn_rad = 0.87;    ///< between the directions of view of a landmark: 50 degrees
-  double max_zoom = 2.5;         ///< by which a landmark may appear larger or smaller
-  double cell_rad = 0.1;         ///< side of a cell of the picture, whose matches count as one: patches overlap in it
-  double distinct_rad = 0.05;    ///< between a match and another that might be taken for it
+  int max_distance = 72;             ///< Hamming, of a match: chance comes so near in 1e-4 of pairs (bench)
+  double guided_rad = 0.004;         ///< sigma of a predicted ray in common, by lens and scale: 2 px of 500
+  double max_view_angle_rad = 0.87;  ///< between the directions of view of a landmark: 50 degrees
+  double max_zoom = 2.5;             ///< by which a landmark may appear larger or smaller
+  double cell_rad = 0.1;  ///< side of a cell of the picture, whose matches count as one: patches overlap in it
+  /// Of the plane through most matches, relative to a landmark's distance, besides three of its sigmas.
+  double plane_part = 0.03;
+  double distinct_rad = 0.05;  ///< between a match and another that might be taken for it
   /// Ratio of a match's distance to that of the second best (Lowe 2004) at which half are right, and the width of the
   /// logistic function: simulated hall, seed 1.
   double even_ratio = 0.72, ratio_width = 0.06;
@@ -47,6 +49,8 @@ struct Evidence {
   int visible = 0;        ///< landmarks that should be in the picture
   int matched = 0;        ///< of them, found where they should be
   int cells = 0;          ///< cells of the picture with such
+  int off_plane = 0;      ///< cells with matches that are not on the plane of most of them
+  double covered = 0;     ///< share of the cells with three or more visible landmarks in which one is found
   double log_chance = 0;  ///< logarithm of the expected number of such agreements by chance (Moisan & Stival 2004)
 };
 

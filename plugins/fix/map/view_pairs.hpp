@@ -11,12 +11,12 @@ namespace odograph::place_map {
 /// triangulated by the known motion. A front-end tracks some fifty to a hundred corners indoors, of which a query from
 /// elsewhere shows a third; these are three times as many, and found by the same detector.
 struct ViewPairParameters {
-  int max_distance = 45;            ///< Hamming, of a match; motions between key frames are small
-  double epipolar_rad = 0.004;      ///< besides one pixel of the corners' levels
-  double lens_rad = 0.002;          ///< sigma of a ray by a stabiliser's motion, 1 px of 500
-  double min_parallax_rad = 0.02;   ///< between the rays: half a metre at 25 m
+  int max_distance = 45;                   ///< Hamming, of a match; motions between key frames are small
+  double epipolar_rad = 0.004;             ///< besides one pixel of the corners' levels
+  double lens_rad = 0.002;                 ///< sigma of a ray by a stabiliser's motion, 1 px of 500
+  double min_parallax_rad = 0.02;          ///< between the rays: half a metre at 25 m
   double min_range = 0.2, max_range = 60;  ///< metres
-  double apart_rad = 0.01;          ///< from landmarks that there are: 4 px of the finest level
+  double apart_rad = 0.01;                 ///< from landmarks that there are: 4 px of the finest level
 };
 
 /// The corners of a key frame, with the ids of those that are landmarks (0: not).

@@ -26,7 +26,8 @@ class WordIndex {
       const uint32_t word = word_of(descriptor, table);
       for (int flip = -1; flip < kWordBits; ++flip) {
         const uint32_t near = flip < 0 ? word : word ^ (1u << flip);
-        for (uint32_t at = heads_[slot(table, near)]; at != kNone; at = nexts_[at * kTables + static_cast<size_t>(table)])
+        for (uint32_t at = heads_[slot(table, near)]; at != kNone;
+             at = nexts_[at * kTables + static_cast<size_t>(table)])
           each(at);
       }
     }
