@@ -2,7 +2,6 @@
 //
 // fix/map in whole sessions: loops, and the map of one session in a later one. The oracle is the simulator's truth.
 #include <cmath>
-#include <cstring>
 
 #include <odograph/anchor.h>
 #include <odograph/map.h>
@@ -23,7 +22,7 @@ const Recording& two_rounds() {
   static const Recording recording = [] {
     const auto scenario = required(read_scenario(
         write_text(folder / "room.yaml",
-                   "odograph_scenario: 1\nworld: {type: room}\ncamera: {width: 480 px, height: 360 px, focal: 380 px, "
+                   "odograph_scenario: 1\nworld: {type: room}\ncamera: {width: 480, height: 360, focal: 380, "
                    "pitch: -15 deg}\nwalker: {gait: viewing, speed: 0.8 m/s, stand: 3 s}\nroute:\n  points: [[0, 0, "
                    "0], [5, 0, 0], [5, 4, 0], [0, 4, 0], [0, 0, 0], [5, 0, 0], [5, 4, 0], [0, 4, 0], [0, 0, 0]]\n")
             .string()));
@@ -69,7 +68,8 @@ TEST_CASE("a second round closes loops where the truth has been before, and a re
   REQUIRE(accepted(first.loops) > 8);
   CHECK(bytes(first.loops) == bytes(again.loops));
   REQUIRE(first.track.size() == again.track.size());
-  CHECK(std::memcmp(first.track.data(), again.track.data(), first.track.size() * sizeof(StampedPose)) == 0);
+  for (size_t i = 0; i < first.track.size(); ++i)
+    REQUIRE((first.track[i].p == again.track[i].p && first.track[i].q.coeffs() == again.track[i].q.coeffs()));
   double nees = 0;
   for (const odo_relative_pose& loop : first.loops) {
     const auto from = pose_at(two_rounds().truth, loop.t_from_ns, 0.1),

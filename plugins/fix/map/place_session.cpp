@@ -62,10 +62,10 @@ void PlaceSession::look_up(Query& query) const {
                        [&](const KeptLandmark& landmark) { return landmark.id != 0 && seen.count(landmark.id) != 0; });
   };
   const auto look = [&](uint64_t id, const PlaceMap& map, const PlaceMap::Excludes& without) {
-    const auto found = map.recognise(query.sight.picture, without);
-    if (!found) return;
+    const auto found = map.best_of(query.sight.picture, map.candidates(query.sight.picture, without));
+    if (!found || !map.is_plausible(*found)) return;
     const KeyFrame* frame = map.find(found->key_frame);
-    query.found.push_back({id, *found, frame->t_ns, frame->T_m_k, query.sight.T_s_c});
+    query.found.push_back({id, *found, frame->t_ns, frame->T_m_k, query.sight.T_s_c, map.is_accepted(*found)});
   };
   look(0, *own_, excludes);
   for (const Loaded& loaded : loaded_) look(loaded.id, *loaded.map, {});
@@ -95,14 +95,16 @@ bool PlaceSession::agrees(const Sighting& before, const Sighting& now) const {
   return agree(before.recognition, before.T_m_k, now.recognition, now.T_m_k, way, drift) == Agreement::yes;
 }
 
-/// One recognition is none: it needs a second one of the same map to which the track leads.
-std::optional<Found> PlaceSession::judge(const Sighting& now) {
+/// One recognition is none: it needs a second one of the same map to which the track leads. One of them must be sure;
+/// from then on plausible ones continue it.
+std::optional<Found> PlaceSession::judge(Sighting now) {
   const auto of_map = [&](const Sighting& other) { return other.map == now.map; };
   const auto before = std::find_if(newest_.begin(), newest_.end(), of_map);
   const bool agreed = before != newest_.end() && agrees(*before, now);
+  now.is_sure = now.is_sure || (agreed && before->is_sure);
   std::erase_if(newest_, of_map);
   newest_.push_back(now);
-  if (!agreed) return std::nullopt;
+  if (!agreed || !now.is_sure) return std::nullopt;
 
   const auto last = std::find_if(used_.begin(), used_.end(), of_map);
   const bool again = last != used_.end() && last->recognition.key_frame == now.recognition.key_frame &&

@@ -86,6 +86,7 @@ class PlaceSession {
     Recognition recognition;
     int64_t key_frame_ns;
     Rigid T_m_k, T_s_c;
+    bool is_sure;  ///< by itself, or since it agrees with one that is
     Rigid T_m_c() const { return T_m_k * recognition.T_k_c; }
   };
   /// A picture that is looked up, and what was found.
@@ -96,7 +97,7 @@ class PlaceSession {
   };
 
   void look_up(Query& query) const;
-  std::optional<Found> judge(const Sighting& now);
+  std::optional<Found> judge(Sighting now);
   bool agrees(const Sighting& before, const Sighting& now) const;
 
   Parameters p_;
