@@ -59,8 +59,7 @@ class DriftingWalk {
     loop.header.flags = ODO_RELATIVE_POSE_TRANSLATION | ODO_RELATIVE_POSE_ROTATION;
     loop.t_from_ns = t_ns;
     put_quaternion(about_down(sigma_rad * normal_(random_)), loop.q_b0_b1);
-    Vector3d::Map(loop.p_b0_b1) =
-        true_p_ - true_then + sigma_m * Vector3d(normal_(random_), normal_(random_), normal_(random_));
+    Vector3d::Map(loop.p_b0_b1) = true_p_ - true_then + sigma_m * noise();
     for (int i = 0; i < 6; ++i) loop.covariance[7 * i] = squared(i < 3 ? sigma_rad : sigma_m);
     return loop;
   }
@@ -74,6 +73,11 @@ class DriftingWalk {
     return place;
   }
 
+  Vector3d noise() {
+    Vector3d out;
+    for (double& x : out) x = normal_(random_);
+    return out;
+  }
   KeyFrames::Context context() const { return {point_, point_, 0, {}}; }
   Vector3d error() const { return filter_.p_n() - true_p_; }
   double heading_error() const { return heading_error_ + filter_.x()[kHeading]; }
@@ -105,25 +109,25 @@ void square(
 TEST_CASE("a loop closed at five and at fifteen degrees of heading error leaves a true sigma, and the error shrinks") {
   for (const double degrees : {5.0, 15.0}) {
     CAPTURE(degrees);
-    double nees = 0, before_m = 0, after_m = 0, half_way_before_m = 0, half_way_after_m = 0, half_way_nees = 0;
+    double nees = 0, before_m = 0, after_m = 0, middle_before_m = 0, middle_after_m = 0, middle_nees = 0;
     int used = 0, seeds = 200;
     for (int seed = 1; seed <= seeds; ++seed) {
       DriftingWalk walk(static_cast<uint32_t>(seed), degrees * kDegree, 0.03);
       KeyFrames frames;
       const Attachment start{walk.filter_.keep_pose(walk.point_, walk.point_), {}, Matrix4d::Zero()};
-      uint64_t half_way = 0;
+      uint64_t middle = 0;
       int corner = 0;
       square(walk, 100, [&] {
-        if (++corner == 2) half_way = walk.filter_.keep_pose(walk.point_, walk.point_);
+        if (++corner == 2) middle = walk.filter_.keep_pose(walk.point_, walk.point_);
       });
-      const auto half_way_error = [&](double* nees_of) {
+      const auto middle_error = [&](double* nees_of) {
         KeptPose kept;
-        REQUIRE(walk.filter_.kept_pose(half_way, 0, kept));
+        REQUIRE(walk.filter_.kept_pose(middle, 0, kept));
         const Vector3d e = kept.p_n_b - Vector3d(100, 100, 0);
         if (nees_of) *nees_of += e.head<2>().dot(kept.own.block<2, 2>(3, 3).inverse() * e.head<2>()) / 2;
         return e.norm();
       };
-      before_m += walk.error().norm(), half_way_before_m += half_way_error(nullptr);
+      before_m += walk.error().norm(), middle_before_m += middle_error(nullptr);
       // It is recognised twice a second for a while: the first time widened, then as precisely as stated.
       bool accepted = false;
       for (int again = 0; again < 4; ++again) {
@@ -134,16 +138,16 @@ TEST_CASE("a loop closed at five and at fifteen degrees of heading error leaves 
       }
       used += accepted;
       nees += walk.nees(), after_m += walk.error().norm();
-      half_way_after_m += half_way_error(&half_way_nees);
+      middle_after_m += middle_error(&middle_nees);
     }
-    MESSAGE(degrees << " degrees: error " << before_m / seeds << " -> " << after_m / seeds << " m, half-way "
-                    << half_way_before_m / seeds << " -> " << half_way_after_m / seeds << " m, NEES " << nees / seeds
-                    << ", half-way " << half_way_nees / seeds << ", used " << used);
+    MESSAGE(degrees << " degrees: error " << before_m / seeds << " -> " << after_m / seeds << " m, the middle "
+                    << middle_before_m / seeds << " -> " << middle_after_m / seeds << " m, NEES " << nees / seeds
+                    << ", the middle " << middle_nees / seeds << ", used " << used);
     CHECK(used > 0.9 * seeds);  // beyond half a radian, 1.9 sigma of 15 degrees, it is refused: 6 %
     CHECK(nees / seeds == Between{0.3, 3});
-    CHECK(half_way_nees / seeds == Between{0.3, 3});
+    CHECK(middle_nees / seeds == Between{0.3, 3});
     CHECK(after_m < 0.1 * before_m);
-    CHECK(half_way_after_m < 0.8 * half_way_before_m);
+    CHECK(middle_after_m < 0.8 * middle_before_m);
   }
 }
 

@@ -41,6 +41,7 @@
 
 #include <odograph/plugin_messages.hpp>
 #include <odograph/plugin_parameters.hpp>
+#include <odograph/plugin_traits.hpp>
 
 #include <exception>
 #include <iterator>
@@ -60,31 +61,6 @@ struct Description {
 };
 
 namespace detail {
-
-template <class T, class = void> struct has_configured : std::false_type {};
-template <class T> struct has_configured<T, std::void_t<decltype(std::declval<T&>().configured())>> : std::true_type {};
-template <class T, class = void> struct has_configured_with_host : std::false_type {};
-template <class T>
-struct has_configured_with_host<T, std::void_t<decltype(std::declval<T&>().configured(std::declval<Output&>()))>>
-    : std::true_type {};
-template <class T, class = void> struct has_reset : std::false_type {};
-template <class T> struct has_reset<T, std::void_t<decltype(std::declval<T&>().reset())>> : std::true_type {};
-template <class T, class = void> struct has_save : std::false_type {};
-template <class T> struct has_save<T, std::void_t<decltype(std::declval<const T&>().save())>> : std::true_type {};
-template <class T, class = void> struct has_save_map : std::false_type {};
-template <class T>
-struct has_save_map<T, std::void_t<decltype(std::declval<const T&>().save_map())>> : std::true_type {};
-template <class T, class = void> struct has_extension : std::false_type {};
-template <class T>
-struct has_extension<T, std::void_t<decltype(std::declval<T&>().extension(std::string_view()))>> : std::true_type {};
-template <class T, class = void> struct has_woken : std::false_type {};
-template <class T>
-struct has_woken<T, std::void_t<decltype(std::declval<T&>().woken(std::declval<Output&>()))>> : std::true_type {};
-template <class T, class = void> struct has_flags : std::false_type {};
-template <class T> struct has_flags<T, std::void_t<decltype(T::flags)>> : std::true_type {};
-template <class T, class = void> struct has_extra_outputs : std::false_type {};
-template <class T> struct has_extra_outputs<T, std::void_t<decltype(T::extra_outputs)>> : std::true_type {};
-
 /// Whether a class is in an unnamed namespace, from its name in the compiler's function signature.
 template <class T> constexpr bool is_unnamed() {
 #if defined(_MSC_VER)

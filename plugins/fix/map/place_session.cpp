@@ -34,7 +34,7 @@ bool PlaceSession::see(Sight sight) {
   const bool scaled = !sight.landmarks.empty() && sight.scale_sigma < p_.max_scale_sigma;
   const bool is_key = scaled && chooser_.choose(t_ns, sight.T_s_c, sight.landmarks);
   const bool asks = asked_ns_ == INT64_MIN || seconds_between(asked_ns_, t_ns) >= p_.interval_s;
-  const bool busy = is_live_ && worker_.waiting() >= p_.most_waiting;
+  const bool busy = is_live_ && worker_.waiting() >= p_.max_waiting;
   if (is_key || (asks && !busy)) sight.picture.grey = sight.picture.grey.clone();
   if (asks && !busy) {
     asked_ns_ = t_ns;

@@ -163,7 +163,7 @@ void Anchors::attach_to_pose(Anchor& anchor, KeptPoses& poses) {
 void Anchors::take_hand_overs(KeptPoses& poses) {
   for (const HandOver& hand_over : poses.take_hand_overs()) {
     for (Anchor& anchor : anchors_) hand_over.apply(anchor.to_pose);
-    std::erase_if(poses_, [&](const auto& kept) { return kept.first == hand_over.from; });
+    poses_.erase(hand_over.from);
   }
 }
 
@@ -176,24 +176,6 @@ void Anchors::find_map(Anchor& anchor, const KeptPoses& poses) {
   anchor.placed = true, anchor.lost_reason = 0;
 }
 
-/// Releases the poses that no anchor refers to any more.
-void Anchors::release_unused(KeptPoses& poses) {
-  if (!std::exchange(removed_, false)) return;
-  std::erase_if(poses_, [&](const auto& kept) {
-    const bool used = std::any_of(anchors_.begin(), anchors_.end(),
-                                  [&](const Anchor& anchor) { return anchor.to_pose.pose_id == kept.first; });
-    if (!used) poses.release_pose(kept.first);
-    return !used;
-  });
-}
-
-const KeptPose* Anchors::kept_pose(uint64_t id) const {
-  if (id == 0) return nullptr;
-  for (size_t i = 0; i < poses_.size(); ++i, ++found_)  // anchors of one pose follow each other
-    if (const auto& kept = poses_[found_ % poses_.size()]; kept.first == id) return &kept.second;
-  return nullptr;
-}
-
 /// With l from the body to the anchor and s from the kept pose to it, the position error is dp_h - s x theta_h, and the
 /// error in the view is that - dp + l x theta.
 Anchors::Covariance Anchors::covariance_of(const Anchor& anchor) const {
@@ -201,47 +183,37 @@ Anchors::Covariance Anchors::covariance_of(const Anchor& anchor) const {
   by_now << skew(anchor.T_n_a.p - now_.p_n_b), -Matrix3d::Identity();
   const Matrix3d of_view = by_now * now_.now * by_now.transpose();
   Matrix3d own = Matrix3d::Identity() * (squared(anchor.sigma_m) + squared(anchor.hit_sigma_m));
-  const KeptPose* kept = kept_pose(anchor.to_pose.pose_id);
+  const KeptPose* kept = poses_.find(anchor.to_pose.pose_id);
   if (anchor.reference == Reference::surface) {
     own += Matrix3d::Identity() * squared(p_.surface_drift) * (anchor.T_n_a.p - now_.p_n_b).squaredNorm();
     return {of_view + own, own, now_.now(2, 2)};
   }
   if (anchor.reference == Reference::awaiting_pose) return {of_view + own, own, now_.now(2, 2)};  // seen from there
   if (!kept) return {own, of_view + own, 0};
-  Matrix36 by_kept;
-  by_kept << -skew(anchor.T_n_a.p - kept->p_n_b), Matrix3d::Identity();
-  const Matrix3d R = kept->q_n_b.toRotationMatrix();
-  const Matrix3d offset = R * anchor.to_pose.covariance.bottomRightCorner<3, 3>() * R.transpose();
-  const Matrix3d place = by_kept * kept->own * by_kept.transpose() + offset + own;
-  const Matrix3d common = by_kept * kept->cross * by_now.transpose();
-  return {place, of_view + place + common + common.transpose(), kept->own(2, 2)};
+  const auto relative = covariance_on(*kept, anchor.to_pose, anchor.T_n_a.p, now_);
+  return {relative.place + own, relative.view + own, kept->own(2, 2)};
 }
 
 void Anchors::update(KeptPoses& poses, int64_t t_ns, const Rigid* correction) {
   const std::lock_guard lock(mutex_);
   placed_ = placed_ || poses.is_placed();
   take_hand_overs(poses);
-  release_unused(poses);
+  if (std::exchange(removed_, false))
+    poses_.release_unused(poses, [this](uint64_t id) {
+      return std::any_of(anchors_.begin(), anchors_.end(),
+                         [id](const Anchor& anchor) { return anchor.to_pose.pose_id == id; });
+    });
   if (anchors_.empty() || !poses.pose_now(now_)) return;
   now_ns_ = t_ns;
-  for (auto& [id, kept] : poses_)
-    if (!poses.kept_pose(id, kept)) id = 0;
-  std::erase_if(poses_, [](const auto& kept) { return kept.first == 0; });
+  poses_.update(poses);
   for (Anchor& anchor : anchors_) {
-    const bool was_placed = anchor.placed, stays = anchor.reference == Reference::geodetic ||
-                                                   anchor.reference == Reference::navigation ||
-                                                   anchor.reference == Reference::map;
+    const bool was_placed = anchor.placed, stays = stays_in_n(anchor.reference);
     const Rigid before = correction ? *correction * anchor.T_n_a : anchor.T_n_a;
     if (anchor.reference == Reference::awaiting_pose) attach_to_pose(anchor, poses);
     if (anchor.reference == Reference::map) find_map(anchor, poses);
-    if (anchor.reference == Reference::pose && !kept_pose(anchor.to_pose.pose_id)) {
-      KeptPose kept;
-      if (poses.kept_pose(anchor.to_pose.pose_id, kept))
-        poses_.emplace_back(anchor.to_pose.pose_id, kept);
-      else
-        anchor.reference = Reference::track, anchor.to_pose.pose_id = 0;
-    }
-    if (const KeptPose* kept = kept_pose(anchor.to_pose.pose_id))
+    if (anchor.reference == Reference::pose && !poses_.add(anchor.to_pose.pose_id, poses))
+      anchor.reference = Reference::track, anchor.to_pose.pose_id = 0;
+    if (const KeptPose* kept = poses_.find(anchor.to_pose.pose_id))
       anchor.T_n_a = Rigid{kept->q_n_b, kept->p_n_b} * anchor.to_pose.T_kept_x;
     else if (!stays)
       anchor.T_n_a = before;
@@ -351,28 +323,17 @@ std::vector<uint8_t> Anchors::save_in(const Rigid& T_n_m) const {
   return bytes;
 }
 
-/// Nothing if they are damaged. Not their number: that is checked when they are added.
-std::optional<std::vector<SavedAnchor>> Anchors::read(std::span<const uint8_t> blob) const {
-  if (blob.size() % sizeof(SavedAnchor) != 0) return {};
-  std::vector<SavedAnchor> all(blob.size() / sizeof(SavedAnchor));
-  if (!blob.empty()) std::memcpy(all.data(), blob.data(), blob.size());
-  if (!std::all_of(all.begin(), all.end(), is_valid)) return {};
-  return all;
-}
-
 Anchors::Anchor& Anchors::add(const SavedAnchor& saved, Reference reference) {
   odo_anchor_place place{};
-  place.kind = saved.kind;
-  place.name = {saved.name, std::strlen(saved.name)};
+  place.kind = saved.kind, place.name = {saved.name, std::strlen(saved.name)};
   std::copy(saved.q, saved.q + 4, place.q);
   Anchor& anchor = add(place, reference);
-  anchor.sigma_m = saved.sigma_m;
-  anchor.lost_reason = ODO_REASON_NO_FIX;
+  anchor.sigma_m = saved.sigma_m, anchor.lost_reason = ODO_REASON_NO_FIX;
   return anchor;
 }
 
 bool Anchors::load(std::span<const uint8_t> blob) {
-  const auto all = read(blob);
+  const auto all = saved_anchors_of(blob);
   const std::lock_guard lock(mutex_);
   if (!all || anchors_.size() + all->size() > p_.max_anchors) return false;
   for (const SavedAnchor& saved : *all) {
@@ -385,15 +346,14 @@ bool Anchors::load(std::span<const uint8_t> blob) {
 }
 
 bool Anchors::load_in(std::span<const uint8_t> blob, uint32_t source, uint64_t map) {
-  const auto all = read(blob);
+  const auto all = saved_anchors_of(blob);
   const std::lock_guard lock(mutex_);
   if (!all || anchors_.size() + all->size() > p_.max_anchors) return false;
   for (const SavedAnchor& saved : *all) {
     const auto same = [&](const Anchor& anchor) { return anchor.name == saved.name; };
     if (saved.name[0] != 0 && std::any_of(anchors_.begin(), anchors_.end(), same)) continue;
     Anchor& anchor = add(saved, Reference::map);
-    anchor.map_source = source, anchor.map = map;
-    anchor.T_b_a = {anchor.q, Vector3d(saved.p)};
+    anchor.map_source = source, anchor.map = map, anchor.T_b_a = {anchor.q, Vector3d(saved.p)};
   }
   return true;
 }

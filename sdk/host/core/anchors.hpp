@@ -13,6 +13,7 @@
 
 #include "sdk/host/base/geodesy.hpp"
 #include "sdk/host/base/rigid.hpp"
+#include "sdk/host/core/anchor_poses.hpp"
 #include "sdk/host/core/smooth_pose.hpp"
 #include "sdk/host/fusion/kept_poses.hpp"
 
@@ -90,6 +91,9 @@ class Anchors {
 
  private:
   enum class Reference { geodetic, pose, track, awaiting_pose, navigation, surface, map };
+  static bool stays_in_n(Reference r) {
+    return r == Reference::geodetic || r == Reference::navigation || r == Reference::map;
+  }
   struct Anchor {
     uint64_t id = 0;
     uint32_t kind = 0;
@@ -123,9 +127,6 @@ class Anchors {
   void find_map(Anchor& anchor, const KeptPoses& poses);
   void attach_to_pose(Anchor& anchor, KeptPoses& poses);
   void take_hand_overs(KeptPoses& poses);
-  std::optional<std::vector<SavedAnchor>> read(std::span<const uint8_t> blob) const;
-  void release_unused(KeptPoses& poses);
-  const KeptPose* kept_pose(uint64_t id) const;
   void georeference(Anchor& anchor, const KeptPose& now);
   void blend(Anchor& anchor, const Rigid& before, int64_t t_ns);
   Covariance covariance_of(const Anchor& anchor) const;
@@ -135,11 +136,10 @@ class Anchors {
   Ground ground_;
   mutable std::mutex mutex_;
   std::vector<Anchor> anchors_;
-  std::vector<std::pair<uint64_t, KeptPose>> poses_;  // those that anchors refer to, at the newest update
-  mutable size_t found_ = 0;                          // where the last one was found
-  bool removed_ = false;                              // an anchor, since the newest update
-  KeptPose now_;                                      // the body at the newest update
-  int64_t now_ns_ = INT64_MIN;                        // time of that
+  KeptPoseCache poses_;         // those that anchors refer to
+  bool removed_ = false;        // an anchor, since the newest update
+  KeptPose now_;                // the body at the newest update
+  int64_t now_ns_ = INT64_MIN;  // time of that
   uint64_t last_id_ = 0;
   bool placed_ = false;  // n is placed, by the configured start or by a fix
   mutable int64_t queried_ns_ = INT64_MIN;

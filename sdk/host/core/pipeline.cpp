@@ -3,12 +3,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <string>
 
 #include <odograph/step_estimator.h>
 #include <odograph/vo_frontend.h>
 
+#include "sdk/host/core/event_verdicts.hpp"
 #include "sdk/math/rotation.hpp"
 
 namespace odograph {
@@ -132,9 +132,8 @@ void Pipeline::handle(AnyMessage& event) {
     case ODO_TYPE_KEY_FRAME:
       fusion_->on_key_frame(reinterpret_cast<odo_key_frame&>(header));
       return publish_and_forward(header);
-    case ODO_TYPE_RELATIVE_POSE:
-      return on_recognised(header, fusion_->on_relative_pose(as<odo_relative_pose>(header), outputs_));
-    case ODO_TYPE_MAP_POSE: return on_recognised(header, fusion_->on_map_pose(as<odo_map_pose>(header), outputs_));
+    case ODO_TYPE_RELATIVE_POSE: return on_place(reinterpret_cast<odo_relative_pose&>(header));
+    case ODO_TYPE_MAP_POSE: return on_place(reinterpret_cast<odo_map_pose&>(header));
     case ODO_TYPE_POSE:  // a prior for fix plugins; already published
     case ODO_TYPE_CORRECTION: return roster_.forward_event(header);
     case ODO_TYPE_POINTS: return on_points(reinterpret_cast<odo_points&>(header), used);
@@ -150,13 +149,9 @@ void Pipeline::publish_and_forward(const odo_header& event) {
 }
 
 /// A place was recognised: in this session's track, or in the map of an earlier one.
-void Pipeline::on_recognised(odo_header& event, const UpdateResult& result) {
-  if (result.accepted) event.flags |= ODO_FLAG_ACCEPTED;
-  if (!result.accepted && result.dof > 0)
-    host_.report(event.source, ODO_SEVERITY_INFO, "rejected_place",
-                 "a recognised place was rejected: it contradicts the track by more than both allow");
-  publish_and_forward(event);
-  places_moved_ = places_moved_ || result.accepted;
+void Pipeline::on_place(auto& place) {
+  places_moved_ = take_verdict(place.header, fusion_->on_place(place, outputs_), host_) || places_moved_;
+  publish_and_forward(place.header);
 }
 
 void Pipeline::on_attitude(odo_attitude& attitude, bool used) {
@@ -278,7 +273,7 @@ void Pipeline::publish() {
 
 void Pipeline::on_fix(odo_fix& fix) {
   geodesy_.resolve(fix);  // the published fix has metric coordinates and the verdict
-  const UpdateResult result = is_beyond_frame(fix) ? UpdateResult{} : fusion_->on_fix(fix, outputs_);
+  const UpdateResult result = is_beyond_frame(fix, host_) ? UpdateResult{} : fusion_->on_fix(fix, outputs_);
   const bool used = result.accepted;
   if (!used && result.dof > 0)
     host_.report(fix.header.source, ODO_SEVERITY_INFO, "rejected_fix",
@@ -291,27 +286,8 @@ void Pipeline::on_fix(odo_fix& fix) {
   if (used) roster_.forward_event(fix.header);
 }
 
-/// Whether a position is so far from the origin of n that n is meaningless there; reported.
-bool Pipeline::is_beyond_frame(const odo_fix& fix) {
-  const double north_m = (fix.header.flags & ODO_FIX_NORTH) ? fix.p_n[0] : 0.0;
-  const double east_m = (fix.header.flags & ODO_FIX_EAST) ? fix.p_n[1] : 0.0;
-  const double distance_m = std::hypot(north_m, east_m);
-  if (distance_m <= kParameters.farthest_fix_m) return false;
-  char text[160];
-  std::snprintf(text, sizeof text,
-                "a fix lies %.0f km from the origin of n, expected at most %.0f km: is navigation.origin right?",
-                distance_m / 1e3, kParameters.farthest_fix_m / 1e3);
-  host_.report(fix.header.source, ODO_SEVERITY_WARNING, "far_fix", text);
-  return true;
-}
-
 bool Pipeline::is_of_main_camera(const odo_vo_motion& motion) {
-  if (!roster_.has_camera() || camera() == motion.camera) return true;
-  host_.report(motion.header.source, ODO_SEVERITY_WARNING, "other_camera",
-               "a motion of camera " + std::to_string(motion.camera) + "; expected one of the main camera, " +
-                   std::to_string(camera()),
-               ODO_E_ARGUMENT);
-  return false;
+  return !roster_.has_camera() || camera() == motion.camera || report_other_camera(motion, camera(), host_);
 }
 
 void Pipeline::reset() {

@@ -40,9 +40,6 @@ class Pipeline {
 
   struct Parameters {
     size_t events_per_sample = 512;  ///< twice what one call of a plugin may emit; a walk gives fewer than ten
-    /// From the origin of n. Beyond it, the vertical of n is off by more than 0.9 degrees (100 km / 6371 km) and its
-    /// plane lies 785 m above the ground, so either the origin or the fix is wrong.
-    double farthest_fix_m = 100e3;
   };
 
   struct Counters {
@@ -104,9 +101,8 @@ class Pipeline {
   uint32_t group_of(const odo_header& event, uint32_t group);
   void on_vo_motion(odo_vo_motion& motion);
   void on_fix(odo_fix& fix);
-  void on_recognised(odo_header& event, const UpdateResult& result);
+  void on_place(auto& place);
   void publish_and_forward(const odo_header& event);
-  bool is_beyond_frame(const odo_fix& fix);
   void publish();
   void on_scale(odo_scale& scale);
   void publish_scale(odo_scale& scale, ScaleUse use);

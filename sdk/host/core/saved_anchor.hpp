@@ -4,6 +4,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <cstring>
+#include <optional>
+#include <span>
+#include <vector>
 
 #include <Eigen/Core>
 
@@ -29,6 +33,15 @@ inline bool is_valid(const SavedAnchor& saved) {
          bounds::kLongitude_rad.holds(saved.geodetic[1]) &&
          (saved.reference == kSavedGeodetic || saved.reference == kSavedNavigation) &&
          saved.name[sizeof saved.name - 1] == 0;
+}
+
+/// Nothing if they are damaged. Their number is checked when they are added.
+inline std::optional<std::vector<SavedAnchor>> saved_anchors_of(std::span<const uint8_t> blob) {
+  if (blob.size() % sizeof(SavedAnchor) != 0) return {};
+  std::vector<SavedAnchor> all(blob.size() / sizeof(SavedAnchor));
+  if (!blob.empty()) std::memcpy(all.data(), blob.data(), blob.size());
+  if (!std::all_of(all.begin(), all.end(), is_valid)) return {};
+  return all;
 }
 
 }  // namespace odograph

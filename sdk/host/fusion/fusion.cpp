@@ -242,44 +242,25 @@ UpdateResult Fusion::apply(const odo_fix& fix, Outputs& out) {
   return result;
 }
 
-void Fusion::on_key_frame(odo_key_frame& frame) {
-  const Attachment body = keep_pose(frame.header.t_ns);
-  if (body.pose_id != 0) key_frames_.add(frame, body, state_.filter);
-}
-
-/// Applies what was recognised at a time of the track.
-template <class Use>
-UpdateResult Fusion::recognise(const odo_header& header, const double (&covariance)[36], Outputs& out, Use&& use) {
+template <class Place>
+UpdateResult Fusion::on_place(const Place& place, Outputs& out) {
   if (!state_.started() || !shown_) return {};
+  const int64_t t_ns = place.header.t_ns;
+  // n is arbitrary: neither a start nor a compass nor a fix has given its place.
+  const bool takes_frame = !is_placed() && !state_.heading.north() && !fixes_.any();
   return update(ODO_CORRECTION_FIX, false, out, [&]() -> UpdateResult {
-    const auto then = state_.at(header.t_ns);
-    if (!then)
-      return out.notices.add({"late_recognition", "a place was recognised too late: not used"}), UpdateResult{};
-    state_.add_gap(header.t_ns);
-    // In metres of the front-end itself, or of the session that made the map: it says nothing new of the scale.
-    const StateSet considered = (kept_by_heading_ & kept_by_position_) | only({kLogScale});
-    const UpdateResult result = use({*then, state_.track.newest(), p_.tilt_sigma_rad, considered});
+    const auto then = state_.at(t_ns);
+    if (!then) return out.notices.add({"late_place", "a place was recognised too late: not used"}), UpdateResult{};
+    state_.add_gap(t_ns);
+    const UpdateResult result = use(place, *then, kept_by_heading_ & kept_by_position_, takes_frame);
     if (!result.accepted) return result;
-    displacement_reference_.fixed(header.t_ns);
-    state_.observe(header.t_ns, std::sqrt(std::max({covariance[21], covariance[28], covariance[35]})));
+    displacement_reference_.fixed(t_ns);
+    state_.observe(t_ns, std::sqrt(std::max({place.covariance[21], place.covariance[28], place.covariance[35]})));
     return result;
   });
 }
-
-UpdateResult Fusion::on_relative_pose(const odo_relative_pose& loop, Outputs& out) {
-  constexpr uint32_t kBoth = ODO_RELATIVE_POSE_TRANSLATION | ODO_RELATIVE_POSE_ROTATION;
-  if ((loop.header.flags & kBoth) != kBoth || !state_.started()) return {};
-  const Attachment from = key_frames_.find(loop.header.source, loop.t_from_ns).value_or(keep_pose(loop.t_from_ns));
-  return recognise(loop.header, loop.covariance, out,
-                   [&](const KeyFrames::Context& at) { return key_frames_.use(state_.filter, loop, from, at); });
-}
-
-UpdateResult Fusion::on_map_pose(const odo_map_pose& place, Outputs& out) {
-  const bool takes_frame = !is_placed() && !state_.heading.north() && !fixes_.any();
-  return recognise(place.header, place.covariance, out, [&](const KeyFrames::Context& at) {
-    return key_frames_.use(state_.filter, place, takes_frame, at);
-  });
-}
+template UpdateResult Fusion::on_place(const odo_relative_pose& place, Outputs& out);
+template UpdateResult Fusion::on_place(const odo_map_pose& place, Outputs& out);
 
 void Fusion::on_pause(int64_t until_ns) {
   if (state_.started()) state_.pause(until_ns, has_position() || is_placed());
@@ -301,7 +282,7 @@ odo_pose Fusion::make_pose(const TrackPoint& point) const {
   }
   const Quaterniond q_n_o = filter.q_n_o(), q_n_b = (q_n_o * point.q_o_b).normalized();
   Vector3d p_n = filter.p_n() - q_n_o * (state_.track.newest().p_o_b - point.p_o_b);
-  Eigen::Matrix<double, 6, 6> covariance = filter.pose_covariance(squared(p_.tilt_sigma_rad));
+  Eigen::Matrix<double, 6, 6> covariance = filter.pose_covariance(tilt_variance());
   if (camera) {
     covariance.diagonal().segment<2>(3).array() += squared(state_.unobserved_m(point.t_ns));
     pose.header.flags |= ODO_POSE_CAMERA;
@@ -371,26 +352,11 @@ int32_t Fusion::at(Instant t, Estimate& out) const {
   return ODO_OK;
 }
 
-Attachment Fusion::keep_pose(int64_t t_ns) {
-  if (!state_.started() || t_ns > state_.track.newest().t_ns) return {};
-  const auto then = state_.track.stored(t_ns);
-  if (!then) return {};
-  Attachment near = state_.filter.nearest_kept(*then, state_.track.newest(), p_.near_sigma_m, p_.near_sigma_rad);
-  if (near.pose_id != 0) return near;
-  if (const auto hand_over = state_.filter.crowded()) {
-    key_frames_.hand_over(*hand_over);
-    hand_overs_.push_back(*hand_over);
-    state_.filter.release_pose(hand_over->from);
-  }
-  near.pose_id = state_.filter.keep_pose(*then, state_.track.newest());
-  return near;
-}
-
 bool Fusion::pose_now(KeptPose& out) const {
   Estimate now;
   if (at({}, now) != ODO_OK) return false;
   out.q_n_b = now.q_n_b, out.p_n_b = now.p_n_b;
-  out.own = out.now = out.cross = state_.filter.pose_covariance(squared(p_.tilt_sigma_rad));
+  out.own = out.now = out.cross = state_.filter.pose_covariance(tilt_variance());
   return true;
 }
 

@@ -4,18 +4,15 @@
 #include <memory>
 #include <optional>
 #include <type_traits>
-#include <utility>
-#include <vector>
 
 #include "sdk/host/config/pipeline_config.hpp"
 #include "sdk/host/fusion/displacement_reference.hpp"
 #include "sdk/host/fusion/fixes.hpp"
 #include "sdk/host/fusion/floors.hpp"
 #include "sdk/host/fusion/fusion_state.hpp"
-#include "sdk/host/fusion/kept_poses.hpp"
-#include "sdk/host/fusion/key_frames.hpp"
 #include "sdk/host/fusion/odometry.hpp"
 #include "sdk/host/fusion/outputs.hpp"
+#include "sdk/host/fusion/pose_keeper.hpp"
 #include "sdk/host/fusion/steps.hpp"
 
 namespace odograph {
@@ -24,15 +21,12 @@ namespace odograph {
 /// (docs/estimator.md). Each input adds what it has to publish to `out`. Messages are borrowed for the call; each has
 /// its own time, which may precede the newest IMU sample; they arrive in the pipeline's processing order, IMU samples
 /// in time order. Not thread-safe. The output depends only on the inputs and the config.
-class Fusion : public KeptPoses {
+class Fusion : public PoseKeeper {
  public:
   struct Parameters {
-    double tilt_sigma_rad = 0.01;          ///< rad, of the inclination that front-ends and attitude sources maintain
     double announced_jump_m = 0.05;        ///< m: smaller corrections are not reported
     double announced_rotation_rad = 0.01;  ///< rad
     double counted_m = 0.1;                ///< m of path: less may be jitter; empirical
-    double near_sigma_rad = 5e-3;          ///< rad, likewise
-    double near_sigma_m = 0.02;            ///< m, of the track to a kept pose that another can refer to
     double reference_scale_sigma = 0.03;   ///< relative: a scale with a larger sigma is no reference for steps
   };
 
@@ -53,14 +47,9 @@ class Fusion : public KeptPoses {
   virtual UpdateResult on_barometer(const odo_barometer& barometer, Outputs& out);
   /// With p_n filled in (Geodesy::resolve).
   UpdateResult on_fix(const odo_fix& fix, Outputs& out);
-  /// Keeps the pose at its time and writes it into the message.
-  void on_key_frame(odo_key_frame& frame);
-  template <class Each>
-  void publish_moved_key_frames(Each&& each) {
-    key_frames_.publish_moved(state_.filter, each);
-  }
-  UpdateResult on_relative_pose(const odo_relative_pose& loop, Outputs& out);
-  UpdateResult on_map_pose(const odo_map_pose& place, Outputs& out);
+  /// A recognised place, odo_relative_pose or odo_map_pose.
+  template <class Place>
+  UpdateResult on_place(const Place& place, Outputs& out);
   /// No sensor delivered data until then: the velocity becomes unknown, and the position uncertainty grows.
   void on_pause(int64_t until_ns);
 
@@ -70,15 +59,6 @@ class Fusion : public KeptPoses {
   /// The pose at t, or the newest. At most 0.5 s beyond the newest pose, flagged as extrapolated. ODO_NOT_READY before
   /// the first pose, ODO_E_NOT_FOUND outside the stored track.
   int32_t at(Instant t, Estimate& out) const;
-  Attachment keep_pose(int64_t t_ns) override;
-  std::vector<HandOver> take_hand_overs() override { return std::exchange(hand_overs_, {}); }
-  void release_pose(uint64_t id) override {
-    if (!key_frames_.refer_to(id)) state_.filter.release_pose(id);
-  }
-  bool kept_pose(uint64_t id, KeptPose& out) const override {
-    return state_.filter.kept_pose(id, squared(p_.tilt_sigma_rad), out);
-  }
-  uint64_t map_frame(uint32_t source, uint64_t map) const override { return key_frames_.map_frame(source, map); }
   bool pose_now(KeptPose& out) const override;
   bool is_placed() const override { return (fixes_.placed() & Fixes::kHorizontal) == Fixes::kHorizontal; }
   ScaleKnowledge scale_knowledge() const { return odometry_->scale().knowledge(state_.filter); }
@@ -91,7 +71,8 @@ class Fusion : public KeptPoses {
  protected:
   template <class Motions>
   Fusion(const CouplingConfig& config, const StartPose& start, FusionInputs inputs, std::type_identity<Motions>)
-      : inputs_(inputs),
+      : PoseKeeper(state_),
+        inputs_(inputs),
         state_(config, start),
         odometry_(std::make_unique<Motions>(state_, inputs)),
         steps_(state_, *odometry_),
@@ -126,8 +107,6 @@ class Fusion : public KeptPoses {
   UpdateResult apply(const odo_attitude& attitude, Outputs& out);
   UpdateResult apply(const odo_barometer& barometer, Outputs& out);
   UpdateResult apply(const odo_fix& fix, Outputs& out);
-  template <class Use>
-  UpdateResult recognise(const odo_header& header, const double (&covariance)[36], Outputs& out, Use&& use);
   UpdateResult ride(const odo_barometer& barometer, Outputs& out);
   /// From the first sign of a camera on, so that one that starts late continues the track.
   bool poses_are_of_camera() const { return odometry_->begun() || (inputs_.vo && odometry_->is_calibrated()); }
@@ -137,8 +116,6 @@ class Fusion : public KeptPoses {
 
   Parameters p_;
   FloorEstimator floors_;
-  KeyFrames key_frames_;
-  std::vector<HandOver> hand_overs_;  // not taken yet
   DisplacementReference displacement_reference_;
   Instant step_end_;  // of the newest step
   MotionSource reported_source_ = MotionSource::nothing;

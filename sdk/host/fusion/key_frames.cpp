@@ -65,7 +65,7 @@ Innovation innovation_of(const PoseFilter& filter, uint64_t id, const KeptPose& 
 
 void KeyFrames::add(odo_key_frame& message, const Attachment& body, const PoseFilter& filter) {
   const auto of_source = [&](const KeyFrame& frame) { return frame.message.header.source == message.header.source; };
-  if (static_cast<size_t>(std::count_if(frames_.begin(), frames_.end(), of_source)) >= p_.most)
+  if (static_cast<size_t>(std::count_if(frames_.begin(), frames_.end(), of_source)) >= p_.max)
     frames_.erase(std::find_if(frames_.begin(), frames_.end(), of_source));
   frames_.push_back({message, body});
   fill(frames_.back(), filter, -1, -1);
@@ -111,12 +111,12 @@ uint64_t KeyFrames::map_frame(uint32_t source, uint64_t map) const {
 /// A heading error that grew along a path moved its end along an arc, of which a linear update knows the tangent: the
 /// difference is added to the noise.
 UpdateResult KeyFrames::update(PoseFilter& filter, Innovation& seen, const Context& at) const {
-  const double turn_rad = seen.residual[kYaw];
-  if (std::abs(turn_rad) > p_.largest_turn_rad) return {false, 0.0, 4};
+  const double rotation_rad = seen.residual[kYaw];
+  if (std::abs(rotation_rad) > p_.largest_rotation_rad) return {false, 0.0, 4};
   const Innovation::Square expected = filter.covariance_of(seen);
   if (expected(kYaw, kYaw) > 0) {
     const double lever_m = expected.col(kYaw).tail(3).norm() / expected(kYaw, kYaw);
-    seen.noise.diagonal().tail(3).array() += squared(0.5 * squared(turn_rad) * lever_m);
+    seen.noise.diagonal().tail(3).array() += squared(0.5 * squared(rotation_rad) * lever_m);
   }
   return filter.update(seen, kGate[4], at.considered);
 }
@@ -183,7 +183,7 @@ UpdateResult KeyFrames::use(PoseFilter& filter, const odo_map_pose& place, bool 
   }
   if (id == 0) return {};
   std::erase_if(maps_, [&](const Map& map) { return map.source == place.header.source && map.map == place.map; });
-  if (maps_.size() >= p_.most_maps) {
+  if (maps_.size() >= p_.max_maps) {
     const auto oldest = std::min_element(maps_.begin(), maps_.end(),
                                          [](const Map& a, const Map& b) { return a.recognised_ns < b.recognised_ns; });
     filter.release_pose(oldest->pose_id);

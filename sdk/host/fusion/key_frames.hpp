@@ -17,11 +17,12 @@ namespace odograph {
 class KeyFrames {
  public:
   struct Parameters {
-    size_t most = 1024;             ///< key frames of each instance, the newest ones; events.h
-    size_t most_maps = 4;           ///< places of maps, those recognised last; events.h
-    double moved_m = 0.01;          ///< m, and ...
-    double moved_rad = 2e-3;        ///< rad: a smaller change of a key frame is not published; judgement
-    double largest_turn_rad = 0.5;  ///< rad: a heading error beyond it is not corrected by one linear update; judgement
+    size_t max = 1024;        ///< key frames of each instance, the newest ones; events.h
+    size_t max_maps = 4;      ///< places of maps, those recognised last; events.h
+    double moved_m = 0.01;    ///< m, and ...
+    double moved_rad = 2e-3;  ///< rad: a smaller change of a key frame is not published; judgement
+    double largest_rotation_rad =
+        0.5;  ///< rad: a heading error beyond it is not corrected by one linear update; judgement
   };
   struct Context {
     TrackPoint then, now;  ///< the track at the time of recognition, and its newest point

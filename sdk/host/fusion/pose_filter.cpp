@@ -33,8 +33,6 @@ double share_of_shift(double path_m, double fixed_m, double now_m) {
   return path_m <= fixed_m ? 0.0 : (path_m - fixed_m) / (now_m - fixed_m);
 }
 
-Eigen::Index position_row(size_t pose) { return 4 * static_cast<Eigen::Index>(pose) + 1; }
-
 /// Whether a symmetric matrix is positive semidefinite up to rounding: elimination in place of its lower triangle.
 bool is_semidefinite(Eigen::Ref<Eigen::MatrixXd> a) {
   constexpr double kRounding = 1e-9;
@@ -72,14 +70,14 @@ void PoseFilter::move(const Vector3d& d_n, std::initializer_list<std::pair<State
   P_.leftCols<3>() = FP.transpose();
   P_.topLeftCorner<3, 3>() = 0.5 * (FPF + FPF.transpose());
   P_.topLeftCorner<3, 3>() += noise;
-  if (!kept_.empty()) kept_with_state_.leftCols<3>() = kept_with_state_.lazyProduct(F.transpose()).eval();
+  if (!kept_.poses.empty()) kept_.with_state.leftCols<3>() = kept_.with_state.lazyProduct(F.transpose()).eval();
 }
 
 void PoseFilter::add_multiple(StateIndex to, StateIndex from, double factor) {
   x_[to] += factor * x_[from];
   P_.row(to) += factor * P_.row(from);
   P_.col(to) += factor * P_.col(from);
-  kept_with_state_.col(to) += factor * kept_with_state_.col(from);
+  kept_.with_state.col(to) += factor * kept_.with_state.col(from);
 }
 
 void PoseFilter::decay(StateIndex i, double mean, double keep, double variance) {
@@ -87,7 +85,7 @@ void PoseFilter::decay(StateIndex i, double mean, double keep, double variance) 
   P_.row(i) *= keep;
   P_.col(i) *= keep;
   P_(i, i) += variance;
-  kept_with_state_.col(i) *= keep;
+  kept_.with_state.col(i) *= keep;
 }
 
 void PoseFilter::set(StateIndex i, double value, double variance) {
@@ -104,14 +102,14 @@ void PoseFilter::copy_error(StateIndex to, StateIndex from) {
   P_.row(to) = P_.row(from);
   P_.col(to) = P_.col(from);
   P_(to, to) = P_(from, from);
-  kept_with_state_.col(to) = kept_with_state_.col(from);
+  kept_.with_state.col(to) = kept_.with_state.col(from);
 }
 
 /// Every position error loses, by its share, that of a point, and takes the new one; the barometer's offset does the
 /// opposite.
 void PoseFilter::place(const Position& position, const TrackPoint& then, const TrackPoint& now) {
   Eigen::Matrix<double, 3, kStates> with_state = Eigen::Matrix<double, 3, kStates>::Zero();
-  Eigen::MatrixXd with_kept = Eigen::MatrixXd::Zero(kept_with_state_.rows(), 3);
+  Eigen::MatrixXd with_kept = Eigen::MatrixXd::Zero(kept_.with_state.rows(), 3);
   Matrix3d own = position.covariance;  // of the point, and the new one
   if (!position.fixed_m) {
     const PastPose past = past_pose(then, now);
@@ -122,18 +120,19 @@ void PoseFilter::place(const Position& position, const TrackPoint& then, const T
   Eigen::Matrix<double, kStates, 3> by = Eigen::Matrix<double, kStates, 3>::Zero();
   by.topRows<3>().diagonal() = -position.axes;
   by(kBarometer, 2) = position.axes.z();
-  Eigen::MatrixXd by_kept = Eigen::MatrixXd::Zero(kept_with_state_.rows(), 3);
-  for (size_t i = 0; i < kept_.size(); ++i) {
-    const double share = position.fixed_m ? share_of_shift(kept_[i].point.path_m, *position.fixed_m, now.path_m) : 1.0;
-    kept_[i].p_n_b += share * position.by_n;
-    by_kept.middleRows<3>(position_row(i)) = share * by.topRows<3>();
+  Eigen::MatrixXd by_kept = Eigen::MatrixXd::Zero(kept_.with_state.rows(), 3);
+  for (size_t i = 0; i < kept_.poses.size(); ++i) {
+    const double share =
+        position.fixed_m ? share_of_shift(kept_.poses[i].point.path_m, *position.fixed_m, now.path_m) : 1.0;
+    kept_.poses[i].p_n_b += share * position.by_n;
+    by_kept.middleRows<3>(KeptStates::position_row(i)) = share * by.topRows<3>();
   }
   x_.head<3>() += position.by_n, x_[kBarometer] -= position.by_n.z();
   const Covariance lost = by.lazyProduct(with_state);
   P_ += lost + lost.transpose() + by.lazyProduct(own).lazyProduct(by.transpose());
-  if (kept_.empty()) return;
-  kept_with_state_ += by_kept * with_state + with_kept * by.transpose() + by_kept * own * by.transpose();
-  kept_with_kept_ +=
+  if (kept_.poses.empty()) return;
+  kept_.with_state += by_kept * with_state + with_kept * by.transpose() + by_kept * own * by.transpose();
+  kept_.with_kept +=
       by_kept * with_kept.transpose() + with_kept * by_kept.transpose() + by_kept * own * by_kept.transpose();
 }
 
@@ -144,26 +143,14 @@ void PoseFilter::rotate(double by_rad, const Vector3d& about_n) {
   x_[kHeading] += by_rad, x_[kAttitudeHeading] += by_rad;
   P_.topRows<3>() = (R * P_.topRows<3>()).eval();
   P_.leftCols<3>() = (P_.leftCols<3>() * R.transpose()).eval();
-  for (size_t i = 0; i < kept_.size(); ++i) {
-    const Eigen::Index row = position_row(i);
-    kept_[i].q_n_b = (q * kept_[i].q_n_b).normalized();
-    kept_[i].p_n_b = about_n + R * (kept_[i].p_n_b - about_n);
-    kept_with_state_.middleRows<3>(row) = (R * kept_with_state_.middleRows<3>(row)).eval();
-    kept_with_kept_.middleRows<3>(row) = (R * kept_with_kept_.middleRows<3>(row)).eval();
-    kept_with_kept_.middleCols<3>(row) = (kept_with_kept_.middleCols<3>(row) * R.transpose()).eval();
-  }
-  if (!kept_.empty()) kept_with_state_.leftCols<3>() = (kept_with_state_.leftCols<3>() * R.transpose()).eval();
+  kept_.rotate(q, about_n);
 }
 
 void PoseFilter::inflate_heading(double sigma_rad) {
   const double variance = sigma_rad * sigma_rad;
   for (const int i : {kHeading, kAttitudeHeading})
     for (const int j : {kHeading, kAttitudeHeading}) P_(i, j) += variance;
-  Eigen::VectorXd by(4 * kept_.size());  // rotated with the rest, about the body's position
-  for (size_t i = 0; i < kept_.size(); ++i)
-    by.segment<4>(4 * static_cast<Eigen::Index>(i)) << 1, across(kept_[i].p_n_b - p_n());
-  kept_with_kept_ += variance * by * by.transpose();
-  for (const int i : {kHeading, kAttitudeHeading}) kept_with_state_.col(i) += variance * by;
+  kept_.inflate_heading(variance, p_n());
 }
 
 PoseFilter::PastPose PoseFilter::past_pose(const TrackPoint& then, const TrackPoint& now) const {
@@ -182,29 +169,17 @@ PoseFilter::PastPose PoseFilter::past_pose(const TrackPoint& then, const TrackPo
   return past;
 }
 
-void PoseFilter::add_kept(const Kept& kept, const Matrix4X& with_state, const Eigen::MatrixXd& with_kept,
-                          const Matrix4d& own) {
-  const Eigen::Index n = kept_with_state_.rows();
-  kept_with_state_.conservativeResize(n + 4, kStates);
-  kept_with_state_.bottomRows<4>() = with_state;
-  kept_with_kept_.conservativeResize(n + 4, n + 4);
-  kept_with_kept_.topRightCorner(n, 4) = with_kept;
-  kept_with_kept_.bottomLeftCorner(4, n) = with_kept.transpose();
-  kept_with_kept_.bottomRightCorner<4, 4>() = own;
-  kept_.push_back(kept);
-}
-
 uint64_t PoseFilter::keep_pose(const TrackPoint& then, const TrackPoint& now) {
-  if (kept_.size() >= kMostKept) return 0;
+  if (kept_.is_full()) return 0;
   const PastPose past = past_pose(then, now);
   const KeptGain with_kept = kept_with(past.H.transpose(), drift_of(then), past.since);
-  add_kept({++last_pose_id_, then, past.q_n_b, past.p_n_b}, past.with_state, with_kept, past.own);
-  return last_pose_id_;
+  kept_.add({kept_.next_id(), then, past.q_n_b, past.p_n_b}, past.with_state, with_kept, past.own);
+  return kept_.poses.back().id;
 }
 
 uint64_t PoseFilter::keep_frame(const TrackPoint& then, const TrackPoint& now, const Rigid& T_b_x,
                                 const Matrix4d& noise) {
-  if (kept_.size() >= kMostKept) return 0;
+  if (kept_.is_full()) return 0;
   const PastPose past = past_pose(then, now);
   const Vector3d lever_n = past.q_n_b * T_b_x.p;
   const Quaterniond q_n_x = past.q_n_b * T_b_x.q;
@@ -212,76 +187,38 @@ uint64_t PoseFilter::keep_frame(const TrackPoint& then, const TrackPoint& now, c
   Matrix4d by = Matrix4d::Identity();
   by.block<3, 1>(1, 0) = across(lever_n);
   const KeptGain with_kept = kept_with(past.H.transpose(), drift_of(then), past.since);
-  add_kept({++last_pose_id_, then, level, past.p_n_b + lever_n, true}, by * past.with_state, with_kept * by.transpose(),
-           by * past.own * by.transpose() + noise);
-  return last_pose_id_;
+  kept_.add({kept_.next_id(), then, level, past.p_n_b + lever_n, true}, by * past.with_state,
+            with_kept * by.transpose(), by * past.own * by.transpose() + noise);
+  return kept_.poses.back().id;
 }
 
 uint64_t PoseFilter::keep_origin() {
-  if (kept_.size() >= kMostKept) return 0;
-  add_kept({++last_pose_id_, {}, Quaterniond::Identity(), Vector3d::Zero(), true}, Matrix4X::Zero(),
-           Eigen::MatrixXd::Zero(kept_with_state_.rows(), 4), Matrix4d::Zero());
-  return last_pose_id_;
-}
-
-void PoseFilter::release_pose(uint64_t id) {
-  const int row = row_of(id);
-  if (row < 0) return;
-  const Eigen::Index rest = kept_with_state_.rows() - row - 4;
-  kept_.erase(kept_.begin() + row / 4);
-  kept_with_state_.middleRows(row, rest) = kept_with_state_.bottomRows(rest).eval();
-  kept_with_kept_.middleRows(row, rest) = kept_with_kept_.bottomRows(rest).eval();
-  kept_with_kept_.middleCols(row, rest) = kept_with_kept_.rightCols(rest).eval();
-  kept_with_state_.conservativeResize(row + rest, kStates);
-  kept_with_kept_.conservativeResize(row + rest, row + rest);
+  if (kept_.is_full()) return 0;
+  kept_.add({kept_.next_id(), {}, Quaterniond::Identity(), Vector3d::Zero(), true}, Matrix4X::Zero(),
+            Eigen::MatrixXd::Zero(kept_.with_state.rows(), 4), Matrix4d::Zero());
+  return kept_.poses.back().id;
 }
 
 Attachment PoseFilter::nearest_kept(const TrackPoint& then, const TrackPoint& now, double sigma_m,
                                     double sigma_rad) const {
-  if (kept_.empty()) return {};
+  if (kept_.poses.empty()) return {};
   const PastPose past = past_pose(then, now);
-  const KeptGain with_kept = kept_with_state_.lazyProduct(past.H.transpose());
+  const KeptGain with_kept = kept_.with_state.lazyProduct(past.H.transpose());
   Attachment near;
   double least = squared(sigma_m);
-  for (size_t i = 0; i < kept_.size(); ++i) {
+  for (size_t i = 0; i < kept_.poses.size(); ++i) {
     const auto row = 4 * static_cast<Eigen::Index>(i);
     const Matrix4d common = with_kept.middleRows<4>(row);
-    const Matrix4d apart = past.own + kept_with_kept_.block<4, 4>(row, row) - common - common.transpose();
+    const Matrix4d apart = past.own + kept_.with_kept.block<4, 4>(row, row) - common - common.transpose();
     const double variance = apart.diagonal().tail<3>().maxCoeff();
-    if (kept_[i].is_frame || variance > least || apart(0, 0) > squared(sigma_rad)) continue;
+    if (kept_.poses[i].is_frame || variance > least || apart(0, 0) > squared(sigma_rad)) continue;
     least = variance;
-    const Rigid T_n_kept{kept_[i].q_n_b, kept_[i].p_n_b};
+    const Rigid T_n_kept{kept_.poses[i].q_n_b, kept_.poses[i].p_n_b};
     Matrix4d turned = Matrix4d::Identity();
     turned.bottomRightCorner<3, 3>() = T_n_kept.q.toRotationMatrix();
-    near = {kept_[i].id, T_n_kept.inverse() * Rigid{past.q_n_b, past.p_n_b}, turned.transpose() * apart * turned};
+    near = {kept_.poses[i].id, T_n_kept.inverse() * Rigid{past.q_n_b, past.p_n_b}, turned.transpose() * apart * turned};
   }
   return near;
-}
-
-std::optional<HandOver> PoseFilter::crowded() const {
-  if (kept_.size() < kMostKept) return std::nullopt;
-  const auto row = [](size_t pose) { return 4 * static_cast<Eigen::Index>(pose); };
-  const auto block = [&](size_t one, size_t other) { return kept_with_kept_.block<4, 4>(row(one), row(other)); };
-  double least = std::numeric_limits<double>::infinity();
-  std::optional<size_t> before;  // in order of time
-  size_t from = 0, to = 0;
-  for (size_t i = 0; i < kept_.size(); ++i) {
-    if (kept_[i].is_frame) continue;
-    if (before) {
-      const Matrix4d apart = block(i, i) + block(*before, *before) - 2 * block(i, *before);
-      if (const double variance = apart.diagonal().tail<3>().sum(); variance < least)
-        least = variance, from = i, to = *before;
-    }
-    before = i;
-  }
-  const auto place = [&](size_t i) { return Rigid{kept_[i].q_n_b, kept_[i].p_n_b}; };
-  return HandOver{kept_[from].id,    kept_[to].id,  place(from),    place(to),
-                  block(from, from), block(to, to), block(from, to)};
-}
-
-int PoseFilter::row_of(uint64_t id) const {
-  const auto found = std::find_if(kept_.begin(), kept_.end(), [id](const Kept& pose) { return pose.id == id; });
-  return id == 0 || found == kept_.end() ? -1 : 4 * static_cast<int>(found - kept_.begin());
 }
 
 PoseFilter PoseFilter::without_kept_poses() const {
@@ -291,12 +228,12 @@ PoseFilter PoseFilter::without_kept_poses() const {
 }
 
 Eigen::MatrixXd PoseFilter::whole_covariance() const {
-  const Eigen::Index n = kept_with_state_.rows();
+  const Eigen::Index n = kept_.with_state.rows();
   Eigen::MatrixXd whole(kStates + n, kStates + n);
   whole.topLeftCorner<kStates, kStates>() = P_;
-  whole.bottomLeftCorner(n, kStates) = kept_with_state_;
-  whole.topRightCorner(kStates, n) = kept_with_state_.transpose();
-  whole.bottomRightCorner(n, n) = kept_with_kept_;
+  whole.bottomLeftCorner(n, kStates) = kept_.with_state;
+  whole.topRightCorner(kStates, n) = kept_.with_state.transpose();
+  whole.bottomRightCorner(n, n) = kept_.with_kept;
   return whole;
 }
 
@@ -321,19 +258,19 @@ Eigen::Matrix<double, 6, 6> PoseFilter::pose_covariance(double tilt_variance) co
 }
 
 bool PoseFilter::kept_pose(uint64_t id, double tilt_variance, KeptPose& out) const {
-  const int row = row_of(id);
+  const int row = kept_.row_of(id);
   if (row < 0) return false;
   Eigen::Matrix4d cross;
-  for (int j = 0; j < 4; ++j) cross.col(j) = kept_with_state_.block<4, 1>(row, kPose[j]);
-  const Kept& pose = kept_[static_cast<size_t>(row / 4)];
-  out = {pose.q_n_b, pose.p_n_b, spread(kept_with_kept_.block<4, 4>(row, row), tilt_variance),
+  for (int j = 0; j < 4; ++j) cross.col(j) = kept_.with_state.block<4, 1>(row, kPose[j]);
+  const KeptStates::Kept& pose = kept_.poses[static_cast<size_t>(row / 4)];
+  out = {pose.q_n_b, pose.p_n_b, spread(kept_.with_kept.block<4, 4>(row, row), tilt_variance),
          pose_covariance(tilt_variance), spread(cross, 0)};
   return true;
 }
 
 Eigen::Matrix4d PoseFilter::covariance_of(uint64_t one, uint64_t other) const {
-  const int row = row_of(one), col = row_of(other);
-  return row < 0 || col < 0 ? Eigen::Matrix4d::Zero() : Eigen::Matrix4d(kept_with_kept_.block<4, 4>(row, col));
+  const int row = kept_.row_of(one), col = kept_.row_of(other);
+  return row < 0 || col < 0 ? Eigen::Matrix4d::Zero() : Eigen::Matrix4d(kept_.with_kept.block<4, 4>(row, col));
 }
 
 /// Covariance of the kept poses with a linear function Ht of the state without a noise that entered it since. Poses
@@ -341,39 +278,39 @@ Eigen::Matrix4d PoseFilter::covariance_of(uint64_t one, uint64_t other) const {
 /// common with it as with the state, which always leaves the whole positive semidefinite.
 PoseFilter::KeptGain PoseFilter::kept_with(const UpTo4<kStates>& Ht, const StateVector& drift_then,
                                            const StateVector& noise) const {
-  if (kept_.empty() || noise.isZero(0)) return kept_with_state_.lazyProduct(Ht);
+  if (kept_.poses.empty() || noise.isZero(0)) return kept_.with_state.lazyProduct(Ht);
   Eigen::MatrixXd before = whole_covariance();
   before.diagonal().head<kStates>() -= noise;
   const auto part = [&](size_t pose, int i) {
-    return std::clamp(drift_of(kept_[pose].point)[i] - drift_then[i], 0.0, noise[i]);
+    return std::clamp(drift_of(kept_.poses[pose].point)[i] - drift_then[i], 0.0, noise[i]);
   };
   for (int k = 0; k < 4; ++k)
-    for (size_t pose = 0; pose < kept_.size(); ++pose) {
+    for (size_t pose = 0; pose < kept_.poses.size(); ++pose) {
       const Eigen::Index row = kStates + 4 * static_cast<Eigen::Index>(pose) + k;
       before(row, kPose[k]) -= part(pose, kPose[k]);
-      for (size_t other = 0; other < kept_.size(); ++other)
+      for (size_t other = 0; other < kept_.poses.size(); ++other)
         before(row, kStates + 4 * static_cast<Eigen::Index>(other) + k) -=
             std::min(part(pose, kPose[k]), part(other, kPose[k]));
     }
-  const Eigen::MatrixXd with_state = before.bottomLeftCorner(kept_with_state_.rows(), kStates);
+  const Eigen::MatrixXd with_state = before.bottomLeftCorner(kept_.with_state.rows(), kStates);
   if (is_semidefinite(before)) return with_state.lazyProduct(Ht);
   const StateVector diagonal = noise;
   const Covariance rest = Covariance::Identity() - P_.ldlt().solve(Covariance(diagonal.asDiagonal()));
   const UpTo4<kStates> by_state = rest.lazyProduct(Ht);
-  return kept_with_state_.lazyProduct(by_state);
+  return kept_.with_state.lazyProduct(by_state);
 }
 
 Innovation::Square PoseFilter::covariance_of(const Innovation& innovation) const {
   const auto& H = innovation.H;
   Innovation::Square out = H * P_ * H.transpose();
   for (const auto& [id, by] : innovation.kept) {
-    const int row = row_of(id);
+    const int row = kept_.row_of(id);
     if (row < 0) continue;
-    const Innovation::Square with = by * kept_with_state_.middleRows<4>(row) * H.transpose();
+    const Innovation::Square with = by * kept_.with_state.middleRows<4>(row) * H.transpose();
     out += with + with.transpose();
     for (const auto& [other_id, other_by] : innovation.kept)
-      if (const int col = row_of(other_id); col >= 0)
-        out += by * kept_with_kept_.block<4, 4>(row, col) * other_by.transpose();
+      if (const int col = kept_.row_of(other_id); col >= 0)
+        out += by * kept_.with_kept.block<4, 4>(row, col) * other_by.transpose();
   }
   return out;
 }
@@ -391,15 +328,15 @@ UpdateResult PoseFilter::update(const Innovation& innovation, double max_nis, St
   for (int i = 0; i < kStates; ++i) PHt.row(i) -= since[i] * H.col(i).transpose();
   KeptGain kept_PHt = kept_with(H.transpose(), innovation.drift_then, since);
   for (const auto& [id, by] : innovation.kept) {
-    const int row = row_of(id);
+    const int row = kept_.row_of(id);
     if (id != 0 && row < 0) return {false, 0.0, rows};  // no longer kept
     if (row < 0) continue;
-    PHt += kept_with_state_.middleRows<4>(row).transpose().lazyProduct(by.transpose());
-    kept_PHt += kept_with_kept_.middleCols<4>(row).lazyProduct(by.transpose());
+    PHt += kept_.with_state.middleRows<4>(row).transpose().lazyProduct(by.transpose());
+    kept_PHt += kept_.with_kept.middleCols<4>(row).lazyProduct(by.transpose());
   }
   Square S = H.lazyProduct(PHt);
   for (const auto& [id, by] : innovation.kept)
-    if (const int row = row_of(id); row >= 0) S += by.lazyProduct(kept_PHt.middleRows<4>(row));
+    if (const int row = kept_.row_of(id); row >= 0) S += by.lazyProduct(kept_PHt.middleRows<4>(row));
   S += innovation.noise;
   S = (0.5 * (S + S.transpose())).eval();
   const Eigen::LLT<Square> llt(S);
@@ -414,42 +351,35 @@ UpdateResult PoseFilter::update(const Innovation& innovation, double max_nis, St
   const Gain KS = K.lazyProduct(S);
   const Gain half = PHt - 0.5 * KS;
   KeptGain kept_K = kept_PHt.lazyProduct(inverse);
-  for (size_t pose = 0; pose < kept_.size(); ++pose) {
+  for (size_t pose = 0; pose < kept_.poses.size(); ++pose) {
     const auto row = 4 * static_cast<Eigen::Index>(pose);
     for (int i = 0; i < 4; ++i)  // what is considered of the current pose is considered of a kept one
       if (considered[static_cast<size_t>(kPose[i])]) kept_K.row(row + i).setZero();
     const Eigen::Vector4d moved = kept_K.middleRows<4>(row).lazyProduct(innovation.residual);
-    kept_[pose].q_n_b = (about_down(moved[0]) * kept_[pose].q_n_b).normalized();
-    kept_[pose].moved_n = along_arc(moved.tail<3>(), moved[0]);
-    kept_[pose].p_n_b += kept_[pose].moved_n;
+    kept_.poses[pose].q_n_b = (about_down(moved[0]) * kept_.poses[pose].q_n_b).normalized();
+    kept_.poses[pose].moved_n = along_arc(moved.tail<3>(), moved[0]);
+    kept_.poses[pose].p_n_b += kept_.poses[pose].moved_n;
   }
-  if (!kept_.empty()) {
+  if (!kept_.poses.empty()) {
     const KeptGain kept_half = kept_PHt - 0.5 * kept_K.lazyProduct(S);
-    kept_with_state_ += kept_K.lazyProduct((KS - PHt).transpose()) - kept_PHt.lazyProduct(K.transpose());
-    kept_with_kept_ -= kept_K.lazyProduct(kept_half.transpose()) + kept_half.lazyProduct(kept_K.transpose());
+    kept_.with_state += kept_K.lazyProduct((KS - PHt).transpose()) - kept_PHt.lazyProduct(K.transpose());
+    kept_.with_kept -= kept_K.lazyProduct(kept_half.transpose()) + kept_half.lazyProduct(kept_K.transpose());
   }
   StateVector moved = K.lazyProduct(innovation.residual);
   moved.head<3>() = along_arc(moved.head<3>(), moved[kHeading]);
   x_ += moved;
   P_ -= K.lazyProduct(half.transpose()) + half.lazyProduct(K.transpose());
-  if (of_kept) turn_errors(moved.head<3>());
+  if (of_kept) rotate_errors(moved.head<3>());
   return {true, nis, rows};
 }
 
 /// What all poses have in common, a rotation of n, moves each by its distance from the centre. A relative measurement
 /// does not observe it, also after positions have moved: dp <- dp + moved x psi, as with an invariant error (Barrau and
 /// Bonnabel 2017).
-void PoseFilter::turn_errors(const Vector3d& moved_n) {
+void PoseFilter::rotate_errors(const Vector3d& moved_n) {
   P_.topRows<3>() += across(moved_n) * P_.row(kHeading);
   P_.leftCols<3>() += P_.col(kHeading) * across(moved_n).transpose();
-  kept_with_state_.leftCols<3>() += kept_with_state_.col(kHeading) * across(moved_n).transpose();
-  for (size_t pose = 0; pose < kept_.size(); ++pose) {
-    const Eigen::Index row = 4 * static_cast<Eigen::Index>(pose);
-    const Vector3d by = across(kept_[pose].moved_n);
-    kept_with_state_.middleRows<3>(row + 1) += by * kept_with_state_.row(row);
-    kept_with_kept_.middleRows<3>(row + 1) += by * kept_with_kept_.row(row);
-    kept_with_kept_.middleCols<3>(row + 1) += kept_with_kept_.col(row) * by.transpose();
-  }
+  kept_.rotate_errors(moved_n);
 }
 
 }  // namespace odograph

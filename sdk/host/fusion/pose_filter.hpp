@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <bitset>
 #include <cmath>
 #include <cstdint>
 #include <initializer_list>
@@ -11,35 +10,12 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
-#include "sdk/host/fusion/kept_poses.hpp"
+#include "sdk/host/fusion/kept_states.hpp"
 #include "sdk/host/fusion/outputs.hpp"
 #include "sdk/host/fusion/trajectory.hpp"
 #include "sdk/math/scalar.hpp"
 
 namespace odograph {
-
-/// State of the filter, in this order. Position and heading belong to the newest pose of the track; together with the
-/// track they define T_n_o.
-enum StateIndex : int {
-  kNorth,
-  kEast,
-  kDown,             ///< of the body in n, m
-  kHeading,          ///< of o in n, rad: q_n_b = Rz(heading) q_o_b
-  kHeadingRate,      ///< its rate, rad/s; 0 unless the orientation is integrated from a gyroscope
-  kLogScale,         ///< log of metres per unit of the front-end's displacements
-  kLogFactor,        ///< log of the true step length over the stated one
-  kStepHeading,      ///< walking direction minus the heading that the steps state, rad
-  kAttitudeHeading,  ///< of the attitude source's frame in n, rad: q_n_b = Rz(.) q_attitude
-  kBarometer,        ///< barometric height downwards minus down, m
-  kClimb,            ///< vertical velocity downwards while steps move the track, m/s
-  kStates
-};
-
-/// Columns of a pose's errors in the filter's state.
-inline constexpr int kPose[4] = {kHeading, kNorth, kEast, kDown};
-
-using StateVector = Eigen::Matrix<double, kStates, 1>;
-using StateSet = std::bitset<kStates>;
 
 /// Of up to four rows: residual z - h(x), Jacobian of h by the state and by kept poses, and covariance of z.
 struct Innovation {
@@ -68,7 +44,7 @@ struct Innovation {
 /// poses. Not thread-safe.
 class PoseFilter {
  public:
-  static constexpr int kMostKept = 64;
+  static constexpr int kMostKept = KeptStates::kMost;
   using Covariance = Eigen::Matrix<double, kStates, kStates>;
 
   const StateVector& x() const { return x_; }
@@ -130,11 +106,11 @@ class PoseFilter {
   uint64_t keep_frame(const TrackPoint& then, const TrackPoint& now, const Rigid& T_b_x, const Eigen::Matrix4d& noise);
   /// Keeps n itself as such a frame.
   uint64_t keep_origin();
-  void release_pose(uint64_t id);
+  void release_pose(uint64_t id) { kept_.release(id); }
   /// The kept pose with the least error between it and a pose of the track, if its sigmas are at most these.
   Attachment nearest_kept(const TrackPoint& then, const TrackPoint& now, double sigma_m, double sigma_rad) const;
   /// If there is no room: the two kept poses with the least error between them, of which the first can be given up.
-  std::optional<HandOver> crowded() const;
+  std::optional<HandOver> crowded() const { return kept_.crowded(); }
   /// False if it is not kept. `tilt_variance` fills the horizontal part of the rotation.
   bool kept_pose(uint64_t id, double tilt_variance, KeptPose& out) const;
   /// Covariance of (heading, position) of one kept pose with another.
@@ -146,14 +122,6 @@ class PoseFilter {
   Eigen::MatrixXd whole_covariance() const;
 
  private:
-  struct Kept {
-    uint64_t id = 0;
-    TrackPoint point;  ///< when it was kept
-    Eigen::Quaterniond q_n_b;
-    Eigen::Vector3d p_n_b;
-    bool is_frame = false;
-    Eigen::Vector3d moved_n = Eigen::Vector3d::Zero();  ///< by the newest update
-  };
   using Matrix4X = Eigen::Matrix<double, 4, kStates>;
   /// A pose of the track as a function of the state, with its derivative H, the noise since, and its covariances.
   struct PastPose {
@@ -165,23 +133,17 @@ class PoseFilter {
   };
 
   PastPose past_pose(const TrackPoint& then, const TrackPoint& now) const;
-  void add_kept(const Kept& kept, const Matrix4X& with_state, const Eigen::MatrixXd& with_kept,
-                const Eigen::Matrix4d& own);
-  int row_of(uint64_t id) const;
   template <int rows>
   using UpTo4 = Eigen::Matrix<double, rows, Eigen::Dynamic, 0, rows, Innovation::kMaxRows>;
-  using KeptGain = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 4 * kMostKept, Innovation::kMaxRows>;
+  using KeptGain =
+      Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 4 * KeptStates::kMost, Innovation::kMaxRows>;
   KeptGain kept_with(const UpTo4<kStates>& Ht, const StateVector& drift_then, const StateVector& noise) const;
-  void turn_errors(const Eigen::Vector3d& moved_n);
+  void rotate_errors(const Eigen::Vector3d& moved_n);
   StateVector noise_between(const StateVector& drift_then, const StateVector& drift_now) const;
 
   StateVector x_ = StateVector::Zero();
   Covariance P_ = Covariance::Zero();
-  std::vector<Kept> kept_;
-  // Errors of (heading, position) of the kept poses: with the state, and among themselves.
-  Eigen::Matrix<double, Eigen::Dynamic, kStates, 0, 4 * kMostKept, kStates> kept_with_state_;
-  Eigen::MatrixXd kept_with_kept_;
-  uint64_t last_pose_id_ = 0;
+  KeptStates kept_;
 };
 
 /// Drift of a point of the track, as variances of the state.
@@ -195,9 +157,6 @@ inline StateVector drift_of(const TrackPoint& point) {
 inline Eigen::Quaterniond about_down(double rad) {
   return Eigen::Quaterniond(Eigen::AngleAxisd(rad, Eigen::Vector3d::UnitZ()));
 }
-
-/// Derivative of a rotated vector by the heading: z x r.
-inline Eigen::Vector3d across(const Eigen::Vector3d& r_n) { return {-r_n.y(), r_n.x(), 0.0}; }
 
 /// All states but these: for the considered states of a measurement.
 inline StateSet all_but(std::initializer_list<StateIndex> states) {

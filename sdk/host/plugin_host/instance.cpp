@@ -26,13 +26,6 @@ Result<std::unique_ptr<PluginBackend>> open_backend(const PluginChoice& choice, 
   return std::unique_ptr<PluginBackend>(std::move(*made));
 }
 
-bool pass_map(PluginBackend& backend, std::span<const uint8_t> map) {
-  for (size_t at = 0; at < map.size(); at += ODO_LARGEST_PIECE)
-    if (!backend.take_map_piece(at, map.subspan(at, std::min<size_t>(ODO_LARGEST_PIECE, map.size() - at))))
-      return false;
-  return backend.take_map_piece(map.size(), {});
-}
-
 }  // namespace
 
 std::vector<odo_value> values_of(const PluginChoice& choice) {
@@ -110,7 +103,7 @@ PluginInstance::Started PluginInstance::start() const {
     return Failure{status, choice_->place + choice_->manifest.place() + ": plugin '" + id() +
                                "' could not be created, configured and activated: " + odo_status_text(status)};
   if (!saved_.empty()) backend.load(saved_);
-  for (const auto& map : maps_) pass_map(backend, map);
+  pass_maps(backend);
   return opened;
 }
 
@@ -368,28 +361,7 @@ void PluginInstance::reset() {
   const int32_t status = backend_->reset();
   if (has_ended()) return on_process_end(backend_->ended());
   if (status < 0) return give_up();
-  for (const auto& map : maps_) pass_map(*backend_, map);
-}
-
-std::vector<uint8_t> PluginInstance::save_map() const {
-  std::vector<uint8_t> map;
-  if (!alive()) return map;
-  for (std::vector<uint8_t> piece; !(piece = backend_->map_piece(map.size())).empty();) {
-    if (map.size() + piece.size() > ODO_LARGEST_MAP) {
-      host_.report(number_, ODO_SEVERITY_ERROR, "map_too_large",
-                   "has a map of more than " + std::to_string(ODO_LARGEST_MAP) + " bytes: nothing of it is saved",
-                   ODO_E_EXHAUSTED);
-      return {};
-    }
-    map.insert(map.end(), piece.begin(), piece.end());
-  }
-  return has_ended() ? std::vector<uint8_t>() : map;
-}
-
-bool PluginInstance::load_map(std::span<const uint8_t> data) {
-  if (!alive() || !pass_map(*backend_, data)) return false;
-  maps_.emplace_back(data.begin(), data.end());
-  return true;
+  pass_maps(*backend_);
 }
 
 std::vector<uint8_t> PluginInstance::save() const {

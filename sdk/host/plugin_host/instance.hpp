@@ -128,6 +128,7 @@ class PluginInstance {
   void use_types(const KindTypes& types);
   bool can_receive(const odo_header& message);
   void save_periodically();
+  void pass_maps(PluginBackend& backend) const;
   std::span<AnyMessage> finish(int32_t status, const odo_header* message);
   void failed(int32_t status, const odo_header* message);
   void fault(const char* key, const std::string& text, int32_t status);

@@ -69,7 +69,7 @@ class PageOfRun {
                 {"modes", modes()},
                 {"scales", scales()},
                 {"fixes", fixes()},
-                {"places", places()},
+                {"places", page_places(r_, t0_ns_)},
                 {"frame_ms", work.json()},
                 {"corners", corners()},
                 {"relative", relative.json()},
@@ -233,17 +233,6 @@ class PageOfRun {
     return {{"t", t}, {"p", p}, {"used", used}, {"source", source}, {"residual", residual}};
   }
 
-  /// Times of key frames, of both ends of loops, and of poses in the map of an earlier session.
-  Json places() const {
-    Json key_frames = Json::array(), loops = Json::array(), map_poses = Json::array();
-    const auto used = [](const odo_header& header) { return (header.flags & ODO_FLAG_ACCEPTED) != 0; };
-    for (const odo_key_frame& frame : r_.key_frames) key_frames.push_back(time(frame.header.t_ns));
-    for (const odo_relative_pose& loop : r_.loops)
-      loops.push_back({time(loop.t_from_ns), time(loop.header.t_ns), used(loop.header)});
-    for (const odo_map_pose& place : r_.map_poses) map_poses.push_back({time(place.header.t_ns), used(place.header)});
-    return {{"key_frames", key_frames}, {"loops", loops}, {"map_poses", map_poses}};
-  }
-
   /// The figures of summary.json as text.
   Json table() const {
     const odo_statistics& s = r_.statistics;
@@ -267,8 +256,7 @@ class PageOfRun {
     rows.push_back({"At the end", std::string(odo_state_text(r_.final_state)) +
                                       (r_.final_reason ? std::string(": ") + odo_reason_text(r_.final_reason) : "")});
     if (!r_.key_frames.empty())
-      rows.push_back({"Key frames; loops; poses in a map", count(r_.key_frames.size()) + "; " + count(r_.loops.size()) +
-                                                               "; " + count(r_.map_poses.size())});
+      rows.push_back({"Key frames, loops", count(r_.key_frames.size()) + ", " + count(r_.loops.size())});
     rows.push_back({"Fixes used, not used", count(s.fixes_accepted) + ", " + count(s.fixes_rejected)});
     rows.push_back({"Work for a frame, median, 99 %",
                     text("%.2f, %.2f ms", percentile(r_.frame_ms, 0.5), percentile(r_.frame_ms, 0.99))});

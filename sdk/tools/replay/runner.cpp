@@ -4,16 +4,13 @@
 #include <algorithm>
 #include <chrono>
 #include <filesystem>
-#include <fstream>
 #include <set>
-#include <sstream>
-
-#include <odograph/map.h>
 
 #include "sdk/host/base/output_file.hpp"
 #include "sdk/math/rotation.hpp"
 #include "sdk/tools/replay/outcome.hpp"
 #include "sdk/tools/replay/replayed.hpp"
+#include "sdk/tools/replay/saved_files.hpp"
 
 namespace odograph {
 namespace {
@@ -92,10 +89,9 @@ struct Collector {
   /// A later message of a key frame has its corrected pose.
   void take_key_frame(const odo_key_frame& frame) {
     auto& all = result.key_frames;
-    const auto same = [&](const odo_key_frame& other) {
+    const auto found = std::find_if(all.begin(), all.end(), [&](const odo_key_frame& other) {
       return other.id == frame.id && other.header.source == frame.header.source;
-    };
-    const auto found = std::find_if(all.begin(), all.end(), same);
+    });
     if (found == all.end()) return all.push_back(frame), lived_frames.push_back(frame);
     *found = frame;
     closed = corrections.size();
@@ -107,25 +103,22 @@ struct Collector {
     const auto pose_of = [](const odo_key_frame& frame) {
       return Eigen::Translation3d(frame.p_n_b[0], frame.p_n_b[1], frame.p_n_b[2]) * raw_quaternion(frame.q_n_b);
     };
-    struct Node {
-      int64_t t_ns;
-      Eigen::Isometry3d moved;
-    };
-    std::vector<Node> nodes;
+    std::vector<std::pair<int64_t, Eigen::Isometry3d>> nodes;  // time, and how it has moved
     for (size_t i = 0; i < lived_frames.size() && lived_frames[i].header.t_ns < closed_ns; ++i)
       nodes.push_back({lived_frames[i].header.t_ns,
                        Eigen::Isometry3d(pose_of(result.key_frames[i]) * pose_of(lived_frames[i]).inverse())});
     nodes.push_back({closed_ns, Eigen::Isometry3d::Identity()});
     size_t next = 0;
     for (StampedPose& pose : track) {
-      while (next < nodes.size() && nodes[next].t_ns < pose.t_ns) ++next;
-      if (next == nodes.size()) break;
-      const Node &after = nodes[next], &before = nodes[next > 0 ? next - 1 : 0];
-      const double span = static_cast<double>(after.t_ns - before.t_ns);
-      const double w = span > 0 ? static_cast<double>(pose.t_ns - before.t_ns) / span : 1;
+      while (next < nodes.size() && nodes[next].first < pose.t_ns) ++next;
+      if (next == nodes.size()) return;
+      const auto& [after_ns, after] = nodes[next];
+      const auto& [before_ns, before] = nodes[next > 0 ? next - 1 : 0];
+      const double span = static_cast<double>(after_ns - before_ns);
+      const double w = span > 0 ? static_cast<double>(pose.t_ns - before_ns) / span : 1;
       const Eigen::Quaterniond turned =
-          Eigen::Quaterniond(before.moved.linear()).slerp(w, Eigen::Quaterniond(after.moved.linear()));
-      pose.p = (1 - w) * (before.moved * pose.p) + w * (after.moved * pose.p);
+          Eigen::Quaterniond(before.linear()).slerp(w, Eigen::Quaterniond(after.linear()));
+      pose.p = (1 - w) * (before * pose.p) + w * (after * pose.p);
       pose.q = (turned * pose.q).normalized();
     }
   }
@@ -188,49 +181,6 @@ struct Collector {
     }
   }
 };
-
-/// What a session writes to a file for a later one.
-struct SavedFile {
-  const char* what;
-  uint64_t largest;  ///< bytes; more than any session saves
-  decltype(&odo_session_save) save;
-  decltype(&odo_session_load) load;
-};
-/// Several plugins at the 16 MiB limit.
-constexpr SavedFile kState{"state", 256u << 20, odo_session_save, odo_session_load};
-constexpr SavedFile kMap{"map", uint64_t{ODO_LARGEST_MAP} + (1u << 20), odo_map_save, odo_map_load};
-
-/// Loads it from a file; a missing file is not an error. An existing but unreadable file is a failure, because the run
-/// would overwrite it; so is a file of which a part is rejected (ODO_PARTIAL).
-Result<bool> read_saved(odo_session* session, const SavedFile& saved, const std::string& path) {
-  std::error_code failed;
-  const auto there = std::filesystem::status(path, failed);
-  if (path.empty() || there.type() == std::filesystem::file_type::not_found) return true;
-  if (!std::filesystem::is_regular_file(there))
-    return Failure{ODO_E_DATA, path + ": is a folder, a pipe or a device; expected a file with a saved " + saved.what};
-  if (std::filesystem::file_size(path, failed) > saved.largest)
-    return Failure{ODO_E_DATA, path + ": is larger than any saved " + saved.what};
-  std::ifstream file(path, std::ios::binary);
-  if (!file) return Failure{ODO_E_IO, path + ": cannot be opened"};
-  std::stringstream bytes;
-  bytes << file.rdbuf();
-  const std::string blob = bytes.str();
-  if (saved.load(session, blob.data(), blob.size()) == ODO_OK) return true;
-  odo_error error{sizeof error, ODO_OK, {}};
-  odo_session_last_error(session, &error);
-  return Failure{ODO_E_DATA, path + ": " + error.message};
-}
-
-/// Writes to a temporary file first, so that the old one survives a failure.
-Result<bool> write_saved(odo_session* session, const SavedFile& saved, const std::string& path) {
-  const int64_t size = saved.save(session, nullptr, 0);
-  std::string blob(static_cast<size_t>(std::max<int64_t>(0, size)), '\0');
-  if (size == 0) return Failure{ODO_E_ERROR, path + ": there is no " + saved.what + " to save"};
-  if (size < 0 || saved.save(session, blob.data(), blob.size()) != size)  // a plugin may state another size each time
-    return Failure{ODO_E_ERROR,
-                   path + ": the " + saved.what + " could not be saved: a plugin changed its size between calls"};
-  return write_whole_file(path, blob);
-}
 
 /// Pushes all messages; `pictures`: a plugin uses them.
 void push_all(odo_session* session, const Recording& recording, const RunOptions& options, bool pictures,
@@ -328,17 +278,22 @@ std::vector<RunResult::Plugin> plugins_of(const PipelineConfig& config) {
 
 /// Notes the plugins that gave nothing in the whole run, as the host notes those whose input does not come.
 void name_unused(RunResult& result) {
-  std::set<uint32_t> gave;
+  std::set<uint32_t> gave, maps;
+  for (const odo_key_frame& frame : result.key_frames) maps.insert(frame.header.source);
   const auto add = [&](const odo_header& header) { gave.insert(header.source); };
   for (const odo_step& step : result.steps) add(step.header);
   for (const odo_vo_motion& motion : result.motions) add(motion.header);
   for (const odo_scale& scale : result.scales) add(scale.header);
   for (const RunResult::Fix& fix : result.fixes) add(fix.fix.header);
   for (const odo_surface& surface : result.surfaces) add(surface.header);
-  for (const odo_key_frame& frame : result.key_frames) add(frame.header);
+  for (const odo_relative_pose& loop : result.loops) add(loop.header);
+  for (const odo_map_pose& place : result.map_poses) add(place.header);
   for (const RunResult::Plugin& plugin : result.plugins)
     if (plugin.kind != "attitude" && !gave.contains(plugin.number))
-      result.notices.try_emplace(plugin.id + " unused_source", RunResult::Notice{1, "no effect: it has given nothing"});
+      result.notices.try_emplace(
+          plugin.id + " unused_source",
+          RunResult::Notice{1, maps.contains(plugin.number) ? "no effect: no place was seen again; its map can be kept"
+                                                            : "no effect: it has given nothing"});
 }
 
 }  // namespace
@@ -357,8 +312,8 @@ Result<RunResult> replay(const Recording& recording, const RunOptions& options) 
   const std::shared_ptr<odo_session> shared = std::move(*opened);
   odo_session* session = shared.get();
 
-  if (const auto read = read_saved(session, kState, options.state); !read) return read.failure();
-  if (const auto read = read_saved(session, kMap, options.map); !read) return read.failure();
+  if (const auto read = read_saved(session, kStateFile, options.state); !read) return read.failure();
+  if (const auto read = read_saved(session, kMapFile, options.map); !read) return read.failure();
 
   RunResult result;
   result.config_text = config->text;
@@ -379,10 +334,9 @@ Result<RunResult> replay(const Recording& recording, const RunOptions& options) 
   odo_session_set_callback(session, nullptr, 0, nullptr, nullptr);  // the collector's lifetime ends here
   if (result.loss.pictures > 0)
     result.reports.push_back(std::to_string(result.loss.pictures) + " pictures cannot be read; each cost its frame");
-  for (const auto& [saved, path] : {std::pair(&kState, &options.state), std::pair(&kMap, &options.map)})
-    if (!path->empty())
-      if (const auto written = write_saved(session, *saved, *path); !written)
-        result.save_failures.push_back(written.failure().text);
+  for (const auto& [saved, path] : {std::pair(&kStateFile, &options.state), std::pair(&kMapFile, &options.map)})
+    if (const auto written = write_saved(session, *saved, *path); !written)
+      result.save_failures.push_back(written.failure().text);
   result.statistics.struct_size = sizeof result.statistics;
   odo_session_get_statistics(session, &result.statistics);
   if (options.progress) options.progress(recording.messages.size(), recording.messages.size());
