@@ -53,6 +53,8 @@ AnyMessage good(uint32_t type) {
     m.id = 1, m.kind = ODO_SURFACE_FLOOR, m.state = ODO_SURFACE_WITHDRAWN;
     m.stride = sizeof(odo_vertex), m.offset = sizeof m;
   }
+  if (type == ODO_TYPE_KEY_FRAME) reinterpret_cast<odo_key_frame&>(made.header()).id = 1;
+  if (type == ODO_TYPE_MAP_POSE) reinterpret_cast<odo_map_pose&>(made.header()).map = 1;
   if (type == ODO_TYPE_STEP) reinterpret_cast<odo_step&>(made.header()).t_end_ns = 1;
   return made;
 }

@@ -123,6 +123,8 @@ inline constexpr MessageField kMessageFields[] = {
     ODO_FIELD(ODO_TYPE_RELATIVE_POSE, odo_relative_pose, q_b0_b1, unit, ODO_RELATIVE_POSE_ROTATION),
     ODO_FIELD(ODO_TYPE_RELATIVE_POSE, odo_relative_pose, p_b0_b1, finite, ODO_RELATIVE_POSE_TRANSLATION),
     ODO_FIELD(ODO_TYPE_RELATIVE_POSE, odo_relative_pose, covariance, matrix, 0),
+    ODO_FIELD(ODO_TYPE_KEY_FRAME, odo_key_frame, q_n_b, any, ODO_FLAG_NAVIGATION),
+    ODO_FIELD(ODO_TYPE_KEY_FRAME, odo_key_frame, p_n_b, any, ODO_FLAG_NAVIGATION),
     ODO_FIELD(ODO_TYPE_MAP_POSE, odo_map_pose, q_m_b, unit, 0),
     ODO_FIELD(ODO_TYPE_MAP_POSE, odo_map_pose, p_m_b, place, 0),
     ODO_FIELD(ODO_TYPE_MAP_POSE, odo_map_pose, covariance, matrix, 0),
