@@ -35,7 +35,8 @@ class Map {
             odo::real("apart", "s", 5, 3600, &Map::apart, "smallest time between a picture and what it recognises"),
             odo::real("map_sigma", "m", 0.001, 10, &Map::map_sigma,
                       "standard deviation of a loaded map itself; that of a flat walked once"),
-            odo::real("map_yaw_sigma", "rad", 0.0001, 0.5, &Map::map_yaw_sigma, "the same of its heading")};
+            odo::real("map_yaw_sigma", "rad", 0.0001, 0.5, &Map::map_yaw_sigma, "the same of its heading"),
+            odo::real("largest", "", 1, 250, &Map::largest, "size of a saved map in MB; beyond it, it is thinned")};
   }
 
   void configured(odo::Output& host) {

@@ -68,8 +68,11 @@ void KeyFrames::add(odo_key_frame& message, const Attachment& body, const PoseFi
   if (static_cast<size_t>(std::count_if(frames_.begin(), frames_.end(), of_source)) >= p_.max)
     frames_.erase(std::find_if(frames_.begin(), frames_.end(), of_source));
   frames_.push_back({message, body});
+  odo_key_frame& kept = frames_.back().message;
+  kept.header.struct_size = sizeof kept;  // without what a later version has behind it
   fill(frames_.back(), filter, -1, -1);
-  message = frames_.back().message;
+  message.header.flags = kept.header.flags;
+  std::copy(kept.q_n_b, kept.q_n_b + 4, message.q_n_b), std::copy(kept.p_n_b, kept.p_n_b + 3, message.p_n_b);
 }
 
 bool KeyFrames::fill(KeyFrame& frame, const PoseFilter& filter, double moved_m, double moved_rad) {

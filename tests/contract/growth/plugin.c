@@ -69,9 +69,9 @@ static int32_t ODO_CALL activate(odo_instance* self, const odo_sink* sink) {
   return ODO_OK;
 }
 
-static const uint32_t events[] = {ODO_TYPE_STEP,      ODO_TYPE_MOTION_MODE,   ODO_TYPE_POINTS,
-                                  ODO_TYPE_VO_MOTION, ODO_TYPE_SCALE,         ODO_TYPE_FIX,
-                                  ODO_TYPE_REFINED,   ODO_TYPE_RELATIVE_POSE, ODO_TYPE_SURFACE};
+static const uint32_t events[] = {ODO_TYPE_STEP,    ODO_TYPE_MOTION_MODE, ODO_TYPE_POINTS,  ODO_TYPE_VO_MOTION,
+                                  ODO_TYPE_SCALE,   ODO_TYPE_FIX,         ODO_TYPE_REFINED, ODO_TYPE_RELATIVE_POSE,
+                                  ODO_TYPE_SURFACE, ODO_TYPE_KEY_FRAME,   ODO_TYPE_MAP_POSE};
 
 static int32_t answer(odo_instance* self, int64_t t_ns) {
   union message event;
