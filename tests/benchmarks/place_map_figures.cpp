@@ -13,7 +13,9 @@
 #include <opencv2/imgproc.hpp>
 
 #include "plugins/fix/map/key_frame_chooser.hpp"
+#include "plugins/fix/map/map_section.hpp"
 #include "plugins/fix/map/place_map.hpp"
+#include "plugins/fix/map/place_session.hpp"
 #include "sdk/math/rotation.hpp"
 #include "sdk/tools/recording/recording.hpp"
 #include "sdk/tools/replay/picture_source.hpp"
@@ -261,9 +263,110 @@ void photographs(const PlaceMap& map, const std::vector<std::string>& paths, Pri
 struct SimulatedOptions {
   std::string scenario, recording, config;
   uint64_t seed = 1, other_seed = 0;
-  size_t queries = 100;
+  size_t queries = 100, visits = 0;
   double light = 1, tilt_sigma_rad = 0.005, aside_m = 0.5, yaw_rad = 0.25;
   std::string other_lens;
+};
+
+Scenario::Camera camera_of(const Scenario& scenario, const std::string& lens) {
+  Scenario::Camera camera = scenario.camera;
+  camera.stabiliser = {}, camera.focus = {};
+  if (lens == "wide") camera.width = 800, camera.height = 600, camera.focal_px = 450;
+  if (lens == "tele") camera.width = 960, camera.height = 720, camera.focal_px = 950;
+  if (lens == "portrait") camera.width = 480, camera.height = 640, camera.focal_px = 520;
+  if (lens == "fisheye")
+    camera.model = "kannala_brandt", camera.distortion = {0.01, -0.005, 0.001, 0}, camera.focal_px = 380;
+  return camera;
+}
+
+/// Looks at a simulated world from near the places of a map.
+class Visitor {
+ public:
+  Visitor(const SimulatedOptions& o, const Scenario& scenario, const Made& made)
+      : o_(o),
+        views_(scenario, o.other_seed ? o.other_seed : o.seed),
+        camera_(camera_of(scenario, o.other_lens)),
+        made_(made),
+        random_(o.seed, 4711) {
+    for (const auto& [id, place] : made.places) places_.push_back(place);
+  }
+
+  Rigid place() {
+    const Rigid& place = places_[random_.next() % places_.size()];
+    const Quaterniond yaw(Eigen::AngleAxisd(o_.yaw_rad * random_.normal(), Vector3d::UnitZ()));
+    const Quaterniond nod(Eigen::AngleAxisd(0.1 * random_.normal(), Vector3d::UnitX()));
+    const Quaterniond roll(Eigen::AngleAxisd(0.1 * random_.normal(), Vector3d::UnitZ()));
+    Rigid at{(yaw * place.q * nod * roll).normalized(), place.p};
+    const double north = random_.normal(), east = random_.normal(), down = random_.normal();
+    at.p += Vector3d(o_.aside_m * north, o_.aside_m * east, 0.1 * down);
+    return at;
+  }
+
+  Picture look(const Rigid& at) {
+    Picture picture = views_.render(at, o_.light, camera_, ++number_);
+    const double pitch = random_.normal(), other = random_.normal();
+    const Vector3d tilt(o_.tilt_sigma_rad * pitch, o_.tilt_sigma_rad * other, 0);
+    picture.down_c = exp_rotation(tilt) * picture.down_c, picture.tilt_sigma_rad = std::max(0.003, o_.tilt_sigma_rad);
+    return picture;
+  }
+
+  /// A single picture.
+  void query(Printer& printer) {
+    const Rigid at = place();
+    const Picture picture = look(at);
+    std::printf("d=%.2f ", ahead_m(at));
+    printer.query("sim", made_.map, picture, o_.other_seed ? std::nullopt : std::optional(at));
+  }
+
+  /// Somebody who starts in a loaded map and looks for some seconds, with a hand that turns to and fro by 0.2 rad and
+  /// moves by 0.15 m a second.
+  void visit(const std::vector<uint8_t>& map) {
+    PlaceSession session(PlaceMapParameters(), PlaceSession::Parameters(), false);
+    session.load(1, map);
+    const Rigid start = place();
+    const double turn = 0.2 * random_.normal(), north = 0.15 * random_.normal(), east = 0.15 * random_.normal();
+    const double ahead = ahead_m(start);
+    for (int64_t i = 0; i <= 7; ++i) {
+      const double t = 0.5 * static_cast<double>(i);
+      const Quaterniond yaw(Eigen::AngleAxisd(turn * std::sin(2 * t), Vector3d::UnitZ()));
+      const Rigid at{(yaw * start.q).normalized(), start.p + t * Vector3d(north, east, 0)};
+      Sight sight;
+      if (i < 7) sight.picture = look(at);
+      sight.picture.t_ns = i * 500'000'000, sight.T_s_c = at;
+      if (i < 7) session.see(std::move(sight));
+      for (const Found& found : session.take(i * 500'000'000)) return report(found, t, ahead, start, turn, north, east);
+    }
+    std::printf("visit d=%.2f found=0\n", ahead);
+  }
+
+ private:
+  double ahead_m(const Rigid& at) const {
+    const auto ahead = views_.world().look(at.p, at.q * Vector3d::UnitZ());
+    return ahead ? ahead->distance_m : 99.0;
+  }
+  void report(const Found& found, double after, double ahead, const Rigid& start, double turn, double north,
+              double east) const {
+    const double t = 1e-9 * static_cast<double>(found.t_ns);
+    const Quaterniond yaw(Eigen::AngleAxisd(turn * std::sin(2 * t), Vector3d::UnitZ()));
+    const Rigid at{(yaw * start.q).normalized(), start.p + t * Vector3d(north, east, 0)};
+    const auto far = [&](const KeyFrame& frame) {
+      return (frame.T_m_k.p - found.T_x_c.p).norm() + 2 * frame.T_m_k.q.angularDistance(found.T_x_c.q);
+    };
+    const auto& frames = made_.map.key_frames();
+    const KeyFrame& near = *std::min_element(frames.begin(), frames.end(),
+                                             [&](const KeyFrame& a, const KeyFrame& b) { return far(a) < far(b); });
+    const Rigid error = (near.T_m_k.inverse() * found.T_x_c).inverse() * (made_.places.at(near.id).inverse() * at);
+    std::printf("visit d=%.2f found=1 after=%.1f error_m=%.3f error_deg=%.2f\n", ahead, after, error.p.norm(),
+                180 / std::numbers::pi * error.q.angularDistance(Quaterniond::Identity()));
+  }
+
+  const SimulatedOptions& o_;
+  Views views_;
+  Scenario::Camera camera_;
+  const Made& made_;
+  Random random_;
+  std::vector<Rigid> places_;
+  uint64_t number_ = 0;
 };
 
 int simulated_queries(const SimulatedOptions& o) {
@@ -271,34 +374,11 @@ int simulated_queries(const SimulatedOptions& o) {
   if (!make(o.recording, o.config, 1e9, made)) return 1;
   const auto scenario = read_scenario(o.scenario);
   if (!scenario) return std::fprintf(stderr, "%s\n", scenario.failure().text.c_str()), 1;
-  const Views views(*scenario, o.other_seed ? o.other_seed : o.seed);
-  Scenario::Camera camera = scenario->camera;
-  camera.stabiliser = {}, camera.focus = {};
-  if (o.other_lens == "wide") camera.width = 800, camera.height = 600, camera.focal_px = 450;
-  if (o.other_lens == "tele") camera.width = 960, camera.height = 720, camera.focal_px = 950;
-  if (o.other_lens == "portrait") camera.width = 480, camera.height = 640, camera.focal_px = 520;
-  if (o.other_lens == "fisheye")
-    camera.model = "kannala_brandt", camera.distortion = {0.01, -0.005, 0.001, 0}, camera.focal_px = 380;
+  Visitor visitor(o, *scenario, made);
   Printer printer(made.places);
-  Random random(o.seed, 4711);
-  std::vector<Rigid> places;
-  for (const auto& [id, place] : made.places) places.push_back(place);
-  for (size_t i = 0; i < o.queries; ++i) {
-    const Rigid& place = places[random.next() % places.size()];
-    const Quaterniond yaw(Eigen::AngleAxisd(o.yaw_rad * random.normal(), Vector3d::UnitZ()));
-    const Quaterniond nod(Eigen::AngleAxisd(0.1 * random.normal(), Vector3d::UnitX()));
-    const Quaterniond roll(Eigen::AngleAxisd(0.1 * random.normal(), Vector3d::UnitZ()));
-    Rigid at{(yaw * place.q * nod * roll).normalized(), place.p};
-    const double north = random.normal(), east = random.normal(), down = random.normal();
-    at.p += Vector3d(o.aside_m * north, o.aside_m * east, 0.1 * down);
-    Picture picture = views.render(at, o.light, camera, i + 1);
-    const double pitch = random.normal(), other = random.normal();
-    const Vector3d tilt(o.tilt_sigma_rad * pitch, o.tilt_sigma_rad * other, 0);
-    picture.down_c = exp_rotation(tilt) * picture.down_c, picture.tilt_sigma_rad = std::max(0.003, o.tilt_sigma_rad);
-    const auto ahead = views.world().look(at.p, at.q * Vector3d::UnitZ());
-    std::printf("d=%.2f ", ahead ? ahead->distance_m : 99.0);
-    printer.query("sim", made.map, picture, o.other_seed ? std::nullopt : std::optional(at));
-  }
+  const std::vector<uint8_t> stored = bytes_of(made.map);
+  for (size_t i = 0; i < o.queries; ++i) visitor.query(printer);
+  for (size_t i = 0; i < o.visits; ++i) visitor.visit(stored);
   return 0;
 }
 
@@ -327,6 +407,7 @@ int main(int argc, char** argv) {
   sim->add_option("--seed", o.seed);
   sim->add_option("--other-seed", o.other_seed, "of another world");
   sim->add_option("--queries", o.queries);
+  sim->add_option("--visits", o.visits, "of 3 s, in the map as it is loaded");
   sim->add_option("--light", o.light);
   sim->add_option("--tilt", o.tilt_sigma_rad);
   sim->add_option("--aside", o.aside_m);

@@ -51,8 +51,9 @@ uint64_t PlaceMap::add(const Picture& picture, std::span<const Landmark> landmar
   frame.scale_sigma = scale_sigma;
   add_tracked(levels, landmarks, frame);
   if (frame.landmarks.size() < kFewest) return 0;
-  CornerView view{last_id_ + 1, epoch, levels.features(), {}};
-  add_paired(levels, view, frame);
+  CornerView view{last_id_ + 1, epoch, frame.down_k, levels.features(), {}, {}};
+  add_rays(picture, landmarks, view);
+  add_paired(levels, landmarks, view, frame);
   frame.id = ++last_id_;
   frames_.push_back(std::move(frame));
   index(frames_.size() - 1);
@@ -70,7 +71,18 @@ void PlaceMap::add_tracked(const PictureLevels& levels, std::span<const Landmark
   }
 }
 
-void PlaceMap::add_paired(const PictureLevels& levels, CornerView& view, KeyFrame& frame) {
+void PlaceMap::add_rays(const Picture& picture, std::span<const Landmark> landmarks, CornerView& view) const {
+  std::vector<cv::Point2f> pixels;
+  for (const Landmark& landmark : landmarks)
+    pixels.emplace_back(static_cast<float>(landmark.pixel.x()), static_cast<float>(landmark.pixel.y()));
+  const std::vector<Vector3d> rays = rays_of(picture.lens, pixels, p_.features.max_off_axis_rad);
+  for (size_t i = 0; i < landmarks.size(); ++i)
+    if (!rays[i].isZero()) view.tracked.emplace_back(landmarks[i].id, rays[i]);
+  std::sort(view.tracked.begin(), view.tracked.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+}
+
+void PlaceMap::add_paired(const PictureLevels& levels, std::span<const Landmark> landmarks, CornerView& view,
+                          KeyFrame& frame) {
   view.ids.assign(view.features.size(), 0);
   std::vector<Vector3d> rays;  // of the landmarks that there are
   for (const KeptLandmark& one : frame.landmarks)
@@ -78,8 +90,10 @@ void PlaceMap::add_paired(const PictureLevels& levels, CornerView& view, KeyFram
   for (CornerView& older : recent_) {
     const KeyFrame* before = find(older.key_frame);
     if (!before || older.epoch != view.epoch) continue;
-    const Rigid T_c_o = frame.T_m_k.inverse() * before->T_m_k;
-    for (const PairedCorner& pair : pair_corners(view, older, T_c_o.q, T_c_o.p, p_.pairs)) {
+    const auto motion =
+        motion_between(view, landmarks, older, before->T_m_k.inverse() * frame.T_m_k, p_.pose, p_.pairs.fewest_common);
+    if (!motion) continue;
+    for (const PairedCorner& pair : pair_corners(view, older, *motion, p_.pairs)) {
       if (frame.landmarks.size() >= p_.max_landmarks) return;
       if (!(pair.along_sigma < p_.max_sigma * pair.p_c.norm()) || view.ids[pair.feature] != 0) continue;
       const Vector3d& ray = view.features[pair.feature].ray_c;

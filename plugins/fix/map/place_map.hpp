@@ -77,9 +77,12 @@ class PlaceMap {
   std::vector<Candidate> candidates(const Picture& picture, const Excludes& excludes = {}) const;
   /// The best of the candidates, with its log odds and those of the best other place, whether accepted or not.
   std::optional<Recognition> best_of(const Picture& picture, const std::vector<Candidate>& candidates) const;
-  bool is_accepted(const Recognition& recognition) const { return is_plausible(recognition) && is_sure(recognition); }
-  /// Less: what is seen may be nearly flat, of which other places may have copies, and the odds lower. To be used only
-  /// where odometry or another fix predicts the pose as well.
+  bool is_accepted(const Recognition& r) const { return is_strong(r) && r.off_plane >= p_.min_off_plane; }
+  /// Less: what is seen may be nearly flat, of which other places may have copies.
+  bool is_strong(const Recognition& r) const {
+    return is_plausible(r) && r.log_odds > p_.sure_log_odds && r.covered > p_.min_covered;
+  }
+  /// Still less: to be used only where odometry or another fix predicts the pose as well.
   bool is_plausible(const Recognition& recognition) const;
 
   const PlaceMapParameters& parameters() const { return p_; }
@@ -92,14 +95,11 @@ class PlaceMap {
   };
 
   void add_tracked(const PictureLevels& levels, std::span<const Landmark> landmarks, KeyFrame& frame) const;
-  void add_paired(const PictureLevels& levels, CornerView& view, KeyFrame& frame);
+  void add_rays(const Picture& picture, std::span<const Landmark> landmarks, CornerView& view) const;
+  void add_paired(const PictureLevels& levels, std::span<const Landmark> landmarks, CornerView& view, KeyFrame& frame);
   void index(size_t frame);
   void rebuild();
   double log_odds(const Candidate& candidate) const;
-  bool is_sure(const Recognition& recognition) const {
-    return recognition.off_plane >= p_.min_off_plane && recognition.log_odds > p_.sure_log_odds &&
-           recognition.covered > p_.min_covered;
-  }
   void set_covariance(const Candidate& candidate, Recognition& recognition) const;
   std::vector<double> votes(const std::vector<Feature>& features, const std::vector<char>& excluded) const;
   std::vector<size_t> beside(size_t frame, const std::vector<char>& excluded) const;

@@ -65,7 +65,9 @@ void PlaceSession::look_up(Query& query) const {
     const auto found = map.best_of(query.sight.picture, map.candidates(query.sight.picture, without));
     if (!found || !map.is_plausible(*found)) return;
     const KeyFrame* frame = map.find(found->key_frame);
-    query.found.push_back({id, *found, frame->t_ns, frame->T_m_k, query.sight.T_s_c, map.is_accepted(*found)});
+    Sighting& sighting = query.found.emplace_back(
+        Sighting{id, *found, frame->t_ns, frame->T_m_k, query.sight.T_s_c, map.is_accepted(*found), {}});
+    if (map.is_strong(*found)) sighting.normals.push_back(frame->T_m_k.q * found->normal_k);
   };
   look(0, *own_, excludes);
   for (const Loaded& loaded : loaded_) look(loaded.id, *loaded.map, {});
@@ -86,25 +88,43 @@ std::vector<Found> PlaceSession::take(int64_t now_ns) {
   return out;
 }
 
-bool PlaceSession::agrees(const Sighting& before, const Sighting& now) const {
-  if (seconds_between(before.recognition.t_ns, now.recognition.t_ns) > p_.agreement_s) return false;
+Agreement PlaceSession::compare(const Sighting& before, const Sighting& now) const {
   const Rigid way = before.T_s_c.inverse() * now.T_s_c;
   Eigen::Matrix<double, 6, 6> drift = Eigen::Matrix<double, 6, 6>::Zero();
   drift.diagonal().head<3>().setConstant(std::pow(p_.drift_rad, 2));
   drift.diagonal().tail<3>().setConstant(std::pow(p_.drift_m, 2) + std::pow(p_.drift * way.p.norm(), 2));
-  return agree(before.recognition, before.T_m_k, now.recognition, now.T_m_k, way, drift) == Agreement::yes;
+  return agree(before.recognition, before.T_m_k, now.recognition, now.T_m_k, way, drift);
 }
 
-/// One recognition is none: it needs a second one of the same map to which the track leads. One of them must be sure;
-/// from then on plausible ones continue it.
+/// What follows from the agreement with the one before. Strong ones of two planes together have depth.
+void PlaceSession::follow(const Sighting& before, Sighting& now) const {
+  now.is_sure = now.is_sure || before.is_sure;
+  const double parallel = std::cos(p_.other_plane_rad);
+  for (const Eigen::Vector3d& other : before.normals) {
+    for (const Eigen::Vector3d& normal : now.normals)
+      now.is_sure = now.is_sure || std::abs(normal.dot(other)) < parallel;
+  }
+  if (now.normals.empty()) now.normals = before.normals;
+}
+
+/// One recognition is none: more of the recent ones of the same map must fit the track than sure ones contradict it.
+/// One of them must be sure, or two together; from then on plausible ones continue it.
 std::optional<Found> PlaceSession::judge(Sighting now) {
   const auto of_map = [&](const Sighting& other) { return other.map == now.map; };
-  const auto before = std::find_if(newest_.begin(), newest_.end(), of_map);
-  const bool agreed = before != newest_.end() && agrees(*before, now);
-  now.is_sure = now.is_sure || (agreed && before->is_sure);
-  std::erase_if(newest_, of_map);
-  newest_.push_back(now);
-  if (!agreed || !now.is_sure) return std::nullopt;
+  std::erase_if(recent_, [&](const Sighting& before) {
+    return seconds_between(before.recognition.t_ns, now.recognition.t_ns) > p_.agreement_s;
+  });
+  int fit = 0, contradict = 0;
+  const bool sure_alone = now.is_sure;
+  for (const Sighting& before : recent_) {
+    if (before.map != now.map) continue;
+    const Agreement agreement = compare(before, now);
+    if (agreement == Agreement::yes) follow(before, now), ++fit;
+    if (agreement == Agreement::no && before.is_sure) ++contradict;
+  }
+  if (fit <= contradict) fit = 0, now.is_sure = sure_alone;
+  recent_.push_back(now);
+  if (fit == 0 || !now.is_sure) return std::nullopt;
 
   const auto last = std::find_if(used_.begin(), used_.end(), of_map);
   const bool again = last != used_.end() && last->recognition.key_frame == now.recognition.key_frame &&

@@ -39,16 +39,17 @@ struct Found {
 class PlaceSession {
  public:
   struct Parameters {
-    double interval_s = 0.5;       ///< between two pictures that are looked up
-    double delay_s = 0.5;          ///< from a picture to its result
-    double apart_s = 10;           ///< of a picture and a key frame of this session, at least; docs/estimator.md
-    double agreement_s = 5;        ///< within which two recognitions must agree
-    double drift = 0.02;           ///< sigma of the way between their pictures, relative, ...
-    double drift_m = 0.01;         ///< m, at least, ...
-    double drift_rad = 0.005;      ///< rad, and of its rotation: half a degree of a gyroscope in 5 s
-    double again_m = 0.5;          ///< m of way, or ...
-    double again_s = 5;            ///< s, until the same place counts again: its landmarks' errors are the same
-    double max_scale_sigma = 0.1;  ///< relative, of a key frame's landmarks
+    double interval_s = 0.5;        ///< between two pictures that are looked up
+    double delay_s = 0.5;           ///< from a picture to its result
+    double apart_s = 10;            ///< of a picture and a key frame of this session, at least; docs/estimator.md
+    double agreement_s = 5;         ///< within which two recognitions must agree
+    double drift = 0.02;            ///< sigma of the way between their pictures, relative, ...
+    double drift_m = 0.01;          ///< m, at least, ...
+    double drift_rad = 0.005;       ///< rad, and of its rotation: half a degree of a gyroscope in 5 s
+    double other_plane_rad = 0.35;  ///< between the normals of two planes: copies of one are parallel to it
+    double again_m = 0.5;           ///< m of way, or ...
+    double again_s = 5;             ///< s, until the same place counts again: its landmarks' errors are the same
+    double max_scale_sigma = 0.1;   ///< relative, of a key frame's landmarks
     double known_m = 0.3, known_rad = 0.2;  ///< m, rad: a key frame so near one of a loaded map is not saved again
     size_t max_waiting = 3;                 ///< jobs in a live run; then pictures are passed over
   };
@@ -86,7 +87,8 @@ class PlaceSession {
     Recognition recognition;
     int64_t key_frame_ns;
     Rigid T_m_k, T_s_c;
-    bool is_sure;  ///< by itself, or since it agrees with one that is
+    bool is_sure;  ///< by itself, or since it agrees with one that is, or with the strong one of another plane
+    std::vector<Eigen::Vector3d> normals;  ///< in m, of the planes of strong ones that agree
     Rigid T_m_c() const { return T_m_k * recognition.T_k_c; }
   };
   /// A picture that is looked up, and what was found.
@@ -98,7 +100,8 @@ class PlaceSession {
 
   void look_up(Query& query) const;
   std::optional<Found> judge(Sighting now);
-  bool agrees(const Sighting& before, const Sighting& now) const;
+  void follow(const Sighting& before, Sighting& now) const;
+  Agreement compare(const Sighting& before, const Sighting& now) const;
 
   Parameters p_;
   PlaceMapParameters map_parameters_;
@@ -107,7 +110,7 @@ class PlaceSession {
   int64_t asked_ns_ = INT64_MIN;
   std::vector<Loaded> loaded_;
   std::deque<std::unique_ptr<Query>> queries_;
-  std::vector<Sighting> newest_;  // of each map
+  std::vector<Sighting> recent_;  // of the last seconds
   std::vector<Sighting> used_;    // the last that counted, of each map
   std::unique_ptr<PlaceMap> own_;
   Worker worker_;  // last: it ends first

@@ -88,13 +88,13 @@ struct Recognition {
   /// Of rotation (left perturbation, in k) and position (in k), rad^2, rad m, m^2.
   Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Identity();
   int inliers = 0;
-  int cells = 0;                    ///< of the picture with inliers
-  int off_plane = 0;                ///< cells with matches that are not on the plane of most of them
-  double share = 0;                 ///< of the landmarks that should be in the picture, those that are
-  double covered = 0;               ///< share of the picture's cells with landmarks in which one is found
-  double log_odds = 0;              ///< natural logarithm: of this place against chance
-  double runner_up = 0;             ///< the same of the best other place of the map
-  std::vector<uint64_t> landmarks;  ///< ids of the inliers
+  int cells = 0;                                       ///< of the picture with inliers
+  Eigen::Vector3d normal_k = Eigen::Vector3d::Zero();  ///< of the plane of most matches, or zero
+  int off_plane = 0;                                   ///< cells with matches that are not on it
+  double share = 0;      ///< of the landmarks that should be in the picture, those that are
+  double covered = 0;    ///< share of the picture's cells with landmarks in which one is found
+  double log_odds = 0;   ///< natural logarithm: of this place against chance
+  double runner_up = 0;  ///< the same of the best other place of the map
 };
 
 }  // namespace odograph::place_map

@@ -116,8 +116,9 @@ std::vector<PlaceMap::Candidate> PlaceMap::candidates(const Picture& picture, co
                      verify(query, local_map(frame, excluded), gravity, p_.pose, p_.verification, p_.features)});
   }
   const auto strength = [](const Candidate& c) { return c.verified ? -c.verified->evidence.log_chance : -1.0; };
-  std::stable_sort(found.begin(), found.end(),
-                   [&](const Candidate& a, const Candidate& b) { return strength(a) > strength(b); });
+  std::sort(found.begin(), found.end(), [&](const Candidate& a, const Candidate& b) {
+    return std::pair(strength(a), a.votes) > std::pair(strength(b), b.votes);
+  });
   return found;
 }
 
@@ -157,6 +158,7 @@ std::optional<Recognition> PlaceMap::best_of(const Picture& picture, const std::
   out.inliers = best.verified->evidence.matched, out.cells = best.verified->evidence.inlier_cells;
   out.share = static_cast<double>(out.inliers) / std::max(1, best.verified->evidence.visible);
   out.covered = best.verified->evidence.covered;
+  out.normal_k = best.verified->normal_k;
   out.off_plane = best.verified->evidence.off_plane;
   out.log_odds = log_odds(best);
   set_covariance(best, out);
@@ -167,7 +169,6 @@ std::optional<Recognition> PlaceMap::best_of(const Picture& picture, const std::
     if ((other.p - T_m_c.p).norm() > p_.same_place_m || other.q.angularDistance(T_m_c.q) > p_.same_place_rad)
       out.runner_up = std::max(out.runner_up, log_odds(found[i]));
   }
-  for (const Correspondence& match : best.verified->matches) out.landmarks.push_back(match.id);
   return out;
 }
 

@@ -181,11 +181,12 @@ class Verifier {
     for (const auto& [cell, count] : visible)
       if (count >= 3) ++full, covered += matched.contains(cell);
     out.evidence.covered = covered / std::max(1.0, static_cast<double>(full));
-    out.evidence.off_plane = cells_off_plane(out.matches);
+    set_plane(out);
   }
 
-  /// A picture on a wall, a front or a door may have copies. Cells with matches that are not on the plane of most.
-  int cells_off_plane(const std::vector<Correspondence>& matches) const {
+  /// A picture on a wall, a front or a door may have copies.
+  void set_plane(Verified& out) const {
+    const std::vector<Correspondence>& matches = out.matches;
     const auto is_off = [&](const Correspondence& match, const Vector3d& normal, const Vector3d& through) {
       const double along = std::abs(normal.dot(match.p_k.normalized()));
       const double tolerance = 3 * std::hypot(along * match.along_sigma, match.across_sigma);
@@ -202,12 +203,12 @@ class Verifier {
       size_t count = 0;
       for (size_t i = 0; i < matches.size(); ++i)
         off[i] = is_off(matches[i], across.normalized(), a) ? 1 : 0, count += static_cast<size_t>(off[i]);
-      if (count < least) least = count, best = off;
+      if (count < least) least = count, best = off, out.normal_k = across.normalized();
     }
     std::set<std::pair<int, int>> cells;
     for (size_t i = 0; i < matches.size(); ++i)
       if (best[i]) cells.insert(cell_of(matches[i].ray_c, p_.cell_rad));
-    return static_cast<int>(cells.size());
+    out.evidence.off_plane = static_cast<int>(cells.size());
   }
 
   bool is_visible(const LocalLandmark& landmark, const Rigid& T) const {

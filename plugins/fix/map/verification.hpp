@@ -59,6 +59,7 @@ struct Verified {
   Eigen::Matrix<double, 6, 6> information;
   Evidence evidence;
   std::vector<Correspondence> matches;
+  Eigen::Vector3d normal_k = Eigen::Vector3d::Zero();  ///< of the plane of most of them
 };
 
 /// The picture's side of a verification.
