@@ -112,7 +112,7 @@ TEST_CASE("the maps of two sessions become one, in which what both put down is w
   const MapFile other = map_of(second().map);
   const size_t before = map.views().size();
   const auto joint = required(map.join(other));
-  CHECK(joint->agreeing > other.views().size() / 2);
+  CHECK(joint->agreeing > other.views().size());
   CHECK(joint->sigma_m < 0.1);
   CHECK(joint->doubled == std::vector<std::string>{"door"});
   CHECK(map.views().size() > before);
@@ -128,7 +128,10 @@ TEST_CASE("the maps of two sessions become one, in which what both put down is w
   const std::string path = (folder() / "both.map").string();
   REQUIRE(map.write(path).ok());
   const MapFile again = map_of(path);
-  CHECK(again.bytes() == map.bytes());
+  CHECK(again.bytes().size() == map.bytes().size());
+  REQUIRE(again.views().size() == map.views().size());
+  for (size_t i = 0; i < map.views().size(); ++i) CHECK(again.views()[i].p_m == map.views()[i].p_m);
+  CHECK(anchor_of(again, "vase").p_m == vase.p_m);
   CHECK(recognised(second().recording, path) > 10);
 }
 

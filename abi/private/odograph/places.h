@@ -23,13 +23,12 @@ typedef struct odo_place_view {
   double q_m_c[4], p_m_c[3]; /* of the camera */
 } odo_place_view;
 
-/* Where another map lies in the map, by its key frames that are recognised there. */
+/* Where another map lies in the map. */
 typedef struct odo_place_joint {
   uint32_t struct_size;
-  uint32_t asked, recognised; /* key frames of the other map, or of the map in the other where only that works */
-  uint32_t agreeing;          /* of those recognised: on this place */
-  uint32_t beside;            /* of those asked: with it beside a key frame of the map */
-  uint32_t reserved;
+  uint32_t asked;            /* key frames of both */
+  uint32_t recognised;       /* of them, in the other map */
+  uint32_t agreeing;         /* of them, on this place */
   double q_m_o[4], p_m_o[3]; /* from the other map to the map: a turn about the vertical and a shift */
   double sigma_m;            /* of a place of the other map, in each axis */
 } odo_place_joint;

@@ -9,11 +9,11 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// A key frame of the other map that is recognised.
+/// A key frame of one map that is recognised in the other.
 struct Vote {
   Vector3d p_m, p_o;
   double yaw;  ///< of the other map in the map
-  bool is_sure;
+  bool is_sure, is_of_other;
 };
 
 Rigid upright(double yaw, const Vector3d& p_m, const Vector3d& p_o) {
@@ -22,15 +22,21 @@ Rigid upright(double yaw, const Vector3d& p_m, const Vector3d& p_o) {
 }
 double yaw_of(const Eigen::Quaterniond& q) { return 2 * std::atan2(q.z(), q.w()); }
 
-std::vector<Vote> votes_of(const PlaceMap& other, const PlaceMap& map, size_t step) {
+size_t step_of(const PlaceMap& map, const PlacingParameters& p) {
+  return 1 + map.key_frames().size() / (p.max_asked + 1);
+}
+
+/// Those of the other map's key frames.
+std::vector<Vote> votes_of(const PlaceMap& other, const PlaceMap& map, const PlacingParameters& p) {
   std::vector<Vote> votes;
-  for (size_t i = 0; i < other.key_frames().size(); i += step) {
+  for (size_t i = 0; i < other.key_frames().size(); i += step_of(other, p)) {
     const KeyFrame& frame = other.key_frames()[i];
     const QueryView view = view_of(frame, map.parameters().features);
     const auto found = map.best_of(view, map.candidates(view));
     if (!found || !map.is_plausible(*found)) continue;
     const Rigid T_m_k = map.find(found->key_frame)->T_m_k * found->T_k_c;
-    votes.push_back({T_m_k.p, frame.T_m_k.p, yaw_of(T_m_k.q * frame.T_m_k.q.conjugate()), map.is_accepted(*found)});
+    const double yaw = yaw_of(T_m_k.q * frame.T_m_k.q.conjugate());
+    votes.push_back({T_m_k.p, frame.T_m_k.p, yaw, map.is_accepted(*found), true});
   }
   return votes;
 }
@@ -76,16 +82,27 @@ Rigid fit(const std::vector<Vote>& votes, Rigid T) {
 }
 
 /// Key frames of the other map that are beside one of the map.
-size_t count_beside(const PlaceMap& other, const PlaceMap& map, const Rigid& T_m_o, size_t step,
-                    const PlacingParameters& p) {
+size_t count_beside(const PlaceMap& other, const PlaceMap& map, const Rigid& T_m_o, const PlacingParameters& p) {
   size_t count = 0;
-  for (size_t i = 0; i < other.key_frames().size(); i += step) {
+  for (size_t i = 0; i < other.key_frames().size(); i += step_of(other, p)) {
     const Rigid T = T_m_o * other.key_frames()[i].T_m_k;
     count += std::any_of(map.key_frames().begin(), map.key_frames().end(), [&](const KeyFrame& frame) {
       return (frame.T_m_k.p - T.p).norm() < p.beside_m && frame.T_m_k.q.angularDistance(T.q) < p.beside_rad;
     });
   }
   return count;
+}
+
+/// Key frames that agree on the best place among those that do not agree with `T_m_o`.
+size_t count_runner_up(const std::vector<Vote>& votes, const Rigid& T_m_o, const Vector3d& around,
+                       const PlacingParameters& p) {
+  std::vector<Vote> others;
+  for (const Vote& vote : votes)
+    if (agreeing({vote}, T_m_o, around, p).empty()) others.push_back(vote);
+  size_t most = 0;
+  for (const Vote& vote : others)
+    most = std::max(most, agreeing(others, upright(vote.yaw, vote.p_m, vote.p_o), vote.p_o, p).size());
+  return most;
 }
 
 }  // namespace
@@ -105,9 +122,12 @@ void JoinedFrames::add(const PlaceMap& map, const Rigid& T_j_m) {
 
 Placed place_of(const PlaceMap& other, const PlaceMap& map, const PlacingParameters& p) {
   Placed out;
-  const size_t step = 1 + other.key_frames().size() / (p.max_asked + 1);
-  const std::vector<Vote> votes = votes_of(other, map, step);
-  out.asked = (other.key_frames().size() + step - 1) / step, out.recognised = votes.size();
+  std::vector<Vote> votes = votes_of(other, map, p);
+  for (const Vote& vote : votes_of(map, other, p))
+    votes.push_back({vote.p_o, vote.p_m, -vote.yaw, vote.is_sure, false});
+  for (const PlaceMap* asked : {&other, &map})
+    out.asked += (asked->key_frames().size() + step_of(*asked, p) - 1) / step_of(*asked, p);
+  out.recognised = votes.size();
   std::vector<Vote> best;
   for (const Vote& vote : votes) {
     const Rigid T = upright(vote.yaw, vote.p_m, vote.p_o);
@@ -117,19 +137,18 @@ Placed place_of(const PlaceMap& other, const PlaceMap& map, const PlacingParamet
   if (best.empty()) return out;
   out.T_m_o = fit(best, out.T_m_o);
   best = agreeing(votes, out.T_m_o, middle(best), p);
+  if (best.empty()) return out;
   out.agreeing = best.size();
-  std::vector<Vote> others;
-  for (const Vote& vote : votes)
-    if (agreeing({vote}, out.T_m_o, middle(best), p).empty()) others.push_back(vote);
-  for (const Vote& vote : others)
-    out.runner_up =
-        std::max(out.runner_up, agreeing(others, upright(vote.yaw, vote.p_m, vote.p_o), vote.p_o, p).size());
+  out.runner_up = count_runner_up(votes, out.T_m_o, middle(best), p);
+  out.beside = count_beside(other, map, out.T_m_o, p) + count_beside(map, other, out.T_m_o.inverse(), p);
   double squared = 0;
   for (const Vote& vote : best) squared += (out.T_m_o * vote.p_o - vote.p_m).squaredNorm();
-  out.sigma_m = std::sqrt(squared / static_cast<double>(3 * std::max<size_t>(1, best.size())));
-  out.beside = count_beside(other, map, out.T_m_o, step, p);
-  const auto count = static_cast<double>(out.agreeing);
-  out.is_found = out.agreeing >= p.fewest && static_cast<double>(out.runner_up) < p.max_runner_up * count &&
+  const auto count = static_cast<double>(best.size());
+  out.sigma_m = std::sqrt(squared / (3 * count));
+  const auto of_other =
+      static_cast<size_t>(std::count_if(best.begin(), best.end(), [](const Vote& vote) { return vote.is_of_other; }));
+  out.is_found = std::max(of_other, best.size() - of_other) >= p.fewest &&
+                 static_cast<double>(out.runner_up) < p.max_runner_up * count &&
                  count > p.min_share * static_cast<double>(out.beside) &&
                  std::any_of(best.begin(), best.end(), [](const Vote& vote) { return vote.is_sure; });
   return out;

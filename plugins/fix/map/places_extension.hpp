@@ -90,14 +90,10 @@ class PlacesExtension {
     return call(user, [&](PlacesExtension& self) -> int32_t {
       const std::span<const uint8_t> bytes(data, size);
       const PlaceMap other = map_of(bytes);
-      Placed placed = place_of(other, self.map_);
-      if (!placed.is_found) {  // it may be that only its own key frames show the other
-        const Placed turned = place_of(self.map_, other);
-        if (turned.is_found) placed = turned, placed.T_m_o = turned.T_m_o.inverse();
-      }
+      const Placed placed = place_of(other, self.map_);
       const auto number = [](size_t count) { return static_cast<uint32_t>(count); };
       joint->asked = number(placed.asked), joint->recognised = number(placed.recognised);
-      joint->agreeing = number(placed.agreeing), joint->beside = number(placed.beside);
+      joint->agreeing = number(placed.agreeing);
       put_quaternion(placed.T_m_o.q, joint->q_m_o);
       Eigen::Vector3d::Map(joint->p_m_o) = placed.T_m_o.p;
       joint->sigma_m = placed.sigma_m;

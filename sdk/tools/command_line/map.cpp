@@ -129,8 +129,8 @@ int merge(const MapArguments& a) {
       ++i;
       continue;
     }
-    std::printf("%s: found by %zu of %zu key frames, which agree within %.2f m\n", printable(left[i].path()).c_str(),
-                joint->agreeing, joint->asked, joint->sigma_m);
+    std::printf("%s: found: %zu of the %zu key frames of both agree, within %.2f m\n",
+                printable(left[i].path()).c_str(), joint->agreeing, joint->asked, joint->sigma_m);
     for (const std::string& name : joint->doubled)
       std::printf("  anchor '%s' is in both: that of the first is kept\n", printable(name).c_str());
     left.erase(left.begin() + static_cast<ptrdiff_t>(i)), since = 0, refused.clear();

@@ -108,10 +108,9 @@ Result<MapFile::Joint> MapFile::join(const MapFile& other) {
   joint.struct_size = sizeof joint;
   const int32_t status = table.join(table.user, map.data(), map.size(), &joint);
   if (status == ODO_E_NOT_FOUND)
-    return Failure{status,
-                   text("%s: not found in %s: of its %u key frames %u are recognised there and %u of them agree; "
-                        "do both show the same place, from the same sides?",
-                        other.path_.c_str(), path_.c_str(), joint.asked, joint.recognised, joint.agreeing)};
+    return Failure{status, text("%s: not found in %s: of the %u key frames of both, %u are recognised in the other map "
+                                "and %u of them agree; do both show the same place, from the same sides?",
+                                other.path_.c_str(), path_.c_str(), joint.asked, joint.recognised, joint.agreeing)};
   if (status != ODO_OK) return Failure{status, other.path_ + ": " + reader_->error};
   Joint out{
       joint.asked, joint.recognised, joint.agreeing, quaternion(joint.q_m_o), Vector3d(joint.p_m_o), joint.sigma_m, {}};

@@ -32,7 +32,7 @@ class MapFile {
   };
   /// What joining another map has given.
   struct Joint {
-    size_t asked, recognised, agreeing;  ///< key frames of the other, or of this one in the other
+    size_t asked, recognised, agreeing;  ///< key frames of both
     Eigen::Quaterniond q_m_o;
     Eigen::Vector3d p_m_o;
     double sigma_m;                    ///< of its places in the map
