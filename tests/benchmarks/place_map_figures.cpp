@@ -140,7 +140,11 @@ class Printer {
   void query(const std::string& name, const PlaceMap& map, const Picture& picture, const std::optional<Rigid>& truth,
              const PlaceMap::Excludes& excludes = {}) {
     std::vector<PlaceMap::Candidate> found;
-    const double ms = milliseconds([&] { found = map.candidates(picture, excludes); });
+    QueryView view;
+    const double ms = milliseconds([&] {
+      view = view_of(picture, map.parameters().features);
+      found = map.candidates(view, excludes);
+    });
     std::printf("%s %.3f ms=%.1f", name.c_str(), 1e-9 * static_cast<double>(picture.t_ns), ms);
     if (found.empty() || !found[0].verified) {
       std::printf(" none\n");
@@ -155,7 +159,7 @@ class Printer {
         "chance2=%.1f",
         static_cast<unsigned long long>(frame.id), best.votes, e.tentative, e.inliers, e.inlier_cells, e.visible,
         e.matched, e.cells, e.log_chance, second.log_chance);
-    const auto recognition = map.best_of(picture, found);
+    const auto recognition = map.best_of(view, found);
     std::printf(" off=%d covered=%.2f odds=%.1f runner_up=%.1f accepted=%d plausible=%d", e.off_plane, e.covered,
                 recognition->log_odds, recognition->runner_up, map.is_accepted(*recognition) ? 1 : 0,
                 map.is_plausible(*recognition) ? 1 : 0);

@@ -24,7 +24,7 @@ LARGE_CLASSES = {
 # Folders of the host; each may include the preceding ones. The tools may include all of them.
 HOST = ["platform", "base", "messages", "config", "plugin_host", "fusion", "checks", "core"]
 # The files of a plugin and of sdk/math that may include the ABI; algorithms may not.
-GLUE = {"frame_landmarks.hpp", "plugin.cpp", "step_plugin.hpp", "attitude_plugin.hpp", "horizontal_scale.hpp", "database_extension.hpp", "frame_view.hpp", "points_event.hpp", "photograph_prior.hpp"}
+GLUE = {"frame_landmarks.hpp", "plugin.cpp", "step_plugin.hpp", "attitude_plugin.hpp", "horizontal_scale.hpp", "database_extension.hpp", "places_extension.hpp", "frame_view.hpp", "points_event.hpp", "photograph_prior.hpp"}
 # A separate program, and the reader of ODOGRAPH_PLUGIN_PATH.
 ENVIRONMENT = {"sdk/host/plugin_host/host_main.cpp", "sdk/host/platform/posix/process.cpp"}
 HEAVY = re.compile(r"#include <(opencv2|embree|CLI/|nlohmann|ceres)")

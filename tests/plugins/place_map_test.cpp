@@ -3,16 +3,13 @@
 // fix/map's recognition on pictures of painted walls, whose geometry is exact.
 #include "plugins/fix/map/place_map.hpp"
 
-#include <random>
-
 #include <Eigen/Cholesky>
-#include <opencv2/imgproc.hpp>
 
 #include "plugins/fix/map/agreement.hpp"
 #include "plugins/fix/map/key_frame_chooser.hpp"
 #include "plugins/fix/map/map_section.hpp"
 #include "sdk/math/rotation.hpp"
-#include "tests/support/support.hpp"
+#include "tests/plugins/painted_wall.hpp"
 
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
@@ -21,77 +18,6 @@ using namespace odograph::place_map;
 TEST_SUITE_BEGIN("place_map");
 
 namespace {
-
-constexpr double kDegree = M_PI / 180;
-
-/// The corner of a room 3 m ahead, painted with shapes that cover each other: two walls whose depth falls by `slope`
-/// to either side; without a slope, one flat wall. World: x right, y down.
-class Wall {
- public:
-  static constexpr double kAhead_m = 3, kPerMetre = 200;
-
-  explicit Wall(unsigned seed, double slope = 0.4) : paint_(800, 1200, CV_8U, cv::Scalar(128)), slope_(slope) {
-    std::mt19937 draws(seed);
-    const auto below = [&](int n) { return static_cast<int>(draws() % static_cast<unsigned>(n)); };
-    for (int i = 0; i < 900; ++i) {
-      cv::Point at;
-      at.x = below(paint_.cols), at.y = below(paint_.rows);
-      const int size = 5 + below(60), grey = below(256);
-      if (below(2) == 0)
-        cv::circle(paint_, at, size / 2, grey, cv::FILLED);
-      else
-        cv::rectangle(paint_, at, at + cv::Point(size, 5 + below(60)), grey, cv::FILLED);
-    }
-  }
-
-  /// The world point on a ray.
-  Vector3d hit(const Vector3d& from, const Vector3d& ray) const {
-    double nearest = 1e9;
-    for (const double side : {-slope_, slope_}) {
-      const double towards = ray.z() + side * ray.x();
-      if (towards > 0) nearest = std::min(nearest, (kAhead_m - from.z() - side * from.x()) / towards);
-    }
-    return from + nearest * ray;
-  }
-
-  Picture picture(const Rigid& T_w_c, double focal_px = 500, cv::Size size = {640, 480}, double light = 1) const {
-    Picture out;
-    out.lens.fx = out.lens.fy = focal_px;
-    out.lens.cx = 0.5 * (size.width - 1), out.lens.cy = 0.5 * (size.height - 1);
-    cv::Mat columns(size, CV_32F), rows(size, CV_32F);
-    for (int y = 0; y < size.height; ++y)
-      for (int x = 0; x < size.width; ++x) {
-        const Vector3d ray = T_w_c.q * Vector3d((x - out.lens.cx) / focal_px, (y - out.lens.cy) / focal_px, 1);
-        const Vector3d p = hit(T_w_c.p, ray);
-        columns.at<float>(y, x) = static_cast<float>(p.x() * kPerMetre + 0.5 * paint_.cols);
-        rows.at<float>(y, x) = static_cast<float>(p.y() * kPerMetre + 0.5 * paint_.rows);
-      }
-    cv::remap(paint_, out.grey, columns, rows, cv::INTER_LINEAR, cv::BORDER_CONSTANT, 128);
-    cv::GaussianBlur(out.grey, out.grey, {0, 0}, 0.8);
-    out.grey.convertTo(out.grey, CV_8U, light);
-    out.down_c = T_w_c.q.conjugate() * Vector3d::UnitY();
-    out.tilt_sigma_rad = 0.005;
-    return out;
-  }
-
-  /// Landmarks at corners of the picture, as a front-end would have them.
-  std::vector<Landmark> landmarks(const Picture& picture, const Rigid& T_w_c) const {
-    std::vector<cv::Point2f> corners;
-    cv::goodFeaturesToTrack(picture.grey, corners, 150, 0.01, 12);
-    std::vector<Landmark> out;
-    for (const cv::Point2f& corner : corners) {
-      Landmark& landmark = out.emplace_back();
-      landmark.id = out.size(), landmark.pixel = Eigen::Vector2d(corner.x, corner.y);
-      landmark.p_c = T_w_c.inverse() * hit(T_w_c.p, T_w_c.q * rays_of(picture.lens, {corner}, 1.4)[0]);
-      landmark.covariance = 1e-4 * Eigen::Matrix3d::Identity();
-    }
-    return out;
-  }
-
- private:
-  cv::Mat paint_;
-  double slope_;
-};
 
 class Draws {
  public:
@@ -106,17 +32,6 @@ class Draws {
   std::mt19937 generator_;
   std::normal_distribution<double> normal_;
 };
-
-Rigid at(const Vector3d& p, double yaw_deg = 0, double roll_deg = 0) {
-  return {Quaterniond(Eigen::AngleAxisd(yaw_deg * kDegree, Vector3d::UnitY()) *
-                      Eigen::AngleAxisd(roll_deg * kDegree, Vector3d::UnitZ())),
-          p};
-}
-
-uint64_t add(PlaceMap& map, const Wall& wall, const Rigid& T_w_c, const Rigid& T_m_w = {}, uint32_t epoch = 0) {
-  const Picture picture = wall.picture(T_w_c);
-  return map.add(picture, wall.landmarks(picture, T_w_c), T_m_w * T_w_c, epoch);
-}
 
 double squared_error(const Recognition& seen, const Rigid& T_k_c) {
   Eigen::Matrix<double, 6, 1> error;
@@ -270,7 +185,8 @@ TEST_CASE("a flat picture is plausible and not accepted: it may hang anywhere") 
   PlaceMap map;
   add(map, flat, at({0, 0, 0}));
   const Picture query = flat.picture(at({0.2, 0, 0.1}));
-  const auto best = map.best_of(query, map.candidates(query));
+  const QueryView view = view_of(query, map.parameters().features);
+  const auto best = map.best_of(view, map.candidates(view));
   REQUIRE(best);
   CHECK(map.is_plausible(*best));
   CHECK(!map.is_accepted(*best));

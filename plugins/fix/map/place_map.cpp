@@ -162,10 +162,11 @@ uint32_t PlaceMap::next_epoch() const {
 }
 
 void PlaceMap::thin(size_t most) {
+  if (const size_t size = bytes(); size > most && !frames_.empty()) keep(most / (size / frames_.size()));
+}
+
+void PlaceMap::keep(size_t wanted) {
   constexpr double kMetres_per_rad = 2;
-  const size_t size = bytes();
-  if (size <= most || frames_.empty()) return;
-  const size_t wanted = most / (size / frames_.size());
   // Of each key frame the nearest newer one that remains.
   std::vector<std::pair<double, size_t>> nearest(frames_.size());
   std::vector<char> gone(frames_.size(), 0);

@@ -57,6 +57,8 @@ class PlaceMap {
   /// Removes key frames until the map has at most that size: each time the one that another is nearest to, in place and
   /// direction, the older of the two.
   void thin(size_t bytes);
+  /// The same until it has so many.
+  void keep(size_t count);
   /// Replaces all key frames, whose ids increase.
   void restore(std::vector<KeyFrame> frames);
   /// Larger than the epoch of any key frame.
@@ -73,10 +75,10 @@ class PlaceMap {
     double votes;
     std::optional<Verified> verified;
   };
-  /// The candidates of a picture, the one with the best evidence first.
-  std::vector<Candidate> candidates(const Picture& picture, const Excludes& excludes = {}) const;
+  /// The candidates of a view (view_of), the one with the best evidence first.
+  std::vector<Candidate> candidates(const QueryView& query, const Excludes& excludes = {}) const;
   /// The best of the candidates, with its log odds and those of the best other place, whether accepted or not.
-  std::optional<Recognition> best_of(const Picture& picture, const std::vector<Candidate>& candidates) const;
+  std::optional<Recognition> best_of(const QueryView& query, const std::vector<Candidate>& candidates) const;
   bool is_accepted(const Recognition& r) const { return is_strong(r) && r.off_plane >= p_.min_off_plane; }
   /// Less: what is seen may be nearly flat, of which other places may have copies.
   bool is_strong(const Recognition& r) const {

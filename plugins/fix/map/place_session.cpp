@@ -7,6 +7,7 @@
 #include <variant>
 
 #include "plugins/fix/map/map_section.hpp"
+#include "plugins/fix/map/merge.hpp"
 
 namespace odograph::place_map {
 namespace {
@@ -61,8 +62,9 @@ void PlaceSession::look_up(Query& query) const {
            std::any_of(frame.landmarks.begin(), frame.landmarks.end(),
                        [&](const KeptLandmark& landmark) { return landmark.id != 0 && seen.count(landmark.id) != 0; });
   };
+  const QueryView view = view_of(query.sight.picture, map_parameters_.features);
   const auto look = [&](uint64_t id, const PlaceMap& map, const PlaceMap::Excludes& without) {
-    const auto found = map.best_of(query.sight.picture, map.candidates(query.sight.picture, without));
+    const auto found = map.best_of(view, map.candidates(view, without));
     if (!found || !map.is_plausible(*found)) return;
     const KeyFrame* frame = map.find(found->key_frame);
     Sighting& sighting = query.found.emplace_back(
@@ -156,27 +158,13 @@ PlaceSession::Saved PlaceSession::save(const Rigid& T_n_s, size_t largest) {
   if (!saved.is_whole) return saved.id = loaded_[0].id, saved.bytes = bytes_of(*loaded_[0].map), saved;
   // From s to the frame in which it is saved.
   const Rigid T_m_s = loaded_.empty() ? T_n_s : recognised->T_s_m->inverse();
-  std::vector<KeyFrame> frames;
-  uint32_t epochs = 0;  // landmark ids of different sessions are unrelated
-  const auto add = [&](const PlaceMap& map, const Rigid& T_m_x) {
-    const size_t before = frames.size();
-    for (KeyFrame frame : map.key_frames()) {
-      frame.id = frames.size() + 1, frame.epoch += epochs, frame.T_m_k = T_m_x * frame.T_m_k;
-      const auto is_near = [&](const KeyFrame& other) {
-        return (other.T_m_k.p - frame.T_m_k.p).norm() < p_.known_m &&
-               other.T_m_k.q.angularDistance(frame.T_m_k.q) < p_.known_rad;
-      };
-      if (std::none_of(frames.begin(), frames.begin() + static_cast<ptrdiff_t>(before), is_near))
-        frames.push_back(std::move(frame));
-    }
-    epochs += map.next_epoch();
-  };
+  JoinedFrames frames;
   for (const Loaded& loaded : loaded_)
-    if (loaded.T_s_m) add(*loaded.map, T_m_s * *loaded.T_s_m);
-  add(*own_, T_m_s);
-  if (frames.empty()) return saved;
+    if (loaded.T_s_m) frames.add(*loaded.map, T_m_s * *loaded.T_s_m);
+  frames.add(*own_, T_m_s);
   PlaceMap whole(map_parameters_);
-  whole.restore(std::move(frames));
+  whole.restore(frames.take());
+  if (whole.key_frames().empty()) return saved;
   whole.thin(largest);
   saved.bytes = bytes_of(whole);
   saved.id = loaded_.empty() ? fnv1a(saved.bytes) : recognised->id;

@@ -50,8 +50,7 @@ class PlaceSession {
     double again_m = 0.5;           ///< m of way, or ...
     double again_s = 5;             ///< s, until the same place counts again: its landmarks' errors are the same
     double max_scale_sigma = 0.1;   ///< relative, of a key frame's landmarks
-    double known_m = 0.3, known_rad = 0.2;  ///< m, rad: a key frame so near one of a loaded map is not saved again
-    size_t max_waiting = 3;                 ///< jobs in a live run; then pictures are passed over
+    size_t max_waiting = 3;         ///< jobs in a live run; then pictures are passed over
   };
 
   PlaceSession(const PlaceMapParameters& map, const Parameters& parameters, bool is_live)

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "plugins/fix/map/place_session.hpp"
+#include "plugins/fix/map/places_extension.hpp"
 #include "plugins/shared/camera/frame_view.hpp"
 #include "sdk/math/rotation.hpp"
 #include "sdk/math/time.hpp"
@@ -45,6 +46,7 @@ class Map {
         host.host()->get_service ? host.host()->get_service(host.host(), id.data(), id.size()) : nullptr);
     is_live_ = run && run->is_live;
     output_ = host;
+    extension_.emplace(host);
     reset();
   }
   void reset() {
@@ -115,18 +117,17 @@ class Map {
       output_.report(ODO_SEVERITY_WARNING, "map_not_recognised",
                      "the loaded map was not recognised in this session: it is saved as it was, without what this "
                      "session has seen");
-    std::vector<uint8_t> out;
-    if (saved.id == 0) return out;
-    for (int i = 0; i < 8; ++i) out.push_back(static_cast<uint8_t>(saved.id >> 8 * i));
-    out.insert(out.end(), saved.bytes.begin(), saved.bytes.end());
-    return out;
+    return saved.id == 0 ? std::vector<uint8_t>() : with_id(saved.id, saved.bytes);
   }
 
   void load_map(const uint8_t* data, size_t size) {
-    uint64_t id = 0;
-    for (size_t i = 0; i < 8 && i < size; ++i) id |= uint64_t{data[i]} << 8 * i;
-    if (size < 8 || id == 0) throw odo::Error(ODO_E_DATA, "a map of fewer than 8 bytes, or without an id");
-    if (const auto why = session_->load(id, {data + 8, size - 8})) throw odo::Error(ODO_E_DATA, *why);
+    const std::span<const uint8_t> bytes(data, size);
+    const uint64_t id = id_of(bytes);
+    if (const auto why = session_->load(id, bytes.subspan(8))) throw odo::Error(ODO_E_DATA, *why);
+  }
+
+  const void* extension(std::string_view id) const {
+    return id == ODO_EXTENSION_PLACES && extension_ ? extension_->table() : nullptr;
   }
 
  private:
@@ -196,6 +197,7 @@ class Map {
   bool is_live_ = false;
   odo::Output output_;  // for reports
   std::unique_ptr<PlaceSession> session_;
+  std::optional<PlacesExtension> extension_;
   odograph::CalibratedCamera camera_;
   Rigid T_b_c_;
   std::vector<Landmark> landmarks_;  // of the newest frame, in units of the front-end

@@ -13,15 +13,6 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 using Matrix6d = Eigen::Matrix<double, 6, 6>;
 
-namespace {
-
-double picture_area(const Picture& picture) {
-  const double f = picture.lens.focal();
-  return picture.grey.cols * picture.grey.rows / (f * f);
-}
-
-}  // namespace
-
 std::vector<double> PlaceMap::votes(const std::vector<Feature>& features, const std::vector<char>& excluded) const {
   std::vector<double> votes(frames_.size(), 0.0);
   std::vector<int> nearest(frames_.size(), 257);  // of this feature
@@ -92,9 +83,7 @@ LocalMap PlaceMap::local_map(size_t frame, const std::vector<char>& excluded) co
   return local;
 }
 
-std::vector<PlaceMap::Candidate> PlaceMap::candidates(const Picture& picture, const Excludes& excludes) const {
-  const PictureLevels levels(picture, p_.features);
-  const QueryView query{picture, levels.features(), picture_area(picture)};
+std::vector<PlaceMap::Candidate> PlaceMap::candidates(const QueryView& query, const Excludes& excludes) const {
   std::vector<char> excluded(frames_.size(), 0);
   if (excludes)
     for (size_t i = 0; i < frames_.size(); ++i) excluded[i] = excludes(frames_[i]) ? 1 : 0;
@@ -110,8 +99,8 @@ std::vector<PlaceMap::Candidate> PlaceMap::candidates(const Picture& picture, co
     if (covered[frame]) continue;
     std::vector<size_t> near = beside(frame, excluded);
     for (size_t i = 0; i < std::min(near.size(), p_.neighbours); ++i) covered[near[i]] = 1;
-    const Gravity gravity{frames_[frame].down_k, picture.down_c.normalized(),
-                          std::hypot(frames_[frame].tilt_sigma_rad, picture.tilt_sigma_rad)};
+    const Gravity gravity{frames_[frame].down_k, query.down_c,
+                          std::hypot(frames_[frame].tilt_sigma_rad, query.tilt_sigma_rad)};
     found.push_back({frame, score[frame],
                      verify(query, local_map(frame, excluded), gravity, p_.pose, p_.verification, p_.features)});
   }
@@ -149,11 +138,11 @@ void PlaceMap::set_covariance(const Candidate& candidate, Recognition& recogniti
                                                       variance(frame.scale_sigma) * from * from.transpose();
 }
 
-std::optional<Recognition> PlaceMap::best_of(const Picture& picture, const std::vector<Candidate>& found) const {
+std::optional<Recognition> PlaceMap::best_of(const QueryView& query, const std::vector<Candidate>& found) const {
   if (found.empty() || !found[0].verified) return std::nullopt;
   const Candidate& best = found[0];
   Recognition out;
-  out.key_frame = frames_[best.frame].id, out.t_ns = picture.t_ns;
+  out.key_frame = frames_[best.frame].id, out.t_ns = query.t_ns;
   out.T_k_c = best.verified->T_c_k.inverse();
   out.inliers = best.verified->evidence.matched, out.cells = best.verified->evidence.inlier_cells;
   out.share = static_cast<double>(out.inliers) / std::max(1, best.verified->evidence.visible);
@@ -178,7 +167,8 @@ bool PlaceMap::is_plausible(const Recognition& recognition) const {
 }
 
 std::optional<Recognition> PlaceMap::recognise(const Picture& picture, const Excludes& excludes) const {
-  const auto best = best_of(picture, candidates(picture, excludes));
+  const QueryView query = view_of(picture, p_.features);
+  const auto best = best_of(query, candidates(query, excludes));
   return best && is_accepted(*best) ? best : std::nullopt;
 }
 

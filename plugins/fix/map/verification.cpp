@@ -214,17 +214,9 @@ class Verifier {
   bool is_visible(const LocalLandmark& landmark, const Rigid& T) const {
     const Vector3d x = T * landmark.p_k;
     const double distance = x.norm(), zoom = landmark.seen_from_m / distance;
-    if (!is_in_picture(x) || zoom > p_.max_zoom || zoom < 1 / p_.max_zoom) return false;
+    if (!query_.shows(x) || zoom > p_.max_zoom || zoom < 1 / p_.max_zoom) return false;
     const Vector3d seen_along = T.q * landmark.seen_along_k;
     return x.dot(seen_along) > std::cos(p_.max_view_angle_rad) * distance;
-  }
-
-  bool is_in_picture(const Vector3d& x) const {
-    if (x.z() < std::cos(f_.max_off_axis_rad) * x.norm()) return false;
-    const Eigen::Vector2d pixel = query_.picture.lens.project(x.head<2>() / x.z());
-    const double margin = 15 * query_.picture.lens.focal() / f_.finest_focal_px;
-    return pixel.x() > margin && pixel.y() > margin && pixel.x() < query_.picture.grey.cols - margin &&
-           pixel.y() < query_.picture.grey.rows - margin;
   }
 
   std::vector<Correspondence> guided_matches(const Rigid& T, double sigma_rad, Evidence& evidence) const {

@@ -3,6 +3,7 @@
 // Whether a picture shows a candidate place, and from where: matches, pose, and the evidence for and against it.
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -62,12 +63,19 @@ struct Verified {
   Eigen::Vector3d normal_k = Eigen::Vector3d::Zero();  ///< of the plane of most of them
 };
 
-/// The picture's side of a verification.
+/// The query's side of a verification: a picture, or a key frame of another map.
 struct QueryView {
-  const Picture& picture;
+  int64_t t_ns = 0;
+  Eigen::Vector3d down_c = Eigen::Vector3d::UnitY();
+  double tilt_sigma_rad = 0;
   std::vector<Feature> features;
-  double area_sr;  ///< of the picture
+  double area_sr = 0;                                 ///< of the picture
+  std::function<bool(const Eigen::Vector3d&)> shows;  ///< whether a point, in c, is in the picture
 };
+/// The features of a picture, which must outlive the view.
+QueryView view_of(const Picture& picture, const FeatureParameters& parameters);
+/// The landmarks of a key frame as features. Of its picture nothing is kept: what they span counts as the picture.
+QueryView view_of(const KeyFrame& frame, const FeatureParameters& parameters);
 
 std::optional<Verified> verify(const QueryView& query, const LocalMap& map, const Gravity& gravity,
                                const PoseParameters& pose, const VerificationParameters& parameters,

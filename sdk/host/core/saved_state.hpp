@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// State of the plugins and the anchors as a blob: "ODOSTATE", u32 version, u32 parts; for each part u32 and u64
-// lengths, the plugin's id (with " #2" for its second instance), and its bytes; finally a u64 FNV-1a of everything
-// before. Little-endian.
+// State of the plugins and the anchors as a blob (saved_parts.hpp), a part for each plugin, named by its id (with " #2"
+// for its second instance).
 #pragma once
 
 #include <cstdint>
@@ -19,8 +18,7 @@ std::vector<uint8_t> save_state(const PluginRoster& roster, const Anchors& ancho
 /// changes), ODO_PARTIAL if a part is rejected (the others are restored).
 Result<bool> load_state(std::span<const uint8_t> blob, const PluginRoster& roster, Anchors& anchors);
 
-/// The same format, with "ODOMAP" and two zeros: the maps of the plugins, and anchors in the frame of each. Empty if no
-/// plugin has a map.
+/// The same of the plugins' maps, with the anchors in the frame of each. Empty if no plugin has a map.
 std::vector<uint8_t> save_maps(const PluginRoster& roster, const Anchors& anchors, const KeptPoses& poses);
 /// ODO_E_DATA if a part is damaged, or of a plugin that is not there.
 Result<bool> load_maps(std::span<const uint8_t> blob, const PluginRoster& roster, Anchors& anchors);

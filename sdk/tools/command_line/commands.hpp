@@ -24,6 +24,8 @@ void add_calibrate(CLI::App& app, int& status);
 void add_view(CLI::App& app, int& status);
 void add_steps(CLI::App& app, int& status);
 void add_compare(CLI::App& app, int& status);
+/// `odograph map ...`: files of maps of places.
+void add_map(CLI::App& app, int& status);
 /// `odograph city ...`: city models, their skylines, routes through their streets.
 void add_city(CLI::App& app, int& status);
 /// `odograph city build` and `query`.

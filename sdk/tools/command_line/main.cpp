@@ -37,7 +37,7 @@ int main(int argc, char** argv) {
   using namespace odograph;
   for (const auto& command : kOfTools)
     if (argc > 1 && std::strcmp(argv[1], command[0]) == 0) return run_tools(argv);
-  return run_command(
-      argc, argv,
-      {add_run, add_eval, add_sim, add_view, add_steps, add_compare, add_config, add_plugins, add_convert, add_tools});
+  return run_command(argc, argv,
+                     {add_run, add_eval, add_sim, add_view, add_steps, add_compare, add_config, add_plugins,
+                      add_convert, add_map, add_tools});
 }

@@ -14,6 +14,7 @@
 
 #include "sdk/host/base/output_file.hpp"
 #include "sdk/math/scalar.hpp"
+#include "sdk/tools/replay/ply.hpp"
 #include "sdk/tools/replay/runner.hpp"
 
 namespace odograph {
@@ -66,10 +67,9 @@ void write_fixes(std::ostream& out, const std::vector<RunResult::Fix>& fixes) {
 }
 
 void write_points(std::ostream& out, const std::vector<odo_map_point>& points) {
-  out << "ply\nformat ascii 1.0\ncomment metres: x north, y east, z down, as trajectory.tum\nelement vertex "
-      << points.size() << '\n';
-  for (const char* property : {"float x", "float y", "float z", "float sigma"}) out << "property " << property << '\n';
-  out << "end_header\n" << std::setprecision(7);
+  write_ply_head(out, "metres: x north, y east, z down, as trajectory.tum", points.size(),
+                 {"float x", "float y", "float z", "float sigma"});
+  out << std::setprecision(7);
   for (const odo_map_point& p : points)
     out << p.p_n[0] << ' ' << p.p_n[1] << ' ' << p.p_n[2] << ' ' << p.sigma_m << '\n';
 }

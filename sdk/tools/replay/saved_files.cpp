@@ -10,10 +10,10 @@
 
 namespace odograph {
 
-Result<bool> read_saved(odo_session* session, const SavedFile& saved, const std::string& path) {
+Result<std::string> read_saved_bytes(const SavedFile& saved, const std::string& path) {
   std::error_code failed;
   const auto there = std::filesystem::status(path, failed);
-  if (path.empty() || there.type() == std::filesystem::file_type::not_found) return true;
+  if (there.type() == std::filesystem::file_type::not_found) return Failure{ODO_E_NOT_FOUND, path + ": no such file"};
   if (!std::filesystem::is_regular_file(there))
     return Failure{ODO_E_DATA, path + ": is a folder, a pipe or a device; expected a file with a saved " + saved.what};
   if (std::filesystem::file_size(path, failed) > saved.largest)
@@ -22,8 +22,15 @@ Result<bool> read_saved(odo_session* session, const SavedFile& saved, const std:
   if (!file) return Failure{ODO_E_IO, path + ": cannot be opened"};
   std::stringstream bytes;
   bytes << file.rdbuf();
-  const std::string blob = bytes.str();
-  if (saved.load(session, blob.data(), blob.size()) == ODO_OK) return true;
+  return bytes.str();
+}
+
+Result<bool> read_saved(odo_session* session, const SavedFile& saved, const std::string& path) {
+  if (path.empty()) return true;
+  const auto blob = read_saved_bytes(saved, path);
+  if (!blob && blob.failure().status == ODO_E_NOT_FOUND) return true;
+  if (!blob) return blob.failure();
+  if (saved.load(session, blob->data(), blob->size()) == ODO_OK) return true;
   odo_error error{sizeof error, ODO_OK, {}};
   odo_session_last_error(session, &error);
   return Failure{ODO_E_DATA, path + ": " + error.message};
