@@ -143,7 +143,7 @@ struct Consistency : Benchmark {
 
 Benchmarks app_benchmarks() {
   return {std::make_shared<StreamBenchmark>(), std::make_shared<Anchors>(), std::make_shared<Consistency>(),
-          surfaces_benchmark()};
+          surfaces_benchmark(), map_benchmark()};
 }
 
 }  // namespace odograph

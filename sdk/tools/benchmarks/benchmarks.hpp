@@ -18,6 +18,7 @@ Benchmarks fixes_benchmarks();
 Benchmarks papers_benchmarks();
 Benchmarks steps_benchmarks();
 std::shared_ptr<Benchmark> surfaces_benchmark();
+std::shared_ptr<Benchmark> map_benchmark();
 Benchmarks tracks_benchmarks();
 Benchmarks vo_benchmarks();
 std::shared_ptr<Benchmark> walk700_benchmark();
