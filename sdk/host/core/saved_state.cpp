@@ -6,6 +6,8 @@
 #include <cstring>
 #include <string_view>
 
+#include "sdk/host/core/saved_anchor.hpp"
+
 namespace odograph {
 namespace {
 
@@ -148,10 +150,14 @@ std::vector<uint8_t> save_maps(const PluginRoster& roster, const Anchors& anchor
     const auto map = plugins[i]->save_map();
     if (map.empty()) continue;
     out.add(names[i], map);
-    Rigid T_n_m;  // a map of this session is in n
-    if (KeptPose frame; poses.kept_pose(poses.map_frame(plugins[i]->number(), id_of(map)), frame))
-      T_n_m = {frame.q_n_b, frame.p_n_b};
-    out.add(std::string(kAnchors) + " " + names[i], anchors.save_in(T_n_m));
+    const uint32_t source = plugins[i]->number();
+    const uint64_t id = id_of(map);
+    std::optional<Rigid> T_n_m;  // nothing: a loaded map that was not recognised
+    if (KeptPose frame; poses.kept_pose(poses.map_frame(source, id), frame))
+      T_n_m = Rigid{frame.q_n_b, frame.p_n_b};
+    else if (!plugins[i]->has_loaded(id))
+      T_n_m = Rigid();  // a map of this session is in n
+    out.add(std::string(kAnchors) + " " + names[i], anchors.save_in(T_n_m, source, id));
   }
   return out.empty() ? std::vector<uint8_t>() : out.finish();
 }
@@ -160,18 +166,27 @@ Result<bool> load_maps(std::span<const uint8_t> blob, const PluginRoster& roster
   const auto parts = parts_of(blob, kMapMagic);
   if (!parts) return Failure{ODO_E_DATA, "the data is not a map that this version reads, or it is damaged"};
   const auto names = roster.state_names();
-  const auto& plugins = roster.plugins();
+  const auto plugin_of = [&](const Part& part) {
+    return static_cast<size_t>(std::find(names.begin(), names.end(), part.name) - names.begin());
+  };
+  const Failure no_anchors{ODO_E_DATA, "the anchors of a map are damaged, or too many"};
+  // What can be refused before anything changes.
+  size_t count = anchors.ids().size();
+  for (const Part& part : *parts) {
+    const auto saved = part.name.starts_with(kAnchors) ? saved_anchors_of(part.data) : std::vector<SavedAnchor>();
+    if (!saved || (count += saved->size()) > Anchors::Parameters().max_anchors) return no_anchors;
+    if (!part.name.starts_with(kAnchors) && plugin_of(part) == names.size())
+      return Failure{ODO_E_DATA, "a map of " + part.name + ", which this config does not have"};
+  }
   for (const Part& part : *parts) {
     if (part.name.starts_with(kAnchors)) continue;
-    const auto name = std::find(names.begin(), names.end(), part.name);
-    if (name == names.end()) return Failure{ODO_E_DATA, "a map of " + part.name + ", which this config does not have"};
-    const auto& plugin = plugins[static_cast<size_t>(name - names.begin())];
+    const auto& plugin = roster.plugins()[plugin_of(part)];
     if (!plugin->load_map(part.data))
       return Failure{ODO_E_DATA, "a map was rejected by " + plugin->id() + ": it is damaged or of a later format"};
     for (const Part& other : *parts)
       if (other.name == std::string(kAnchors) + " " + part.name &&
           !anchors.load_in(other.data, plugin->number(), id_of(part.data)))
-        return Failure{ODO_E_DATA, "the anchors of a map are damaged, or too many"};
+        return no_anchors;
   }
   return true;
 }
