@@ -10,6 +10,25 @@ def quantile(values, part):
     return sorted(values)[int(len(values) * part)] if values else float("nan")
 
 
+def row_of(line):
+    return {key: float(value) for key, value in (word.split("=") for word in line.split() if "=" in word)}
+
+
+def is_wrong(row, far):
+    return row["error_m"] > 0.3 + 0.1 * far or row["error_deg"] > 5
+
+
+def visits(path):
+    """Of the lines of --visits: the share that is recognised in 2 and in 3.5 s, and how well."""
+    rows = [row_of(line) for line in open(path, encoding="utf-8") if line.startswith("visit ")]
+    found = [row for row in rows if row["found"]]
+    soon = sum(row["after"] <= 2 for row in found)
+    within = sum(row["error_m"] < 0.03 + 0.01 * min(row["d"], 30) and row["error_deg"] < 1 for row in found)
+    wrong = sum(is_wrong(row, min(row["d"], 30)) for row in found)
+    return (f"{path}: {len(rows)} visits, {soon} recognised in 2 s, {len(found)} in 3.5 s, {within} within, {wrong} wrong; "
+            f"median {quantile([row['error_m'] for row in found], 0.5):.3f} m") if rows else ""
+
+
 def summary(path):
     queries = plausible = 0
     accepted, known = [], True
@@ -18,7 +37,7 @@ def summary(path):
         if not line.startswith(("d=", "self ", "photo ", "cross ")):
             continue
         queries += 1
-        row = {key: float(value) for key, value in (word.split("=") for word in line.split() if "=" in word)}
+        row = row_of(line)
         if "plausible" not in row:
             continue
         plausible += int(row["plausible"])
@@ -33,11 +52,11 @@ def summary(path):
     for row in accepted:
         row["far"] = min(max(row.get("d", row["range"]), 0.5), 30)
     within = sum(row["error_m"] < 0.03 + 0.01 * row["far"] and row["error_deg"] < 1 for row in accepted)
-    wrong = sum(row["error_m"] > 0.3 + 0.1 * row["far"] or row["error_deg"] > 5 for row in accepted)
+    wrong = sum(is_wrong(row, row["far"]) for row in accepted)
     values = {key: [row[key] for row in accepted] for key in ("error_m", "error_deg", "nees")}
     return text + (f", {within} within, {wrong} wrong; median and 95 %: {quantile(values['error_m'], 0.5):.3f} {quantile(values['error_m'], 0.95):.3f} m, "
                    f"{quantile(values['error_deg'], 0.5):.2f} {quantile(values['error_deg'], 0.95):.2f} deg, NEES / 6 {quantile(values['nees'], 0.5):.2f}")
 
 
 for name in sys.argv[1:]:
-    print(summary(name))
+    print("\n".join(text for text in (summary(name), visits(name)) if text))

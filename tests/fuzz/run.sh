@@ -8,7 +8,7 @@ set -eu
 cd "$(dirname "$0")/../.."
 seconds=${1:-3600}
 [ $# -gt 0 ] && shift
-targets=${*:-archive city config folder manifest messages recording records session skylines state table terrain video}
+targets=${*:-archive city config folder manifest map map_section messages recording records session skylines state table terrain video}
 export ASAN_OPTIONS=malloc_context_size=2:quarantine_size_mb=32
 export TSAN_OPTIONS=suppressions=$PWD/tests/support/tsan.supp
 
@@ -18,7 +18,7 @@ run() {  # PRESET TARGET
   place=build-$1/$2
   mkdir -p "$place/corpus" "$place/small"
   length=512 ok=0
-  case $2 in video | records | messages) length=4096 ;; esac  # complete inputs are longer
+  case $2 in video | records | messages | map | map_section) length=4096 ;; esac  # complete inputs are longer
   # entropic: counting the rarity of a hundred thousand features took half of the time
   "build-$1/tests/fuzz/fuzz-$2" -entropic=0 -max_len=$length -timeout=10 -rss_limit_mb=4096 -max_total_time="$seconds" -print_final_stats=1 \
     -artifact_prefix="$place/" "$place/corpus" "tests/fuzz/seeds/$2" >"$place/log" 2>&1 || ok=1

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // What a handler throws comes out of Push once, and events go on; it cannot dispose of the session. A picture outside its array is
-// refused.
+// refused. A map of an earlier session, which is the argument, is saved as it was.
 using System;
 using System.Collections.Generic;
+using System.IO;
+using System.Linq;
 using Odograph;
 
 static class Callbacks {
@@ -31,7 +33,7 @@ static class Callbacks {
     Expect(thrown.Count == 2 && thrown[0] is NotSupportedException && thrown[1] is InvalidOperationException, string.Join("; ", thrown));
   }
 
-  static void Main() {
+  static void Main(string[] arguments) {
     Try(false);
     Try(true);
     using (var session = new Session("odograph: 1\nattitude: {plugin: attitude/vqf}\n"))
@@ -44,5 +46,16 @@ static class Callbacks {
         } catch (ArgumentException) {
         }
       }
+    using (var session = new Session("odograph: 1\nattitude: {plugin: attitude/vqf}\nabsolute_fixers: {plugin: fix/map}\n")) {
+      byte[] map = File.ReadAllBytes(arguments[0]);
+      Expect(session.SaveMap().Length == 0, "there is a map before");
+      try {
+        session.LoadMap(new byte[] {1, 2, 3});
+        Expect(false, "a damaged map was refused");
+      } catch (OdographException) {
+      }
+      session.LoadMap(map);
+      Expect(session.SaveMap().SequenceEqual(map), "the same map");
+    }
   }
 }

@@ -1,14 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 import java.nio.ByteBuffer;
+import java.nio.file.Files;
+import java.nio.file.Path;
 import java.util.ArrayList;
+import java.util.Arrays;
 import java.util.List;
 import java.util.concurrent.atomic.AtomicInteger;
 
 import org.odograph.Abi;
+import org.odograph.OdographException;
 import org.odograph.Session;
 
 /** What a consumer throws, an Error too, comes out of push once, and events go on; it cannot close the session. Threads of closed live
- * sessions are no longer attached. A picture outside its buffer is refused. */
+ * sessions are no longer attached. A picture outside its buffer is refused. A map of an earlier session, which is the argument, is saved as it was. */
 public final class Callbacks {
     private static final String CONFIG = "odograph: 1\nattitude: {plugin: attitude/vqf}\n";
 
@@ -45,7 +49,7 @@ public final class Callbacks {
 
     private static int threads() { return Thread.getAllStackTraces().size(); }
 
-    public static void main(String[] arguments) throws InterruptedException {
+    public static void main(String[] arguments) throws Exception {
         callbacks(false);
         callbacks(true);
         int before = threads();
@@ -65,6 +69,18 @@ public final class Callbacks {
                 } catch (IllegalArgumentException e) {
                     expect(e.getMessage() != null, e);
                 }
+        }
+        try (Session session = new Session(CONFIG + "absolute_fixers: {plugin: fix/map}\n")) {
+            byte[] map = Files.readAllBytes(Path.of(arguments[0]));
+            expect(session.saveMap().length == 0, "there is a map before");
+            try {
+                session.loadMap(new byte[] {1, 2, 3});
+                expect(false, "a damaged map was refused");
+            } catch (OdographException e) {
+                expect(e.getMessage() != null, e);
+            }
+            session.loadMap(map);
+            expect(Arrays.equals(session.saveMap(), map), "the same map");
         }
     }
 }

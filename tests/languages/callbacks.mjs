@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// What onEvent throws comes out of push once, and events go on; it cannot close the session.
+// What onEvent throws comes out of push once, and events go on; it cannot close the session. A map of an
+// earlier session, which is the argument, is saved as it was.
 import assert from 'node:assert';
-import {load} from '@odograph/node';
+import {readFileSync} from 'node:fs';
+import {load, OdographError} from '@odograph/node';
 
 const odograph = load();
 let seen = 0;
@@ -23,3 +25,11 @@ assert(seen > 300);
 assert.strictEqual(thrown.length, 2);
 assert.strictEqual(thrown[0], 'once');
 assert(thrown[1].includes('onEvent'));
+
+const later = odograph.createSession({config: 'odograph: 1\nattitude: {plugin: attitude/vqf}\nabsolute_fixers: {plugin: fix/map}\n'});
+const map = new Uint8Array(readFileSync(process.argv[2]));
+assert.strictEqual(later.saveMap().length, 0);
+assert.throws(() => later.loadMap(Uint8Array.of(1, 2, 3)), OdographError);
+later.loadMap(map);
+assert.deepStrictEqual(later.saveMap(), map);
+later.close();

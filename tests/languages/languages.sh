@@ -7,7 +7,7 @@ source=$1 build=$2 bindings=$2/bindings
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 walk=$source/samples/walk here=$source/tests/languages
-config=$source/samples/configs/walk.yaml
+config=$source/samples/configs/walk.yaml map=$source/tests/fuzz/seeds/map/two_views
 export ODOGRAPH_PLUGIN_PATH=$work/plugins:$build/lib/odograph/plugins LD_LIBRARY_PATH=$build/lib
 failed=0 done=0
 
@@ -82,7 +82,7 @@ python() {
   PYTHONPATH=$work/site compare Python "$python" "$walk/walk.py" || return
   PYTHONPATH=$work/site refuses Python "$python" "$walk/walk.py"
   PYTHONPATH=$work/site LD_PRELOAD=$work/count.so "$python" "$here/no_copy.py" || { echo "FAILED: Python copies, keeps or allocates for a frame"; failed=1; }
-  PATH=$build/bin:$PATH PYTHONPATH=$work/site say Python "$python" "$here/python_package.py" "$config" "$work/walk.odo" "$work"
+  PATH=$build/bin:$PATH PYTHONPATH=$work/site say Python "$python" "$here/python_package.py" "$config" "$work/walk.odo" "$work" "$map"
   PATH=$build/bin:$PATH PYTHONPATH=$work/site say Python "$python" "$walk/evaluate.py" "$config" "$work/walk.odo" "$work/sample.tum"
   "$python" -c 'import matplotlib' 2>/dev/null && MPLBACKEND=Agg PYTHONPATH=$work/site say Python "$python" "$walk/plot.py" "$source/samples/configs/phone_walk.yaml" "$work/walk.odo" "$work/walk.png"
   missing "Python's types" mypy || say Python mypy --strict --no-warn-return-any --ignore-missing-imports --no-error-summary "$work/site/odograph"
@@ -92,7 +92,7 @@ csharp() {
   missing 'C#' mcs mono && return
   say 'C#' mcs -unsafe -warnaserror -out:"$work/Walk.exe" "$bindings"/csharp/*.cs "$walk/Walk.cs" && compare 'C#' mono "$work/Walk.exe" && refuses 'C#' mono "$work/Walk.exe"
   say 'C#' mcs -unsafe -warnaserror -out:"$work/NoCopy.exe" "$bindings"/csharp/*.cs "$here/NoCopy.cs" || return
-  say 'C#' mcs -unsafe -warnaserror -out:"$work/Callbacks.exe" "$bindings"/csharp/*.cs "$here/Callbacks.cs" && say 'C#' mono "$work/Callbacks.exe"
+  say 'C#' mcs -unsafe -warnaserror -out:"$work/Callbacks.exe" "$bindings"/csharp/*.cs "$here/Callbacks.cs" && say 'C#' mono "$work/Callbacks.exe" "$map"
   LD_PRELOAD=$work/count.so mono "$work/NoCopy.exe" || { echo "FAILED: C# copies, keeps or allocates for a frame"; failed=1; }
   say Unity mcs -unsafe -out:"$work/Unity.exe" "$bindings"/csharp/*.cs "$source/samples/unity/OdographProvider.cs" "$here/unity.cs" && say Unity mono "$work/Unity.exe" "$work/walk.odo"
 }
@@ -124,7 +124,7 @@ java() {
   say Java javac -Xlint:all -Werror --release 11 -d "$work/java" "$bindings"/java/org/odograph/*.java "$walk/Walk.java" "$here/Callbacks.java" || return
   compare Java "$home/bin/java" -Xcheck:jni -Djava.library.path="$work" -cp "$work/java" Walk
   refuses Java "$home/bin/java" -Djava.library.path="$work" -cp "$work/java" Walk
-  say Java "$home/bin/java" -Xcheck:jni -Djava.library.path="$work" -cp "$work/java" Callbacks
+  say Java "$home/bin/java" -Xcheck:jni -Djava.library.path="$work" -cp "$work/java" Callbacks "$map"
   missing Kotlin kotlinc && return
   say Kotlin kotlinc -cp "$work/java" -d "$work/kotlin.jar" -include-runtime "$walk/Walk.kt" &&
     compare Kotlin "$home/bin/java" -Djava.library.path="$work" -cp "$work/java:$work/kotlin.jar" WalkKt
@@ -141,7 +141,7 @@ javascript() {
   ln -s "$(dirname "$koffi")/@koromix" "$work/node/node_modules/@koromix" # koffi's compiled part
   cp "$walk/walk.mjs" "$work/node/"
   compare JavaScript node --preserve-symlinks "$work/node/walk.mjs"
-  cp "$here/callbacks.mjs" "$work/node/" && say JavaScript node --preserve-symlinks "$work/node/callbacks.mjs"
+  cp "$here/callbacks.mjs" "$work/node/" && say JavaScript node --preserve-symlinks "$work/node/callbacks.mjs" "$map"
   refuses JavaScript node --preserve-symlinks "$work/node/walk.mjs"
 }
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""python_package.py CONFIG RECORDING FOLDER: further features of the package: error texts, arrays without copies, recordings written and read."""
+"""python_package.py CONFIG RECORDING FOLDER MAP: further features of the package: error texts, arrays without copies, recordings written and read."""
 import ctypes
 import json
 import os
@@ -11,7 +11,7 @@ import numpy as np
 import odograph
 from odograph import Imu, Pose, Recorder, Recording, Session
 
-config, path, folder = sys.argv[1:]
+config, path, folder, place = sys.argv[1:]
 
 
 def refused(call, *words):
@@ -34,6 +34,13 @@ with Session(config) as session:
     refused(lambda: session.push_frame(0, np.zeros((4, 4))), "float64", "uint8")
     assert session.pose() is None
 refused(session.flush, "closed")
+
+# A map of an earlier session is saved as it was.
+with Session("odograph: 1\nattitude: {plugin: attitude/vqf}\nabsolute_fixers: {plugin: fix/map}\n") as session:
+    assert session.save_map() == b""
+    refused(lambda: session.load_map(b"no map"))
+    session.load_map(pathlib.Path(place).read_bytes())
+    assert session.save_map() == pathlib.Path(place).read_bytes()
 
 # What on_event raises comes out of push once, and events go on; it cannot close the session.
 for live in (False, True):

@@ -2,11 +2,13 @@
 //
 // fix/map in whole sessions: loops, and the map of one session in a later one. The oracle is the simulator's truth.
 #include <cmath>
+#include <cstring>
 
 #include <odograph/anchor.h>
 #include <odograph/map.h>
 
 #include "tests/support/runs.hpp"
+#include "tests/support/session_app.hpp"
 
 using Eigen::Vector3d;
 
@@ -52,6 +54,15 @@ std::string bytes(const std::vector<Message>& messages) {
 }
 
 Eigen::Isometry3d pose(const StampedPose& x) { return Eigen::Translation3d(x.p) * x.q; }
+
+/// With the checksum of what it is now: the FNV-1a of all but the last eight bytes.
+std::string with_checksum(std::string map) {
+  uint64_t hash = 14695981039346656037u;
+  for (size_t i = 0; i + 8 < map.size(); ++i) hash = (hash ^ static_cast<uint8_t>(map[i])) * 1099511628211u;
+  std::memcpy(map.data() + map.size() - 8, &hash, sizeof hash);
+  return map;
+}
+constexpr size_t kVersion_at = 8;  // of a map, and of its section behind "ODOPLACE"
 
 std::string contents(const fs::path& path) {
   std::ifstream file(path, std::ios::binary);
@@ -183,6 +194,12 @@ TEST_CASE(
   refused(flipped, "damaged");
   refused(map.substr(0, map.size() / 2), "damaged");
   refused("", "damaged");
+  std::string later = map;
+  ++later[kVersion_at];
+  refused(with_checksum(later), "not a map that this version reads");
+  later = map;
+  ++later[later.find("ODOPLACE") + kVersion_at];
+  refused(with_checksum(later), "later format");
   write_text(run.map, map);
   RunOptions without = options_of(write_text(folder / "none.yaml", "odograph: 1\nattitude: {plugin: attitude/vqf}\n"));
   without.map = run.map;
@@ -190,4 +207,45 @@ TEST_CASE(
   REQUIRE_FALSE(result.ok());
   CHECK_MESSAGE(result.failure().text.find("fix/map, which this config does not have") != std::string::npos,
                 result.failure().text);
+}
+
+TEST_CASE("a map is refused as a whole, with words, and nothing has changed") {
+  const std::string map = contents(source("tests/fuzz/seeds/map/two_views"));
+  REQUIRE(with_checksum(map) == map);
+  const char* const config = "odograph: 1\nattitude: {plugin: attitude/vqf}\nabsolute_fixers: {plugin: fix/map}\n";
+  const auto refused = [&](std::string other, size_t at, const char* words) {
+    other[at] = static_cast<char>(other[at] ^ 3);
+    other = with_checksum(other);
+    const RunningApp app(config);
+    CHECK(odo_map_load(app.session, other.data(), other.size()) == ODO_E_DATA);
+    const std::string said = app.last_error().message;
+    CHECK_MESSAGE(said.find(words) != std::string::npos, said);
+    CHECK(odo_map_save(app.session, nullptr, 0) == 0);
+    CHECK(odo_anchor_list(app.session, nullptr, 0) == 0);
+  };
+  refused(map, kVersion_at, "not a map that this version reads");
+  refused(map, map.find("ODOPLACE") + kVersion_at, "later format");
+  refused(map, map.find("ODOPLACE") + 100, "damaged");
+  refused(map, map.find("fix/map"), "which this config does not have");
+  refused(map, map.find("cup") + 63, "anchors");  // the end of its name is no zero
+  const RunningApp app(config);
+  CHECK(odo_map_load(app.session, map.data(), map.size()) == ODO_OK);
+  CHECK(odo_anchor_list(app.session, nullptr, 0) == 2);
+  std::string saved(map.size(), 0);
+  CHECK(odo_map_save(app.session, saved.data(), saved.size()) == static_cast<int64_t>(map.size()));
+  CHECK(saved == map);
+}
+
+TEST_CASE("an anchor of this session is not saved with a loaded map in which its place is not known") {
+  const std::string map = contents(source("tests/fuzz/seeds/map/two_views"));
+  const RunningApp app(kWalk + "absolute_fixers: {plugin: fix/map}\n");
+  CHECK(odo_map_load(app.session, map.data(), map.size()) == ODO_OK);
+  CHECK(app.run(0, 500) == ODO_OK);
+  odo_anchor_place place{};
+  place.struct_size = sizeof place, place.kind = ODO_ANCHOR_POSE, place.t_ns = ODO_TIME_LATEST,
+  place.name = {"a mug", 5};
+  uint64_t id = 0;
+  CHECK(odo_anchor_create(app.session, &place, &id) == ODO_OK);
+  CHECK(odo_anchor_list(app.session, nullptr, 0) == 3);
+  CHECK(odo_map_save(app.session, nullptr, 0) == static_cast<int64_t>(map.size()));
 }

@@ -16,7 +16,7 @@ try {
 } catch {
   skip("no npm package pngjs in NODE_PATH's first folder");
 }
-const {load, TYPES, OdographError} = await import(pathToFileURL(path.resolve(folder, 'index.js')));
+const {load, ODO_E_DATA, TYPES, OdographError} = await import(pathToFileURL(path.resolve(folder, 'index.js')));
 const odograph = await load({wasm: fs.readFileSync(path.join(folder, 'odograph.wasm'))});
 const failures = [], check = (good, what) => { if (!good) failures.push(what); };
 const bytes = () => new Uint8Array(fs.readFileSync(recording)), config = fs.readFileSync(config_file, 'utf8');
@@ -69,6 +69,16 @@ try {
 } catch (error) {
   check(error instanceof OdographError, `no OdographError: ${error}`);
 }
+// Maps: the package has no plugin that makes one.
+const session = odograph.createSession({config});
+check(session.saveMap().length === 0, 'a map without fix/map');
+try {
+  session.loadMap(new TextEncoder().encode('no map at all'));
+  failures.push('what is no map was loaded');
+} catch (error) {
+  check(error instanceof OdographError && error.status === ODO_E_DATA, `no OdographError of damaged data: ${error}`);
+}
+session.close();
 
 // The page's interpolation of a browser's sparse samples: parabolas at even times, nothing across a gap.
 const {Between} = await import('../../samples/web/live.js');

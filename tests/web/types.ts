@@ -17,6 +17,8 @@ export async function use(): Promise<number> {
   const metric = pose !== null && (pose.flags & ODO_POSE_METRIC) !== 0;
   try {
     const id = session.createAnchor({kind: ODO_ANCHOR_VIEW, p: [0, 0, 3], name: 'a thing'});
+    const map: Uint8Array = session.saveMap();
+    session.loadMap(map);
     return session.anchor(id)?.p_view[2] ?? 0;
   } catch (error) {
     return error instanceof OdographError ? error.status : metric ? 1 : 0;

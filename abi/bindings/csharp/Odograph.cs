@@ -280,6 +280,22 @@ namespace Odograph {
     }
     public bool RemoveAnchor(ulong id) { return Abi.odo_anchor_remove(session, id) == Abi.ODO_OK; }
 
+    /// Maps of the places that this session has seen, with its anchors, for LoadMap in a later one; empty if there are none.
+    public byte[] SaveMap() {
+      var data = new byte[0];
+      for (;;) {
+        long size;
+        fixed (byte* d = data) size = Abi.odo_map_save(session, d, (ulong)data.Length);
+        if (size == data.Length) return data;
+        OdographException.Check((int)Math.Min(size, 0));
+        data = new byte[size];
+      }
+    }
+    /// Throws if the map is damaged, or of plugins that the session does not have.
+    public void LoadMap(byte[] data) {
+      fixed (byte* d = data) OdographException.Check(Abi.odo_map_load(session, d, (ulong)data.Length));
+    }
+
     /// What a ray hits, nearest first, at most hits.Length: returns the number, 0 while position or scale are unknown. Set kind, and pixel or
     /// origin and direction; t_ns as of the picture shown. To place something there, pass PlaceOf(hit) to CreateAnchor.
     public int HitTest(Ray ray, Hit[] hits) {

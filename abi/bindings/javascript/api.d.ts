@@ -66,6 +66,10 @@ export class Session {
   /** The nearest thing that a ray hits; null if there is none, or while position or scale are unknown. */
   hitTest(ray: {kind: number; t_ns?: Time} & Partial<Omit<Ray, 'kind' | 't_ns'>>): Hit | null;
   removeAnchor(id: bigint | number): number;
+  /** Maps of the places that this session has seen, with its anchors, for loadMap in a later one; empty if there are none. */
+  saveMap(): Uint8Array;
+  /** Throws if the map is damaged, or of plugins that the session does not have. */
+  loadMap(data: Uint8Array): void;
   statistics(): Statistics;
   lastError(): string | null;
   close(): void;

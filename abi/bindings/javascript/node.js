@@ -173,6 +173,17 @@ export class Session {
   }
   removeAnchor(id) { return this.library.odo_anchor_remove(this.#handle, BigInt(id)); }
 
+  /** Maps of the places that this session has seen, with its anchors, as bytes for loadMap in a later one; empty if there are none. */
+  saveMap() {
+    for (let data = new Uint8Array(0);;) {
+      const size = this.library.check(Number(this.library.odo_map_save(this.#handle, data, data.length)));
+      if (size === data.length) return data;
+      data = new Uint8Array(size);
+    }
+  }
+  /** Throws if the map is damaged, or of plugins that the session does not have. */
+  loadMap(data) { this.library.check(this.library.odo_map_load(this.#handle, data, data.length)); }
+
   statistics() {
     const statistics = made('statistics');
     this.library.check(this.library.odo_session_get_statistics(this.#handle, bytes(statistics)));

@@ -209,6 +209,26 @@ export class Session {
   }
   removeAnchor(id) { return this.library.module._odo_anchor_remove(this.#handle, BigInt(id)); }
 
+  /** Maps of the places that this session has seen, with its anchors, as bytes for loadMap in a later one; empty if there are none. */
+  saveMap() {
+    const {library, library: {module}} = this;
+    for (let capacity = 0;;) {
+      const [size, data] = library.using(capacity + 1, at => {
+        const size = Number(module._odo_map_save(this.#handle, at, BigInt(capacity)));
+        return [size, module.HEAPU8.slice(at, at + capacity)];
+      });
+      if (size < 0) throw new OdographError(size, library.statusText(size));
+      if (size === capacity) return data;
+      capacity = size;
+    }
+  }
+  /** Throws if the map is damaged, or of plugins that the session does not have. */
+  loadMap(data) {
+    const {library, library: {module}} = this;
+    const status = library.using(data.length + 1, at => (module.HEAPU8.set(data, at), module._odo_map_load(this.#handle, at, BigInt(data.length))));
+    if (status < 0) throw new OdographError(status, library.statusText(status));
+  }
+
   statistics() {
     const {library} = this, at = library.ask(this.#scratch, 'statistics');
     library.module._odo_session_get_statistics(this.#handle, at);

@@ -24,7 +24,8 @@ ODO_API int64_t ODO_CALL odo_map_save(odo_session *session, void *data, uint64_t
 /* [control] Adds a saved map to those of the session. Allowed while samples arrive. Its anchors appear at once, with new
  * ids and the names that they had (odo_anchor_list), and are ODO_LOST (ODO_REASON_NO_FIX) until the place is recognised
  * (odo_map_pose). An anchor whose name the session has already is left out. ODO_E_DATA: damaged, of a later format, or
- * of plugins that the session does not have; nothing has changed then, and a report says why. */
+ * of plugins that the session does not have; nothing has changed then, but for the maps of other plugins that precede
+ * a damaged one, and a report says why. */
 ODO_API int32_t ODO_CALL odo_map_load(odo_session *session, const void *data, uint64_t size);
 
 #ifdef __cplusplus

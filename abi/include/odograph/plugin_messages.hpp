@@ -24,9 +24,9 @@
 /* Inline namespace of this version, with hidden visibility: plugins built with other versions of these headers share no
  * symbols with it in one process. */
 #if defined(__GNUC__)
-#define ODO_DETAIL_VERSION v1 __attribute__((visibility("hidden")))
+#define ODO_DETAIL_VERSION v2 __attribute__((visibility("hidden")))
 #else
-#define ODO_DETAIL_VERSION v1
+#define ODO_DETAIL_VERSION v2
 #endif
 
 namespace odo {

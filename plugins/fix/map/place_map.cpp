@@ -91,7 +91,7 @@ void PlaceMap::add_paired(const PictureLevels& levels, std::span<const Landmark>
     const KeyFrame* before = find(older.key_frame);
     if (!before || older.epoch != view.epoch) continue;
     const auto motion =
-        motion_between(view, landmarks, older, before->T_m_k.inverse() * frame.T_m_k, p_.pose, p_.pairs.fewest_common);
+        motion_between(view, landmarks, older, before->T_m_k.inverse() * frame.T_m_k, p_.pose, p_.pairs.min_common);
     if (!motion) continue;
     for (const PairedCorner& pair : pair_corners(view, older, *motion, p_.pairs)) {
       if (frame.landmarks.size() >= p_.max_landmarks) return;

@@ -194,8 +194,8 @@ std::optional<RansacPose> ransac_pose(const std::vector<Correspondence>& matches
         if (refined_score > best_score) best_score = refined_score, best = {T, inliers};
       }
       const double share = static_cast<double>(best.inliers.size()) / static_cast<double>(matches.size());
-      const double needed = std::log(1e-4) / std::log(1 - std::min(0.99, share * share));
-      trials = std::min(p.trials, std::max(100, static_cast<int>(std::min(1e6, needed))));
+      const double needed = std::log(1e-4) / std::log(1 - std::min(0.99, share * share));  // -inf without inliers
+      trials = std::min(p.trials, static_cast<int>(std::clamp(needed, 100.0, 1e6)));
     }
   }
   if (best.inliers.size() < 3) return std::nullopt;

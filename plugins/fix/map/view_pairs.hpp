@@ -22,7 +22,7 @@ struct ViewPairParameters {
   double lens_rad = 0.002;                 ///< sigma of a ray by a stabiliser's motion, 1 px of 500
   double min_parallax_rad = 0.02;          ///< between the rays: half a metre at 25 m
   double min_range = 0.2, max_range = 60;  ///< metres
-  size_t fewest_common = 8;                ///< tracked landmarks of both, which give the motion
+  size_t min_common = 8;                   ///< tracked landmarks of both, which give the motion
   double apart_rad = 0.01;                 ///< from landmarks that there are: 4 px of the finest level
 };
 

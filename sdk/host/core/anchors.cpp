@@ -301,18 +301,18 @@ std::vector<uint8_t> Anchors::save() const {
   return bytes;
 }
 
-std::vector<uint8_t> Anchors::save_in(const Rigid& T_n_m) const {
+std::vector<uint8_t> Anchors::save_in(const std::optional<Rigid>& T_n_m, uint32_t source, uint64_t map) const {
   const std::lock_guard lock(mutex_);
-  const Rigid T_m_n = T_n_m.inverse();
+  const Rigid T_m_n = T_n_m ? T_n_m->inverse() : Rigid();
   std::vector<uint8_t> bytes;
   for (const Anchor& anchor : anchors_) {
     SavedAnchor saved{};
     saved.kind = ODO_ANCHOR_POSE, saved.reference = kSavedNavigation;
     anchor.name.copy(saved.name, kLongestName);
     Rigid T_m_a = T_m_n * anchor.T_n_a;
-    if (anchor.reference == Reference::map)
+    if (anchor.reference == Reference::map && anchor.map_source == source && anchor.map == map)
       T_m_a = anchor.T_b_a;  // not recognised in this session
-    else if (!anchor.placed || anchor.reference == Reference::geodetic)
+    else if (!T_n_m || !anchor.placed || anchor.reference == Reference::geodetic)
       continue;
     put_quaternion(T_m_a.q, saved.q);
     Vector3d::Map(saved.p) = T_m_a.p;

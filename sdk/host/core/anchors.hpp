@@ -83,8 +83,8 @@ class Anchors {
   std::vector<uint8_t> save() const;
   /// Adds saved anchors to the present ones. False, and nothing changed, if the blob is damaged.
   bool load(std::span<const uint8_t> blob);
-  /// The local anchors that are placed, in the frame of a map.
-  std::vector<uint8_t> save_in(const Rigid& T_n_m) const;
+  /// The local anchors that are placed, in the frame of that map; if this is not known, those that came with it.
+  std::vector<uint8_t> save_in(const std::optional<Rigid>& T_n_m, uint32_t source, uint64_t map) const;
   /// Adds them in a later session: placed once the map of that plugin is recognised. A name that is there already is
   /// left out.
   bool load_in(std::span<const uint8_t> blob, uint32_t source, uint64_t map);

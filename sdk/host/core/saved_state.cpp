@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "sdk/host/core/saved_anchor.hpp"
 #include "sdk/host/core/saved_parts.hpp"
 
 namespace odograph {
@@ -39,10 +40,13 @@ std::vector<uint8_t> save_maps(const PluginRoster& roster, const Anchors& anchor
   for (size_t i = 0; i < plugins.size(); ++i) {
     SavedMap map{names[i], bytes.emplace_back(plugins[i]->save_map()), {}};
     if (map.data.empty()) continue;
-    Rigid T_n_m;  // a map of this session is in n
-    if (KeptPose frame; poses.kept_pose(poses.map_frame(plugins[i]->number(), map.id()), frame))
-      T_n_m = {frame.q_n_b, frame.p_n_b};
-    map.anchors = bytes.emplace_back(anchors.save_in(T_n_m));
+    const uint32_t source = plugins[i]->number();
+    std::optional<Rigid> T_n_m;  // nothing: a loaded map that was not recognised
+    if (KeptPose frame; poses.kept_pose(poses.map_frame(source, map.id()), frame))
+      T_n_m = Rigid{frame.q_n_b, frame.p_n_b};
+    else if (!plugins[i]->has_loaded(map.id()))
+      T_n_m = Rigid();  // a map of this session is in n
+    map.anchors = bytes.emplace_back(anchors.save_in(T_n_m, source, map.id()));
     maps.push_back(std::move(map));
   }
   return bytes_of(maps);
@@ -52,13 +56,22 @@ Result<bool> load_maps(std::span<const uint8_t> blob, const PluginRoster& roster
   const auto maps = maps_of(blob);
   if (!maps) return maps.failure();
   const auto names = roster.state_names();
+  const auto plugin_of = [&](const SavedMap& map) {
+    return static_cast<size_t>(std::find(names.begin(), names.end(), map.plugin) - names.begin());
+  };
+  const Failure no_anchors{ODO_E_DATA, "the anchors of a map are damaged, or too many"};
+  // What can be refused before anything changes.
+  size_t count = anchors.ids().size();
   for (const SavedMap& map : *maps) {
-    const auto name = std::find(names.begin(), names.end(), map.plugin);
-    if (name == names.end()) return Failure{ODO_E_DATA, "a map of " + map.plugin + ", which this config does not have"};
-    const auto& plugin = roster.plugins()[static_cast<size_t>(name - names.begin())];
+    const auto saved = map.anchors.empty() ? std::optional(std::vector<SavedAnchor>()) : saved_anchors_of(map.anchors);
+    if (!saved || (count += saved->size()) > Anchors::Parameters().max_anchors) return no_anchors;
+    if (plugin_of(map) == names.size())
+      return Failure{ODO_E_DATA, "a map of " + map.plugin + ", which this config does not have"};
+  }
+  for (const SavedMap& map : *maps) {
+    const auto& plugin = roster.plugins()[plugin_of(map)];
     if (!plugin->load_map(map.data)) return refused_map(plugin->id());
-    if (!map.anchors.empty() && !anchors.load_in(map.anchors, plugin->number(), map.id()))
-      return Failure{ODO_E_DATA, "the anchors of a map are damaged, or too many"};
+    if (!map.anchors.empty() && !anchors.load_in(map.anchors, plugin->number(), map.id())) return no_anchors;
   }
   return true;
 }

@@ -89,6 +89,8 @@ class PluginInstance {
   /// Passes a map to it; it gets that again whenever it starts anew. False, and nothing changed, if it rejects the map.
   /// [control]
   bool load_map(std::span<const uint8_t> data);
+  /// Whether it was given a map with these first eight bytes.
+  bool has_loaded(uint64_t map) const;
 
   /// An extension's table, or null, as for a plugin in its own process. [process]
   const void* extension(std::string_view id) const;

@@ -2,6 +2,7 @@
 //
 // The maps of an instance, which cross in pieces.
 #include <algorithm>
+#include <cstring>
 
 #include "sdk/host/plugin_host/instance.hpp"
 
@@ -41,6 +42,12 @@ bool PluginInstance::load_map(std::span<const uint8_t> data) {
   if (!alive() || !pass_map(*backend_, data)) return false;
   maps_.emplace_back(data.begin(), data.end());
   return true;
+}
+
+bool PluginInstance::has_loaded(uint64_t map) const {
+  return std::any_of(maps_.begin(), maps_.end(), [map](const std::vector<uint8_t>& loaded) {
+    return loaded.size() >= sizeof map && std::memcmp(loaded.data(), &map, sizeof map) == 0;
+  });
 }
 
 }  // namespace odograph

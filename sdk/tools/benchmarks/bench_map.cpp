@@ -111,7 +111,8 @@ struct MapBenchmark : Benchmark {
     if (!later) return later.failure();
     const bool elsewhere = kVisits[one.variant].further_seed != 0;
     const World world(*scenario, one.seed);
-    const fs::path map = fs::path(options.keep) / text("map-%d.odomap", static_cast<int>(getpid()));
+    const fs::path map = fs::path(options.keep) /
+                         text("map-%zx.odomap", std::hash<std::string>{}(one.files[1].string() + one.run.config));
     RunOptions run = one.run;
     run.map = map.string();
     const auto first = replay(walk, run);

@@ -3,8 +3,9 @@
  * An app for the growth matrix over every message, built with today's headers and with those of a later version:
  *   growth_app LIBRARY write RECORDING
  *   growth_app LIBRARY replay RECORDING CONFIG PLUGINS STATE HOST PLUGIN RECORDED
- * STATE is loaded if the file exists, otherwise written. The last three are the versions, old or new, of the library,
- * the plugin and the recording. It prints the number of combinations that pass, or those that fail. */
+ * STATE and the map STATE.map are loaded if the files exist, otherwise written; a library of 1.0 has no maps. The last
+ * three are the versions, old or new, of the library, the plugin and the recording. It prints the number of
+ * combinations that pass, or those that fail. */
 #include <dlfcn.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -118,24 +119,25 @@ static int32_t replay(odo_session* session, const char* path) {
   return worst | session_flush(session);
 }
 
-/* Loads the state if there is one, otherwise returns 0. */
-static int load_state(odo_session* session, const char* path) {
-  LOAD(int32_t, session_load, (odo_session*, const void*, uint64_t));
+typedef int32_t (*load_function)(odo_session*, const void*, uint64_t);
+typedef int64_t (*save_function)(odo_session*, void*, uint64_t);
+
+/* Loads a state or map if the file exists, otherwise returns 0. */
+static int load_from(const char* path, odo_session* session, load_function load_it) {
   static char data[65536];
   FILE* file = fopen(path, "rb");
   if (!file) return 0;
   size_t size = fread(data, 1, sizeof data, file);
   fclose(file);
-  expect(session_load(session, data, size), ODO_OK, "odo_session_load");
+  expect(load_it(session, data, size), ODO_OK, path);
   return 1;
 }
 
-static void save_state(odo_session* session, const char* path) {
-  LOAD(int64_t, session_save, (odo_session*, void*, uint64_t));
+static void save_to(const char* path, odo_session* session, save_function save_it) {
   static char data[65536];
   FILE* file = fopen(path, "wb");
-  const int64_t size = session_save(session, data, sizeof data);
-  expect(file && size > 0 && fwrite(data, 1, (size_t)size, file) == (size_t)size, 1, "odo_session_save");
+  const int64_t size = save_it(session, data, sizeof data);
+  expect(file && size > 0 && fwrite(data, 1, (size_t)size, file) == (size_t)size, 1, path);
   if (file) fclose(file);
 }
 
@@ -194,6 +196,11 @@ static int run(char** argv) {
   LOAD(int32_t, session_create, (const odo_session_options*, odo_session**, odo_error*));
   LOAD(int32_t, session_set_callback, (odo_session*, const uint32_t*, uint32_t, odo_callback, void*));
   LOAD(void, session_destroy, (odo_session*));
+  LOAD(int32_t, session_load, (odo_session*, const void*, uint64_t));
+  LOAD(int64_t, session_save, (odo_session*, void*, uint64_t));
+  load_function map_load;
+  save_function map_save;
+  char map_path[4096];
   const int host_is_new = strcmp(argv[7], "new") == 0, plugin_is_new = strcmp(argv[8], "new") == 0;
   const int recorded_is_new = strcmp(argv[9], "new") == 0;
   const int has_points = plugin_is_new || !getenv("ODO_GROWTH_ARCHIVE"); /* the archived plugin is of 1.0 */
@@ -208,11 +215,15 @@ static int run(char** argv) {
   options.plugin_path.data = argv[5], options.plugin_path.size = strlen(argv[5]);
   if (session_create(&options, &session, &error) != ODO_OK) return printf("  %s\n", error.message), 3;
   session_set_callback(session, NULL, ODO_ALL_EVENTS, on_event, NULL);
-  int loaded = load_state(session, argv[6]);
+  *(void**)(&map_load) = dlsym(library, "odo_map_load"), *(void**)(&map_save) = dlsym(library, "odo_map_save");
+  snprintf(map_path, sizeof map_path, "%s.map", argv[6]);
+  const int loaded = load_from(argv[6], session, session_load);
+  const int map_loaded = map_load && load_from(map_path, session, map_load);
   expect(replay(session, argv[3]), ODO_OK, "the worst status");
   expect(seen.answer.header.type == ANSWER, 1, "an answer came");
   check_messages(host_is_new, plugin_is_new, recorded_is_new, has_points);
   expect(seen.answer.state, loaded ? 7 : 0, "saved state");
+  expect(seen.answer.map, map_loaded ? 7 : 0, "saved map");
   /* odo.wake/1 is not offered to a plugin in a separate process. */
   expect(seen.answer.services, strstr(argv[4], "isolation: process") ? 15 : 31, "services");
   expect(seen.answer.large_size, sizeof(struct large), "size of a vendor's message");
@@ -220,7 +231,11 @@ static int run(char** argv) {
   expect(seen.reports, 1, "reports"); /* said once, by however many instances */
   expect(seen.elements, 2 * has_points + finds_surfaces, "an odo_points and each odo_surface with their elements");
   check_outputs(session, host_is_new);
-  if (!loaded) save_state(session, argv[6]);
+  if (!loaded) save_to(argv[6], session, session_save);
+  if (map_save && !has_points)
+    expect((double)map_save(session, NULL, 0), 0, "a plugin of 1.0 has no map");
+  else if (map_save && !map_loaded)
+    save_to(map_path, session, map_save);
   session_destroy(session);
   printf("%d\n", seen.held);
   return seen.broken ? 1 : 0;

@@ -23,6 +23,7 @@ struct answer {
   double seed;
   double state;      /* the loaded state */
   double large_size; /* of the newest LARGE */
+  double map;        /* the loaded map */
 };
 
 /* Larger than any message of the library. */

@@ -17,8 +17,11 @@ struct odo_instance {
   uint32_t number;
   int finds_surfaces, is_attitude;
   struct answer answer;
+  char map[64]; /* what has come of one */
+  uint64_t map_size;
 };
 
+/* A saved state or map. */
 struct state {
   char magic[8];
   double value;
@@ -113,22 +116,50 @@ static int32_t ODO_CALL process(odo_instance* self, const odo_batch* batch) {
 
 static void ODO_CALL destroy(odo_instance* self) { free(self); }
 
+static void fill_state(struct state* state) {
+  memset(state, 0, sizeof *state);
+  memcpy(state->magic, "EVERY", 6), state->value = 7;
+#ifdef ODO_TEST_GROWN
+  state->later = 8;
+#endif
+}
+
 static int64_t ODO_CALL save(odo_instance* self, void* data, uint64_t capacity) {
   struct state state;
-  memset(&state, 0, sizeof state);
-  memcpy(state.magic, "EVERY", 6), state.value = 7;
-#ifdef ODO_TEST_GROWN
-  state.later = 8;
-#endif
+  fill_state(&state);
   (void)self;
   if (capacity >= sizeof state) memcpy(data, &state, sizeof state);
   return sizeof state;
 }
 
-static int32_t ODO_CALL load(odo_instance* self, const void* data, uint64_t size) {
+static int32_t read_state(const void* data, uint64_t size, double* value) {
   const uint64_t of_first_version = 16;
   if (size < of_first_version || memcmp(data, "EVERY", 6) != 0) return ODO_E_DATA;
-  memcpy(&self->answer.state, (const char*)data + 8, 8);
+  memcpy(value, (const char*)data + 8, 8);
+  return ODO_OK;
+}
+
+static int32_t ODO_CALL load(odo_instance* self, const void* data, uint64_t size) {
+  return read_state(data, size, &self->answer.state);
+}
+
+/* In pieces of at most ten bytes. */
+static int64_t ODO_CALL save_map(odo_instance* self, uint64_t offset, void* data, uint64_t capacity) {
+  struct state map;
+  uint64_t size = offset < sizeof map ? sizeof map - offset : 0;
+  fill_state(&map);
+  (void)self;
+  if (size > 10) size = 10;
+  if (size > capacity) size = capacity;
+  if (size > 0) memcpy(data, (const char*)&map + offset, (size_t)size);
+  return (int64_t)size;
+}
+
+static int32_t ODO_CALL load_map(odo_instance* self, uint64_t offset, const void* data, uint64_t size) {
+  if (size == 0) return read_state(self->map, self->map_size, &self->answer.map);
+  if (offset > sizeof self->map || size > sizeof self->map - offset) return ODO_E_DATA;
+  memcpy(self->map + offset, data, (size_t)size);
+  self->map_size = offset + size;
   return ODO_OK;
 }
 
@@ -157,6 +188,7 @@ ODO_EXPORT int32_t ODO_CALL ODO_PLUGIN_ENTRY(const odo_host* host, odo_plugin* o
   table.outputs = outputs, table.output_count = 1 + sizeof events / sizeof *events;
   table.create = create, table.configure = configure, table.activate = activate;
   table.process = process, table.destroy = destroy, table.save = save, table.load = load;
+  table.save_map = save_map, table.load_map = load_map;
   size = out->struct_size < table.struct_size ? out->struct_size : table.struct_size;
   memcpy(out, &table, size);
   out->struct_size = size;

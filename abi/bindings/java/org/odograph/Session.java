@@ -151,6 +151,27 @@ public final class Session implements java.io.Closeable {
     }
     public void removeAnchor(long id) { OdographException.check(Abi.odo_anchor_remove(open(), id)); }
 
+    /** Maps of the places that this session has seen, with its anchors, for loadMap in a later one; empty if there are none. */
+    public byte[] saveMap() {
+        for (int capacity = 0;;) {
+            ByteBuffer data = ByteBuffer.allocateDirect(capacity);
+            long size = Abi.odo_map_save(open(), Native.address(data), capacity);
+            OdographException.check((int) Math.min(size, 0));
+            if (size == capacity) {
+                byte[] map = new byte[capacity];
+                data.get(map);
+                return map;
+            }
+            capacity = Math.toIntExact(size);
+        }
+    }
+    /** Throws if the map is damaged, or of plugins that the session does not have. */
+    public void loadMap(byte[] data) {
+        ByteBuffer copy = ByteBuffer.allocateDirect(data.length).put(data);
+        OdographException.check(Abi.odo_map_load(open(), Native.address(copy), data.length));
+        stays(copy);
+    }
+
     /** Not within the consumer of onEvent, where it throws an IllegalStateException. */
     @Override
     public void close() {

@@ -161,6 +161,19 @@ public final class Session: @unchecked Sendable {
         try OdographError.check(odo_anchor_get(session, id, world, t_ns, &anchor))
         return anchor
     }
+
+    /// Maps of the places that this session has seen, with its anchors, for loadMap in a later one; empty if there are none.
+    public func saveMap() throws -> [UInt8] {
+        var data: [UInt8] = []
+        while true {
+            let size = odo_map_save(session, &data, UInt64(data.count))
+            if size == Int64(data.count) { return data }
+            try OdographError.check(Int32(min(size, 0)))
+            data = [UInt8](repeating: 0, count: Int(size))
+        }
+    }
+    /// Throws if the map is damaged, or of plugins that the session does not have.
+    public func loadMap(_ data: [UInt8]) throws { try OdographError.check(odo_map_load(session, data, UInt64(data.count))) }
 }
 
 /// A recording, which is read once: `while let (message, picture) = recording.next()`. Both are valid until the next call.

@@ -4,10 +4,14 @@
 #include <jni.h>
 
 #include <algorithm>
+#include <cstdio>
+#include <fstream>
+#include <iterator>
 #include <memory>
 #include <string>
 
 #include <odograph/anchor.h>
+#include <odograph/map.h>
 #include <odograph/odograph.h>
 
 #include "camera.hpp"
@@ -17,6 +21,7 @@ extern "C" {
 int32_t ODO_CALL odo_plugin_entry_attitude_vqf(const struct odo_host* host, struct odo_plugin* out);
 int32_t ODO_CALL odo_plugin_entry_step_odograph(const struct odo_host* host, struct odo_plugin* out);
 int32_t ODO_CALL odo_plugin_entry_vo_odograph(const struct odo_host* host, struct odo_plugin* out);
+int32_t ODO_CALL odo_plugin_entry_fix_map(const struct odo_host* host, struct odo_plugin* out);
 int32_t ODO_CALL odo_plugin_entry_surface_planes(const struct odo_host* host, struct odo_plugin* out);
 }
 
@@ -26,6 +31,7 @@ const char kPackage[] = "org.odograph.phone";
 
 struct Tracker {
   odo_session* session = nullptr;
+  std::string map;  // the file that keeps the place from run to run
   std::unique_ptr<phone::Camera> camera;
   std::unique_ptr<phone::Sensors> sensors;
   ~Tracker() {
@@ -36,11 +42,30 @@ struct Tracker {
 };
 std::unique_ptr<Tracker> tracker;
 
-std::string start(const std::string& config) {
+/// Before the first frame. False if there is a file that is no map of this version.
+bool load_map(odo_session* session, const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  const std::string map((std::istreambuf_iterator<char>(file)), {});
+  return map.empty() || odo_map_load(session, map.data(), map.size()) == ODO_OK;
+}
+
+void save_map(odo_session* session, const std::string& path) {
+  std::string map;
+  for (int64_t size; (size = odo_map_save(session, &map[0], map.size())) != static_cast<int64_t>(map.size());) {
+    if (size < 0) return;
+    map.resize(static_cast<size_t>(size));
+  }
+  if (map.empty()) return;
+  const std::string whole = path + ".new";
+  if ((std::ofstream(whole, std::ios::binary) << map).flush()) std::rename(whole.c_str(), path.c_str());
+}
+
+std::string start(const std::string& config, const std::string& map) {
   odo_error error = {};
   error.struct_size = sizeof error;
-  for (const odo_plugin_entry entry : {odo_plugin_entry_attitude_vqf, odo_plugin_entry_step_odograph,
-                                       odo_plugin_entry_vo_odograph, odo_plugin_entry_surface_planes})
+  for (const odo_plugin_entry entry :
+       {odo_plugin_entry_attitude_vqf, odo_plugin_entry_step_odograph, odo_plugin_entry_vo_odograph,
+        odo_plugin_entry_fix_map, odo_plugin_entry_surface_planes})
     if (odo_register_plugin(entry, &error) != ODO_OK) return error.message;
   odo_session_options options = {};
   options.struct_size = sizeof options;
@@ -49,6 +74,7 @@ std::string start(const std::string& config) {
   options.config_text.size = config.size();
   auto made = std::make_unique<Tracker>();
   if (odo_session_create(&options, &made->session, &error) != ODO_OK) return error.message;
+  if (load_map(made->session, map)) made->map = map;  // otherwise the file stays as it is
   made->camera = std::make_unique<phone::Camera>(made->session);
   const std::string wrong = made->camera->start();
   if (!wrong.empty()) return wrong;
@@ -87,14 +113,26 @@ jdoubleArray array_of(JNIEnv* env, const double* values, jint count) {
 
 }  // namespace
 
-extern "C" JNIEXPORT jstring JNICALL Java_org_odograph_phone_Tracker_start(JNIEnv* env, jobject, jstring config) {
-  const char* text = env->GetStringUTFChars(config, nullptr);
-  const std::string wrong = start(text);
+extern "C" JNIEXPORT jstring JNICALL Java_org_odograph_phone_Tracker_start(JNIEnv* env, jobject, jstring config,
+                                                                           jstring map) {
+  const char *text = env->GetStringUTFChars(config, nullptr), *path = env->GetStringUTFChars(map, nullptr);
+  const std::string wrong = start(text, path);
+  env->ReleaseStringUTFChars(map, path);
   env->ReleaseStringUTFChars(config, text);
   return env->NewStringUTF(wrong.c_str());
 }
 
-extern "C" JNIEXPORT void JNICALL Java_org_odograph_phone_Tracker_stop(JNIEnv*, jobject) { tracker.reset(); }
+extern "C" JNIEXPORT void JNICALL Java_org_odograph_phone_Tracker_stop(JNIEnv*, jobject) {
+  if (tracker && !tracker->map.empty()) save_map(tracker->session, tracker->map);
+  tracker.reset();
+}
+
+/// The newest anchor of the map; 0 if it has none.
+extern "C" JNIEXPORT jlong JNICALL Java_org_odograph_phone_Tracker_mark(JNIEnv*, jobject) {
+  uint64_t ids[1024];
+  const int64_t count = tracker ? odo_anchor_list(tracker->session, ids, 1024) : 0;
+  return count > 0 ? static_cast<jlong>(*std::max_element(ids, ids + count)) : 0;
+}
 
 /// North, east, down in m, the state, whether it is metric, and the path length; null before the first pose.
 extern "C" JNIEXPORT jdoubleArray JNICALL Java_org_odograph_phone_Tracker_pose(JNIEnv* env, jobject) {

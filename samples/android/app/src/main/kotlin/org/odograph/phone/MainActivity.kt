@@ -11,7 +11,8 @@ import android.view.WindowManager.LayoutParams.FLAG_KEEP_SCREEN_ON
 import android.widget.TextView
 import kotlin.math.sqrt
 
-/** Tracks and shows the phone's position while visible. A tap puts a mark on what lies in the middle of the picture. */
+/** Tracks and shows the phone's position while visible. A tap puts a mark on what lies in the middle of the picture; it is there again
+ * when the app is opened another time at the same place. */
 class MainActivity : Activity() {
     private lateinit var text: TextView
     private var mark = 0L
@@ -49,7 +50,8 @@ class MainActivity : Activity() {
             text.text = "Odograph needs the camera."
             return
         }
-        val wrong = Tracker.start(assets.open("pipeline.yaml").bufferedReader().readText())
+        val wrong = Tracker.start(assets.open("pipeline.yaml").bufferedReader().readText(), filesDir.resolve("place.map").path)
+        mark = Tracker.mark()
         if (wrong.isEmpty()) handler.post(show) else text.text = wrong
     }
 

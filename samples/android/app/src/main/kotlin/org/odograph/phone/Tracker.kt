@@ -5,10 +5,16 @@ package org.odograph.phone
 object Tracker {
     init { System.loadLibrary("odograph_phone") }
 
-    /** Starts with a pipeline's YAML; the app needs the permission CAMERA. Returns an error text, empty on success. */
-    external fun start(config: String): String
+    /**
+     * Starts with a pipeline's YAML and a file for the map of the place, which stop() writes; the app needs the
+     * permission CAMERA. Returns an error text, empty on success.
+     */
+    external fun start(config: String, map: String): String
 
     external fun stop()
+
+    /** The newest mark of the last run; 0 if there is none. It has no place until the phone recognises where it is. */
+    external fun mark(): Long
 
     /** North, east, down in m, state, 1 where metric, distance in m; null before the first pose. */
     external fun pose(): DoubleArray?
