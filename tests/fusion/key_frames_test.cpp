@@ -273,6 +273,26 @@ TEST_CASE("a map's place is a state: fixes and the map agree, its own error stay
   CHECK(walk.filter_.whole_covariance().rows() == kStates + 4 * 4);
 }
 
+TEST_CASE("after a drift that nothing foretold the map is where it is seen again, not for ever where it was") {
+  DriftingWalk walk(5, 5 * kDegree, 0.02);
+  KeyFrames frames;
+  walk.walk(0, 20);
+  const auto seen = [&] {
+    odo_map_pose place = walk.seen_in_map(1, 0.02, 0.005);
+    place.map_sigma_m = 0.03, place.map_sigma_rad = 0.01;
+    return frames.use(walk.filter_, place, false, walk.context()).accepted;
+  };
+  REQUIRE(seen());
+  walk.walk(1, 5);
+  walk.true_p_ += Vector3d(2, -1, 0.5);
+  for (int i = 0; i < 5; ++i) CHECK(!seen());
+  for (int i = 0; i < 10; ++i) CHECK(seen());
+  KeptPose map;
+  REQUIRE(walk.filter_.kept_pose(frames.map_frame(0, 1), 0, map));
+  const Vector3d body_in_map = map.q_n_b.conjugate() * (walk.filter_.p_n() - map.p_n_b);
+  CHECK((body_in_map - walk.true_p_).norm() < 0.1);
+}
+
 TEST_CASE("without a place of its own n becomes the frame of the map") {
   DriftingWalk walk(6, 5 * kDegree, 0.02);
   KeyFrames frames;

@@ -67,8 +67,8 @@ void PlaceSession::look_up(Query& query) const {
     const auto found = map.best_of(view, map.candidates(view, without));
     if (!found || !map.is_plausible(*found)) return;
     const KeyFrame* frame = map.find(found->key_frame);
-    Sighting& sighting = query.found.emplace_back(
-        Sighting{id, *found, frame->t_ns, frame->T_m_k, query.sight.T_s_c, map.is_accepted(*found), {}});
+    Sighting& sighting = query.found.emplace_back(Sighting{
+        id, *found, frame->t_ns, frame->T_m_k, query.sight.T_s_c, query.sight.is_metric, map.is_accepted(*found), {}});
     if (map.is_strong(*found)) sighting.normals.push_back(frame->T_m_k.q * found->normal_k);
   };
   look(0, *own_, excludes);
@@ -91,10 +91,13 @@ std::vector<Found> PlaceSession::take(int64_t now_ns) {
 }
 
 Agreement PlaceSession::compare(const Sighting& before, const Sighting& now) const {
-  const Rigid way = before.T_s_c.inverse() * now.T_s_c;
+  Rigid way = before.T_s_c.inverse() * now.T_s_c;
+  const bool is_metric = before.is_metric && now.is_metric;
+  if (!is_metric) way.p.setZero();
   Eigen::Matrix<double, 6, 6> drift = Eigen::Matrix<double, 6, 6>::Zero();
   drift.diagonal().head<3>().setConstant(std::pow(p_.drift_rad, 2));
-  drift.diagonal().tail<3>().setConstant(std::pow(p_.drift_m, 2) + std::pow(p_.drift * way.p.norm(), 2));
+  const double sigma_m = is_metric ? std::hypot(p_.drift_m, p_.drift * way.p.norm()) : p_.unknown_way_m;
+  drift.diagonal().tail<3>().setConstant(sigma_m * sigma_m);
   return agree(before.recognition, before.T_m_k, now.recognition, now.T_m_k, way, drift);
 }
 
@@ -122,11 +125,11 @@ std::optional<Found> PlaceSession::judge(Sighting now) {
     if (before.map != now.map) continue;
     const Agreement agreement = compare(before, now);
     if (agreement == Agreement::yes) follow(before, now), ++fit;
-    if (agreement == Agreement::no && before.is_sure) ++contradict;
+    if (agreement == Agreement::no && before.is_sure && before.is_metric && now.is_metric) ++contradict;
   }
   if (fit <= contradict) fit = 0, now.is_sure = sure_alone;
   recent_.push_back(now);
-  if (fit == 0 || !now.is_sure) return std::nullopt;
+  if (fit == 0 || !now.is_sure || !now.is_metric) return std::nullopt;
 
   const auto last = std::find_if(used_.begin(), used_.end(), of_map);
   const bool again = last != used_.end() && last->recognition.key_frame == now.recognition.key_frame &&

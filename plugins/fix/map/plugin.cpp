@@ -150,6 +150,7 @@ class Map {
     sight.T_s_c = T_n_s_.inverse() * T_n_c;
     constexpr uint32_t placed = ODO_POSE_POSITION | ODO_POSE_METRIC;
     const bool metric = (pose_.header.flags & placed) == placed && pose_.scale > 0 && pose_.scale_sigma > 0;
+    sight.is_metric = metric;
     const double scale_sigma = metric ? pose_.scale_sigma / pose_.scale : 1;
     if (metric && pose_.state == ODO_TRACKING && landmarks_ns_ == frame.t_ns) {
       sight.scale_sigma = scale_sigma, sight.epoch = epoch_;

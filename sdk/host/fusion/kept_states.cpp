@@ -74,6 +74,10 @@ void KeptStates::rotate(const Quaterniond& q, const Vector3d& about_n) {
   if (!poses.empty()) with_state.leftCols<3>() = (with_state.leftCols<3>() * R.transpose()).eval();
 }
 
+void KeptStates::inflate(uint64_t id, const Eigen::Vector4d& variance) {
+  if (const int row = row_of(id); row >= 0) with_kept.diagonal().segment<4>(row) += variance;
+}
+
 void KeptStates::inflate_heading(double variance, const Vector3d& about_n) {
   Eigen::VectorXd by(4 * poses.size());  // rotated with the rest
   for (size_t i = 0; i < poses.size(); ++i)

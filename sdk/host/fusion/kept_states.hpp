@@ -38,6 +38,8 @@ struct KeptStates {
   void release(uint64_t id);
   std::optional<HandOver> crowded() const;
   void rotate(const Eigen::Quaterniond& q, const Eigen::Vector3d& about_n);
+  /// Adds variances to the (heading, position) of one pose.
+  void inflate(uint64_t id, const Eigen::Vector4d& variance);
   void inflate_heading(double variance, const Eigen::Vector3d& about_n);
   /// PoseFilter::rotate_errors(), for the current position's shift.
   void rotate_errors(const Eigen::Vector3d& moved_n);

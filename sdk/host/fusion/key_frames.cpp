@@ -160,7 +160,10 @@ UpdateResult KeyFrames::use(PoseFilter& filter, const odo_map_pose& place, bool 
       const double least = gained > 0 ? expected(i, i) * floor[i] / gained : kUninformedVariance;
       innovation.noise(i, i) = std::max(innovation.noise(i, i), std::min(least, kUninformedVariance));
     }
+    // The track has drifted farther than it knows: things in the map must be where they are seen.
+    if (known->rejected >= p_.max_rejected) filter.inflate_kept(known->pose_id, innovation.residual.cwiseAbs2());
     const UpdateResult result = update(filter, innovation, at);
+    known->rejected = result.accepted ? 0 : known->rejected + 1;
     if (result.accepted) known->recognised_ns = place.header.t_ns;
     return result;
   }

@@ -17,8 +17,10 @@ namespace odograph {
 class KeyFrames {
  public:
   struct Parameters {
-    size_t max = 1024;        ///< key frames of each instance, the newest ones; events.h
-    size_t max_maps = 4;      ///< places of maps, those recognised last; events.h
+    size_t max = 1024;    ///< key frames of each instance, the newest ones; events.h
+    size_t max_maps = 4;  ///< places of maps, those recognised last; events.h
+    /// Consecutive rejections of a map, after which its place in n is taken to be as wrong as it seems; as of fixes.
+    int max_rejected = 5;
     double moved_m = 0.01;    ///< m, and ...
     double moved_rad = 2e-3;  ///< rad: a smaller change of a key frame is not published; judgement
     double largest_rotation_rad =
@@ -60,6 +62,7 @@ class KeyFrames {
     uint32_t source = 0;
     uint64_t map = 0, pose_id = 0;
     int64_t recognised_ns = 0;
+    int rejected = 0;  ///< consecutive
   };
 
   /// Writes the present pose into the message if it differs from the one there by more than that.

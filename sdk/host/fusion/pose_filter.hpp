@@ -106,6 +106,8 @@ class PoseFilter {
   uint64_t keep_frame(const TrackPoint& then, const TrackPoint& now, const Rigid& T_b_x, const Eigen::Matrix4d& noise);
   /// Keeps n itself as such a frame.
   uint64_t keep_origin();
+  /// Adds variances to the (heading, position) of a kept pose or frame.
+  void inflate_kept(uint64_t id, const Eigen::Vector4d& variance) { kept_.inflate(id, variance); }
   void release_pose(uint64_t id) { kept_.release(id); }
   /// The kept pose with the least error between it and a pose of the track, if its sigmas are at most these.
   Attachment nearest_kept(const TrackPoint& then, const TrackPoint& now, double sigma_m, double sigma_rad) const;
