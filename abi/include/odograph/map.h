@@ -15,10 +15,10 @@
 extern "C" {
 #endif
 
-/* [control] Writes the maps of all plugins of the session, with the local anchors that are placed. Allowed while samples
- * arrive. Returns the number of bytes required, and writes them if `capacity` suffices; data may be null with capacity
- * 0. 0: there is nothing to save. The number may grow between two calls. A negative value is a status: ODO_E_STATE from
- * within a callback. */
+/* [control] Writes the maps of all plugins of the session, with the local anchors that are placed; while a loaded map is
+ * not recognised, that map alone (report map_not_recognised). Allowed while samples arrive. Returns the number of bytes
+ * required, and writes them if `capacity` suffices; data may be null with capacity 0. 0: there is nothing to save. The
+ * number may grow between two calls. A negative value is a status: ODO_E_STATE from within a callback. */
 ODO_API int64_t ODO_CALL odo_map_save(odo_session *session, void *data, uint64_t capacity);
 
 /* [control] Adds a saved map to those of the session. Allowed while samples arrive. Its anchors appear at once, with new

@@ -96,7 +96,7 @@ Agreement PlaceSession::compare(const Sighting& before, const Sighting& now) con
   if (!is_metric) way.p.setZero();
   Eigen::Matrix<double, 6, 6> drift = Eigen::Matrix<double, 6, 6>::Zero();
   drift.diagonal().head<3>().setConstant(std::pow(p_.drift_rad, 2));
-  const double sigma_m = is_metric ? std::hypot(p_.drift_m, p_.drift * way.p.norm()) : p_.unknown_way_m;
+  const double sigma_m = is_metric ? std::hypot(p_.drift_m, p_.drift * way.p.norm()) : p_.unknown_distance_m;
   drift.diagonal().tail<3>().setConstant(sigma_m * sigma_m);
   return agree(before.recognition, before.T_m_k, now.recognition, now.T_m_k, way, drift);
 }

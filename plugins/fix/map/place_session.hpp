@@ -48,7 +48,7 @@ class PlaceSession {
     double drift_m = 0.01;          ///< m, at least, ...
     double drift_rad = 0.005;       ///< rad, and of its rotation: half a degree of a gyroscope in 5 s
     double other_plane_rad = 0.35;  ///< between the normals of two planes: copies of one are parallel to it
-    double unknown_way_m = 1;       ///< sigma of the way while positions mean nothing: some steps within seconds
+    double unknown_distance_m = 1;  ///< sigma of the way while positions mean nothing: some steps within seconds
     double again_m = 0.5;           ///< m of way, or ...
     double again_s = 5;             ///< s, until the same place counts again: its landmarks' errors are the same
     double max_scale_sigma = 0.1;   ///< relative, of a key frame's landmarks

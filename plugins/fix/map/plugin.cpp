@@ -116,7 +116,7 @@ class Map {
     if (!saved.is_whole)
       output_.report(ODO_SEVERITY_WARNING, "map_not_recognised",
                      "the loaded map was not recognised in this session: it is saved as it was, without what this "
-                     "session has seen");
+                     "session has seen and without its new anchors");
     return saved.id == 0 ? std::vector<uint8_t>() : with_id(saved.id, saved.bytes);
   }
 

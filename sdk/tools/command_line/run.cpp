@@ -81,6 +81,12 @@ void print(const RunArguments& a, const Recording& recording, const RunResult& r
   if (!result.corrected.empty())
     std::printf("corrected during the run by up to %.2f m: %s/corrected.tum has the track with later corrections\n",
                 largest_distance(result.track, result.corrected), a.output.c_str());
+  const auto used = std::count_if(result.map_poses.begin(), result.map_poses.end(), [](const odo_map_pose& place) {
+    return (place.header.flags & ODO_FLAG_ACCEPTED) != 0;
+  });
+  if (used > 0)
+    std::printf("the place of %s is recognised: %td poses used, the first after %.1f s\n", a.options.map.c_str(), used,
+                1e-9 * static_cast<double>(result.map_poses[0].header.t_ns - result.track[0].t_ns));
   if (result.origin)
     std::printf("on a map: odograph convert %s %s/track.gpx (or .kml, .geojson)\n", a.output.c_str(), a.output.c_str());
   std::printf("written to %s%s\n", a.output.c_str(), a.report ? "/ with report.html" : "/");
@@ -127,8 +133,8 @@ int run(RunArguments& a) {
   }
   for (const auto& report : result->reports) std::fprintf(stderr, "%s\n", printable(report).c_str());
   for (const auto& [key, notice] : result->notices)
-    if (const size_t at = key.find(" unused_"); at != std::string::npos)
-      std::fprintf(stderr, "%s: %s\n", printable(key.substr(0, at)).c_str(), printable(notice.text).c_str());
+    if (key.find(" unused_") != std::string::npos || key.ends_with(" map_not_recognised"))
+      std::fprintf(stderr, "%s: %s\n", printable(key.substr(0, key.find(' '))).c_str(), printable(notice.text).c_str());
   for (const auto& failure : result->save_failures) std::fprintf(stderr, "%s\n", printable(failure).c_str());
   print(a, *recording, *result);
   if (const uint64_t faults = result->statistics.plugin_faults; faults > 0)

@@ -331,12 +331,13 @@ Result<RunResult> replay(const Recording& recording, const RunOptions& options) 
   const bool pictures = !config->vo_frontends.empty() || !config->fixers.empty();
   push_all(session, recording, options, pictures, collector, result);
   odo_session_flush(session);
-  odo_session_set_callback(session, nullptr, 0, nullptr, nullptr);  // the collector's lifetime ends here
   if (result.loss.pictures > 0)
     result.reports.push_back(std::to_string(result.loss.pictures) + " pictures cannot be read; each cost its frame");
   for (const auto& [saved, path] : {std::pair(&kStateFile, &options.state), std::pair(&kMapFile, &options.map)})
     if (const auto written = write_saved(session, *saved, *path); !written)
       result.save_failures.push_back(written.failure().text);
+  odo_session_flush(session);                                       // what saving has reported
+  odo_session_set_callback(session, nullptr, 0, nullptr, nullptr);  // the collector's lifetime ends here
   result.statistics.struct_size = sizeof result.statistics;
   odo_session_get_statistics(session, &result.statistics);
   if (options.progress) options.progress(recording.messages.size(), recording.messages.size());
