@@ -277,14 +277,16 @@ TEST_CASE("after a drift that nothing foretold the map is where it is seen again
   DriftingWalk walk(5, 5 * kDegree, 0.02);
   KeyFrames frames;
   walk.walk(0, 20);
+  double turned_rad = 0;
   const auto seen = [&] {
     odo_map_pose place = walk.seen_in_map(1, 0.02, 0.005);
+    put_quaternion(about_down(turned_rad) * quaternion(place.q_m_b), place.q_m_b);
     place.map_sigma_m = 0.03, place.map_sigma_rad = 0.01;
     return frames.use(walk.filter_, place, false, walk.context()).accepted;
   };
   REQUIRE(seen());
   walk.walk(1, 5);
-  walk.true_p_ += Vector3d(2, -1, 0.5);
+  walk.true_p_ += Vector3d(2, -1, 0.5), turned_rad = 0.2;  // 20 m from where the map began
   for (int i = 0; i < 5; ++i) CHECK(!seen());
   for (int i = 0; i < 10; ++i) CHECK(seen());
   KeptPose map;

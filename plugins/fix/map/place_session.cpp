@@ -33,7 +33,7 @@ Eigen::Matrix<double, 6, 6> in_map(const Rigid& T_m_k, const Eigen::Matrix<doubl
 bool PlaceSession::see(Sight sight) {
   const int64_t t_ns = sight.picture.t_ns;
   const bool scaled = !sight.landmarks.empty() && sight.scale_sigma < p_.max_scale_sigma;
-  const bool is_key = scaled && chooser_.choose(t_ns, sight.T_s_c, sight.landmarks);
+  const bool is_key = scaled && chooser_.choose(t_ns, sight.T_n_c, sight.landmarks);
   const bool asks = asked_ns_ == INT64_MIN || seconds_between(asked_ns_, t_ns) >= p_.interval_s;
   const bool busy = is_live_ && worker_.waiting() >= p_.max_waiting;
   if (is_key || (asks && !busy)) sight.picture.grey = sight.picture.grey.clone();
@@ -47,7 +47,10 @@ bool PlaceSession::see(Sight sight) {
   }
   if (!is_key) return false;
   auto key = std::make_shared<Sight>(std::move(sight));
-  worker_.add([this, key] { own_->add(key->picture, key->landmarks, key->T_s_c, key->epoch, key->scale_sigma); });
+  worker_.add([this, key] {
+    own_->add(key->picture, key->landmarks, key->T_n_c, key->epoch, key->scale_sigma);
+    if (own_->key_frames().size() > p_.max_key_frames) own_->keep(p_.max_key_frames - p_.max_key_frames / 16);
+  });
   return true;
 }
 
@@ -68,7 +71,7 @@ void PlaceSession::look_up(Query& query) const {
     if (!found || !map.is_plausible(*found)) return;
     const KeyFrame* frame = map.find(found->key_frame);
     Sighting& sighting = query.found.emplace_back(Sighting{
-        id, *found, frame->t_ns, frame->T_m_k, query.sight.T_s_c, query.sight.is_metric, map.is_accepted(*found), {}});
+        id, *found, frame->t_ns, frame->T_m_k, query.sight.T_n_c, query.sight.is_metric, map.is_accepted(*found), {}});
     if (map.is_strong(*found)) sighting.normals.push_back(frame->T_m_k.q * found->normal_k);
   };
   look(0, *own_, excludes);
@@ -83,15 +86,17 @@ std::vector<Found> PlaceSession::take(int64_t now_ns) {
     if (!done && is_live_) break;  // a later frame takes it
     if (!done) worker_.wait(query.job);
     const bool late = is_live_ && seconds_between(query.sight.picture.t_ns, now_ns) > 2 * p_.delay_s;
-    for (const Sighting& sighting : query.found)
+    for (Sighting& sighting : query.found) {
+      sighting.T_n_c = query.correction * sighting.T_n_c;
       if (const auto found = late ? std::nullopt : judge(sighting)) out.push_back(*found);
+    }
     queries_.pop_front();
   }
   return out;
 }
 
 Agreement PlaceSession::compare(const Sighting& before, const Sighting& now) const {
-  Rigid way = before.T_s_c.inverse() * now.T_s_c;
+  Rigid way = before.T_n_c.inverse() * now.T_n_c;
   const bool is_metric = before.is_metric && now.is_metric;
   if (!is_metric) way.p.setZero();
   Eigen::Matrix<double, 6, 6> drift = Eigen::Matrix<double, 6, 6>::Zero();
@@ -101,15 +106,15 @@ Agreement PlaceSession::compare(const Sighting& before, const Sighting& now) con
   return agree(before.recognition, before.T_m_k, now.recognition, now.T_m_k, way, drift);
 }
 
-/// What follows from the agreement with the one before. Strong ones of two planes together have depth.
-void PlaceSession::follow(const Sighting& before, Sighting& now) const {
-  now.is_sure = now.is_sure || before.is_sure;
+/// What follows from the agreement with one before. Strong ones of two planes together have depth.
+void PlaceSession::follow(const Sighting& before, const Sighting& now, Sighting& joined) const {
+  joined.is_sure = joined.is_sure || before.is_sure;
   const double parallel = std::cos(p_.other_plane_rad);
   for (const Eigen::Vector3d& other : before.normals) {
     for (const Eigen::Vector3d& normal : now.normals)
-      now.is_sure = now.is_sure || std::abs(normal.dot(other)) < parallel;
+      joined.is_sure = joined.is_sure || std::abs(normal.dot(other)) < parallel;
   }
-  if (now.normals.empty()) now.normals = before.normals;
+  if (joined.normals.empty()) joined.normals = before.normals;
 }
 
 /// One recognition is none: more of the recent ones of the same map must fit the track than sure ones contradict it.
@@ -120,51 +125,64 @@ std::optional<Found> PlaceSession::judge(Sighting now) {
     return seconds_between(before.recognition.t_ns, now.recognition.t_ns) > p_.agreement_s;
   });
   int fit = 0, contradict = 0;
-  const bool sure_alone = now.is_sure;
+  Sighting joined = now;
   for (const Sighting& before : recent_) {
     if (before.map != now.map) continue;
     const Agreement agreement = compare(before, now);
-    if (agreement == Agreement::yes) follow(before, now), ++fit;
+    if (agreement == Agreement::yes) follow(before, now, joined), ++fit;
     if (agreement == Agreement::no && before.is_sure && before.is_metric && now.is_metric) ++contradict;
   }
-  if (fit <= contradict) fit = 0, now.is_sure = sure_alone;
+  if (fit > contradict) now = joined;
+  if (fit <= contradict) fit = 0;
   recent_.push_back(now);
   if (fit == 0 || !now.is_sure || !now.is_metric) return std::nullopt;
 
   const auto last = std::find_if(used_.begin(), used_.end(), of_map);
   const bool again = last != used_.end() && last->recognition.key_frame == now.recognition.key_frame &&
-                     (last->T_s_c.p - now.T_s_c.p).norm() < p_.again_m &&
+                     (last->T_n_c.p - now.T_n_c.p).norm() < p_.again_m &&
                      seconds_between(last->recognition.t_ns, now.recognition.t_ns) < p_.again_s;
   if (again) return std::nullopt;
   std::erase_if(used_, of_map);
   used_.push_back(now);
   for (Loaded& loaded : loaded_)
-    if (loaded.id == now.map) loaded.T_s_m = now.T_s_c * now.T_m_c().inverse();
+    if (loaded.id == now.map) loaded.T_n_m = now.T_n_c * now.T_m_c().inverse();
   const Recognition& seen = now.recognition;
   if (now.map == 0) return Found{0, now.key_frame_ns, seen.t_ns, seen.T_k_c, seen.covariance};
   return Found{now.map, 0, seen.t_ns, now.T_m_c(), in_map(now.T_m_k, seen.covariance)};
 }
 
-void PlaceSession::move(int64_t t_ns, const Rigid& T_s_c) {
-  worker_.add([this, t_ns, T_s_c] {
+void PlaceSession::move(int64_t t_ns, const Rigid& T_n_c) {
+  worker_.add([this, t_ns, T_n_c] {
     for (const KeyFrame& frame : own_->key_frames())
-      if (frame.t_ns == t_ns) return own_->set_pose(frame.id, T_s_c);
+      if (frame.t_ns == t_ns) return own_->set_pose(frame.id, T_n_c);
   });
 }
 
-PlaceSession::Saved PlaceSession::save(const Rigid& T_n_s, size_t largest) {
+void PlaceSession::correct(const Rigid& by) {
+  for (std::vector<Sighting>* sightings : {&recent_, &used_})
+    for (Sighting& sighting : *sightings) sighting.T_n_c = by * sighting.T_n_c;
+  for (const auto& query : queries_) query->correction = by * query->correction;
+  for (Loaded& loaded : loaded_)
+    if (loaded.T_n_m) loaded.T_n_m = by * *loaded.T_n_m;
+}
+
+PlaceSession::Saved PlaceSession::save(size_t largest) {
   worker_.wait_for_all();
   Saved saved;
   const auto recognised =
-      std::find_if(loaded_.begin(), loaded_.end(), [](const Loaded& l) { return l.T_s_m.has_value(); });
-  saved.is_whole = loaded_.empty() || recognised != loaded_.end();
-  if (!saved.is_whole) return saved.id = loaded_[0].id, saved.bytes = bytes_of(*loaded_[0].map), saved;
-  // From s to the frame in which it is saved.
-  const Rigid T_m_s = loaded_.empty() ? T_n_s : recognised->T_s_m->inverse();
+      std::find_if(loaded_.begin(), loaded_.end(), [](const Loaded& l) { return l.T_n_m.has_value(); });
+  saved.has_own = loaded_.empty() || recognised != loaded_.end();
+  for (const Loaded& loaded : loaded_) saved.left_out += loaded.T_n_m ? 0 : 1;
+  if (!saved.has_own) {
+    --saved.left_out, saved.id = loaded_[0].id, saved.bytes = bytes_of(*loaded_[0].map);
+    return saved;
+  }
+  // From n to the frame in which it is saved.
+  const Rigid T_m_n = loaded_.empty() ? Rigid() : recognised->T_n_m->inverse();
   JoinedFrames frames;
   for (const Loaded& loaded : loaded_)
-    if (loaded.T_s_m) frames.add(*loaded.map, T_m_s * *loaded.T_s_m);
-  frames.add(*own_, T_m_s);
+    if (loaded.T_n_m) frames.add(*loaded.map, T_m_n * *loaded.T_n_m);
+  frames.add(*own_, T_m_n);
   PlaceMap whole(map_parameters_);
   whole.restore(frames.take());
   if (whole.key_frames().empty()) return saved;

@@ -16,11 +16,11 @@
 
 namespace odograph::place_map {
 
-/// A frame with its pose in the frame s of this session, which is n but for the corrections since it began.
+/// A frame with its pose.
 struct Sight {
   Picture picture;
-  Rigid T_s_c;
-  bool is_metric = true;            ///< false: the position of T_s_c means nothing yet
+  Rigid T_n_c;
+  bool is_metric = true;            ///< false: the position of T_n_c means nothing yet
   std::vector<Landmark> landmarks;  ///< in metres; none while the scale is not known
   double scale_sigma = 0;           ///< relative, which they have in common
   uint32_t epoch = 0;               ///< within which their ids are unique
@@ -52,6 +52,7 @@ class PlaceSession {
     double again_m = 0.5;           ///< m of way, or ...
     double again_s = 5;             ///< s, until the same place counts again: its landmarks' errors are the same
     double max_scale_sigma = 0.1;   ///< relative, of a key frame's landmarks
+    size_t max_key_frames = 1024;   ///< of this session: as many as the host keeps
     size_t max_waiting = 3;         ///< jobs in a live run; then pictures are passed over
   };
 
@@ -63,16 +64,19 @@ class PlaceSession {
   /// The results that are due at that time. In a replay it waits for them.
   std::vector<Found> take(int64_t now_ns);
   /// The pose of a key frame was corrected.
-  void move(int64_t t_ns, const Rigid& T_s_c);
+  void move(int64_t t_ns, const Rigid& T_n_c);
+  /// n was corrected: what was at T_n_c is at `by` T_n_c. The host moves key frames by itself.
+  void correct(const Rigid& by);
 
   /// The map of this session in n, or, once a loaded map was recognised, both in the frame of that. Waits until no job
   /// is left.
   struct Saved {
     uint64_t id = 0;  ///< 0: there is nothing to save
     std::vector<uint8_t> bytes;
-    bool is_whole = true;  ///< false: a loaded map was not recognised, so that it alone is kept
+    bool has_own = true;  ///< false: no loaded map was recognised, so that the first of them alone is kept
+    size_t left_out = 0;  ///< loaded maps that are not in it
   };
-  Saved save(const Rigid& T_n_s, size_t largest);
+  Saved save(size_t largest);
   /// Adds a map, whose frame is not known yet. The reason if it is damaged. Waits likewise.
   std::optional<std::string> load(uint64_t id, std::span<const uint8_t> bytes);
 
@@ -80,14 +84,14 @@ class PlaceSession {
   struct Loaded {
     uint64_t id;
     std::unique_ptr<PlaceMap> map;
-    std::optional<Rigid> T_s_m;
+    std::optional<Rigid> T_n_m;
   };
   /// What one picture gave for one map.
   struct Sighting {
     uint64_t map;  ///< 0: this session's
     Recognition recognition;
     int64_t key_frame_ns;
-    Rigid T_m_k, T_s_c;
+    Rigid T_m_k, T_n_c;
     bool is_metric;
     bool is_sure;  ///< by itself, or since it agrees with one that is, or with the strong one of another plane
     std::vector<Eigen::Vector3d> normals;  ///< in m, of the planes of strong ones that agree
@@ -98,11 +102,12 @@ class PlaceSession {
     Sight sight;
     uint64_t job = 0;
     std::vector<Sighting> found;
+    Rigid correction;  ///< of n since
   };
 
   void look_up(Query& query) const;
   std::optional<Found> judge(Sighting now);
-  void follow(const Sighting& before, Sighting& now) const;
+  void follow(const Sighting& before, const Sighting& now, Sighting& joined) const;
   Agreement compare(const Sighting& before, const Sighting& now) const;
 
   Parameters p_;

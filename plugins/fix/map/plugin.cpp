@@ -55,7 +55,6 @@ class Map {
     session_ = std::make_unique<PlaceSession>(PlaceMapParameters(), p, is_live_);
     landmarks_.clear(), landmarks_ns_ = INT64_MIN;
     pose_ = {}, pose_.header.t_ns = INT64_MIN;
-    T_n_s_ = {};
     camera_ = {};
     for (Waiting& waiting : waiting_) waiting.t_ns = INT64_MIN;
   }
@@ -91,14 +90,14 @@ class Map {
   }
 
   void on(const odo_correction& correction, odo::Output&) {
-    T_n_s_ = Rigid{odograph::quaternion(correction.q_n), Vector3d(correction.p_n)} * T_n_s_;
+    session_->correct({odograph::quaternion(correction.q_n), Vector3d(correction.p_n)});
   }
 
   /// A recognised place has moved it.
   void on(const odo_key_frame& frame, odo::Output& output) {
     if (frame.header.source != output.instance() || (frame.header.flags & ODO_FLAG_NAVIGATION) == 0) return;
     const Rigid T_n_b{odograph::quaternion(frame.q_n_b), Vector3d(frame.p_n_b)};
-    session_->move(frame.header.t_ns, T_n_s_.inverse() * T_n_b * T_b_c_);
+    session_->move(frame.header.t_ns, T_n_b * T_b_c_);
   }
 
   /// The pose of a frame precedes it, or follows within some frames where the front-end waits for inertial samples.
@@ -112,11 +111,14 @@ class Map {
   }
 
   std::vector<uint8_t> save_map() const {
-    const PlaceSession::Saved saved = session_->save(T_n_s_, static_cast<size_t>(largest * 1e6));
-    if (!saved.is_whole)
+    const PlaceSession::Saved saved = session_->save(static_cast<size_t>(largest * 1e6));
+    if (!saved.has_own)
       output_.report(ODO_SEVERITY_WARNING, "map_not_recognised",
                      "the loaded map was not recognised in this session: it is saved as it was, without what this "
                      "session has seen and without its new anchors");
+    if (saved.left_out > 0)
+      output_.report(ODO_SEVERITY_WARNING, "maps_left_out",
+                     "loaded maps that were not recognised in this session are not in the saved one: keep their files");
     return saved.id == 0 ? std::vector<uint8_t>() : with_id(saved.id, saved.bytes);
   }
 
@@ -147,7 +149,7 @@ class Map {
     sight.picture.lens = frame.lens;
     sight.picture.down_c = T_n_c.q.conjugate() * Vector3d::UnitZ();
     sight.picture.tilt_sigma_rad = std::sqrt(std::max(pose_.covariance[0], pose_.covariance[7]));
-    sight.T_s_c = T_n_s_.inverse() * T_n_c;
+    sight.T_n_c = T_n_c;
     constexpr uint32_t placed = ODO_POSE_POSITION | ODO_POSE_METRIC;
     const bool metric = (pose_.header.flags & placed) == placed && pose_.scale > 0 && pose_.scale_sigma > 0;
     sight.is_metric = metric;
@@ -207,7 +209,6 @@ class Map {
   std::array<Waiting, 4> waiting_;
   size_t next_ = 0;
   odo_pose pose_{};
-  Rigid T_n_s_;  // what corrections have moved so far
   uint64_t key_frames_ = 0;
   cv::Mat converted_;
 };

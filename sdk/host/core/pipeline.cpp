@@ -332,8 +332,8 @@ Pipeline::Pipeline(const PipelineConfig& config, const Surroundings& surrounding
       north_(config.declination_rad, config.start.heading_given),
       publisher_({roster_, watch_, checks_, north_, poses_, anchors_, scene_, surroundings.world_mutex}, publish_,
                  [this](const odo_header& event) {
-                   if (event.type == ODO_TYPE_POSE ? plugins_want_poses_ : plugins_want_corrections_)
-                     enqueue(AnyMessage(event));
+                   places_moved_ |= event.type == ODO_TYPE_CORRECTION;
+                   if (event.type == ODO_TYPE_POSE ? wants_poses_ : wants_corrections_) enqueue(AnyMessage(event));
                  }) {
   if (config.origin) geodesy_.set_origin(*config.origin);
   anchors_.set_ground([this](double north_m, double east_m, double near_down_m) {
@@ -345,8 +345,8 @@ Result<std::unique_ptr<Pipeline>> Pipeline::make(const PipelineConfig& config, c
                                                  Publish publish) {
   std::unique_ptr<Pipeline> pipeline(new Pipeline(config, surroundings, std::move(publish)));
   if (const auto started = pipeline->roster_.start(config); !started) return started.failure();
-  pipeline->plugins_want_poses_ = pipeline->roster_.wants(ODO_TYPE_POSE);
-  pipeline->plugins_want_corrections_ = pipeline->roster_.wants(ODO_TYPE_CORRECTION);
+  pipeline->wants_poses_ = pipeline->roster_.wants(ODO_TYPE_POSE);
+  pipeline->wants_corrections_ = pipeline->roster_.wants(ODO_TYPE_CORRECTION);
   return pipeline;
 }
 

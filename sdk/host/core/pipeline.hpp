@@ -109,7 +109,7 @@ class Pipeline {
   const odo_scale* scale_for(const odo_vo_motion& motion);
 
   PluginRoster roster_;
-  bool plugins_want_poses_ = false, plugins_want_corrections_ = false;  // some plugin wants them
+  bool wants_poses_ = false, wants_corrections_ = false;  // some plugin wants them
   const CouplingConfig coupling_;
   const StartPose start_;
   const FusionInputs inputs_;

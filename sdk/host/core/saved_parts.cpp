@@ -62,6 +62,8 @@ std::optional<std::vector<SavedPart>> parts_of(std::span<const uint8_t> blob, Sa
   uint32_t version = 0, count = 0;
   if (!reader.get(version) || version != kVersion || !reader.get(count)) return {};
   std::vector<SavedPart> parts;
+  constexpr uint32_t kMostParts = 1024;  // plugins with their maps; readers compare each with each
+  if (count > kMostParts) return {};
   for (uint32_t i = 0; i < count; ++i) {
     uint32_t name_size = 0;
     uint64_t data_size = 0;

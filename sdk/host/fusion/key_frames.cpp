@@ -153,6 +153,9 @@ UpdateResult KeyFrames::use(PoseFilter& filter, const odo_map_pose& place, bool 
   });
   if (KeptPose kept; known != maps_.end() && filter.kept_pose(known->pose_id, 0, kept)) {
     Innovation innovation = innovation_of(filter, known->pose_id, kept, seen, at);
+    // The track has drifted farther than it knows: things in the map must be where they are seen.
+    if (known->rejected >= p_.max_rejected && std::abs(innovation.residual[kYaw]) <= p_.largest_rotation_rad)
+      filter.inflate_kept(known->pose_id, (innovation.kept[0].H.inverse() * innovation.residual).cwiseAbs2());
     // The error of the map itself stays, however often it is recognised.
     const Innovation::Square expected = filter.covariance_of(innovation);
     for (int i = 0; i < 4; ++i) {
@@ -160,8 +163,6 @@ UpdateResult KeyFrames::use(PoseFilter& filter, const odo_map_pose& place, bool 
       const double least = gained > 0 ? expected(i, i) * floor[i] / gained : kUninformedVariance;
       innovation.noise(i, i) = std::max(innovation.noise(i, i), std::min(least, kUninformedVariance));
     }
-    // The track has drifted farther than it knows: things in the map must be where they are seen.
-    if (known->rejected >= p_.max_rejected) filter.inflate_kept(known->pose_id, innovation.residual.cwiseAbs2());
     const UpdateResult result = update(filter, innovation, at);
     known->rejected = result.accepted ? 0 : known->rejected + 1;
     if (result.accepted) known->recognised_ns = place.header.t_ns;

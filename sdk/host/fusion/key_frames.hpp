@@ -19,7 +19,8 @@ class KeyFrames {
   struct Parameters {
     size_t max = 1024;    ///< key frames of each instance, the newest ones; events.h
     size_t max_maps = 4;  ///< places of maps, those recognised last; events.h
-    /// Consecutive rejections of a map, after which its place in n is taken to be as wrong as it seems; as of fixes.
+    /// Consecutive rejections of a map, after which its place in n is taken to be as wrong as it seems, up to the
+    /// largest rotation; as of fixes.
     int max_rejected = 5;
     double moved_m = 0.01;    ///< m, and ...
     double moved_rad = 2e-3;  ///< rad: a smaller change of a key frame is not published; judgement

@@ -16,6 +16,13 @@ bool pass_map(PluginBackend& backend, std::span<const uint8_t> map) {
   return backend.take_map_piece(map.size(), {});
 }
 
+/// The first eight bytes (odo_plugin.save_map); 0 of fewer.
+uint64_t id_of(std::span<const uint8_t> map) {
+  uint64_t id = 0;
+  if (map.size() >= sizeof id) std::memcpy(&id, map.data(), sizeof id);
+  return id;
+}
+
 }  // namespace
 
 /// Those that it was given, to a backend that starts anew.
@@ -40,14 +47,14 @@ std::vector<uint8_t> PluginInstance::save_map() const {
 
 bool PluginInstance::load_map(std::span<const uint8_t> data) {
   if (!alive() || !pass_map(*backend_, data)) return false;
+  std::erase_if(maps_, [&](const std::vector<uint8_t>& loaded) { return id_of(loaded) == id_of(data); });
   maps_.emplace_back(data.begin(), data.end());
   return true;
 }
 
 bool PluginInstance::has_loaded(uint64_t map) const {
-  return std::any_of(maps_.begin(), maps_.end(), [map](const std::vector<uint8_t>& loaded) {
-    return loaded.size() >= sizeof map && std::memcmp(loaded.data(), &map, sizeof map) == 0;
-  });
+  return std::any_of(maps_.begin(), maps_.end(),
+                     [map](const std::vector<uint8_t>& loaded) { return id_of(loaded) == map; });
 }
 
 }  // namespace odograph

@@ -117,10 +117,11 @@ struct MapBenchmark : Benchmark {
                          text("map-%zx.odomap", std::hash<std::string>{}(one.files[1].string() + one.run.config));
     RunOptions run = one.run;
     run.map = map.string();
+    std::error_code error;
+    fs::remove(map, error);
     const auto first = replay(walk, run);
     if (!first) return first.failure();
     const Made made(*first, walk.truth);
-    std::error_code error;
     const auto bytes = fs::file_size(map, error);
     if (error || made.empty()) return Failure{ODO_E_STATE, one.run.config + ": the walk makes no map"};
     const fs::path copy = map.string() + "-copy";

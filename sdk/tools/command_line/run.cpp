@@ -81,12 +81,12 @@ void print(const RunArguments& a, const Recording& recording, const RunResult& r
   if (!result.corrected.empty())
     std::printf("corrected during the run by up to %.2f m: %s/corrected.tum has the track with later corrections\n",
                 largest_distance(result.track, result.corrected), a.output.c_str());
-  const auto used = std::count_if(result.map_poses.begin(), result.map_poses.end(), [](const odo_map_pose& place) {
-    return (place.header.flags & ODO_FLAG_ACCEPTED) != 0;
-  });
-  if (used > 0)
+  const auto is_used = [](const odo_map_pose& place) { return (place.header.flags & ODO_FLAG_ACCEPTED) != 0; };
+  const auto used = std::count_if(result.map_poses.begin(), result.map_poses.end(), is_used);
+  const auto first = std::find_if(result.map_poses.begin(), result.map_poses.end(), is_used);
+  if (used > 0 && !result.track.empty())
     std::printf("the place of %s is recognised: %td poses used, the first after %.1f s\n", a.options.map.c_str(), used,
-                1e-9 * static_cast<double>(result.map_poses[0].header.t_ns - result.track[0].t_ns));
+                1e-9 * static_cast<double>(first->header.t_ns - result.track[0].t_ns));
   if (result.origin)
     std::printf("on a map: odograph convert %s %s/track.gpx (or .kml, .geojson)\n", a.output.c_str(), a.output.c_str());
   std::printf("written to %s%s\n", a.output.c_str(), a.report ? "/ with report.html" : "/");

@@ -50,7 +50,8 @@ Result<MapFile> MapFile::read(const std::string& path, const std::vector<std::fi
   if (!maps) return in_file(maps.failure());
   if (maps->size() != 1) return Failure{ODO_E_UNSUPPORTED, path + ": has maps of several plugins; expected one"};
   const SavedMap& map = maps->front();
-  if (map.plugin.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789_-./# ") != std::string::npos)
+  if (map.plugin.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789_-/# ") != std::string::npos ||
+      map.plugin.starts_with('/'))  // a path would be opened
     return Failure{ODO_E_DATA, path + ": a map of a plugin whose name is none"};
   MapFile file;
   file.path_ = path, file.plugin_ = map.plugin.substr(0, map.plugin.find(" #"));
