@@ -132,10 +132,10 @@ std::optional<Found> PlaceSession::judge(Sighting now) {
     if (agreement == Agreement::yes) follow(before, now, joined), ++fit;
     if (agreement == Agreement::no && before.is_sure && before.is_metric && now.is_metric) ++contradict;
   }
-  if (fit > contradict) now = joined;
-  if (fit <= contradict) fit = 0;
+  const bool agrees = fit > contradict;
+  if (agrees) now = joined;
   recent_.push_back(now);
-  if (fit == 0 || !now.is_sure || !now.is_metric) return std::nullopt;
+  if (!agrees || !now.is_sure || !now.is_metric) return std::nullopt;
 
   const auto last = std::find_if(used_.begin(), used_.end(), of_map);
   const bool again = last != used_.end() && last->recognition.key_frame == now.recognition.key_frame &&
