@@ -243,7 +243,7 @@ class Visitor {
       const Rigid at{(yaw * start.q).normalized(), start.p + t * Vector3d(north, east, 0)};
       Sight sight;
       if (i < 7) sight.picture = look(at);
-      sight.picture.t_ns = i * 500'000'000, sight.T_s_c = at;
+      sight.picture.t_ns = i * 500'000'000, sight.T_n_c = at;
       if (i < 7) session.see(std::move(sight));
       for (const Found& found : session.take(i * 500'000'000)) return report(found, t, ahead, start, turn, north, east);
     }

@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "plugins/fix/map/place_types.hpp"
+#include "plugins/shared/camera/frame_view.hpp"
 #include "sdk/math/rotation.hpp"
 #include "sdk/tools/recording/recording.hpp"
 #include "sdk/tools/replay/replayed.hpp"
@@ -27,15 +28,6 @@ struct Shot {
   double scale_sigma = 1;
 };
 
-inline CameraModel lens_of(const odo_calibration& c) {
-  CameraModel lens;
-  lens.distortion = c.model == ODO_CAMERA_KANNALA_BRANDT ? CameraModel::Distortion::kannala_brandt
-                                                         : CameraModel::Distortion::radial_tangential;
-  lens.fx = c.fx, lens.fy = c.fy, lens.cx = c.cx, lens.cy = c.cy;
-  lens.coefficients.assign(c.distortion, c.distortion + c.distortion_count);
-  return lens;
-}
-
 /// Replays a recording and collects its frames with pose and landmarks.
 class Collector {
  public:
@@ -51,7 +43,7 @@ class Collector {
     odo_session_set_callback(session->get(), wanted, 2, on_event, this);
     for (const RecordedMessage& message : recording_.messages) {
       const odo_header& header = message.message.header();
-      if (header.type == ODO_TYPE_CALIBRATION) lens_ = lens_of(copy_as<odo_calibration>(header));
+      if (header.type == ODO_TYPE_CALIBRATION) lens_ = camera_of(copy_as<odo_calibration>(header));
       if (header.type != ODO_TYPE_FRAME) {
         odo_session_push(session->get(), &header);
         continue;
