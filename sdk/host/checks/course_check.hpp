@@ -1,14 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
+#include <optional>
+
+#include <Eigen/Core>
 #include <odograph/samples.h>
 
 #include "sdk/host/checks/input_fault.hpp"
+#include "sdk/math/ring.hpp"
 
 namespace odograph {
 
-/// Compares the bends of the path by positions with those by the gyroscope: they bend to the other side where latitude
-/// and longitude are exchanged, or one has lost its sign. No allocation. Not thread-safe.
+/// Compares the path by positions with what else is said of it, leg by leg. Its bends go to the other side than those
+/// by the gyroscope where latitude and longitude are exchanged, or one has lost its sign; the velocities of the same
+/// messages lead elsewhere where they are in another unit or in other axes. No allocation. Not thread-safe.
 class CourseCheck {
  public:
   struct Parameters {
@@ -19,6 +25,11 @@ class CourseCheck {
     double same_rad = 0.6;      ///< by which both may differ; exchanged axes distort a right angle by 0.4
     int opposed = 4;            ///< with no leg between them that contradicts: a phone that is turned in the hand or
                                 ///< positions that are reflected by buildings give two or three by chance
+    double max_gap_s = 3;       ///< s between velocities that are integrated
+    double differs = 0.2;       ///< share of the path by positions, squared, by which the velocities' is off; judgement
+    double explained = 0.25;    ///< share of the path by velocities that another unit and other axes do not explain
+    double other_unit = 1.5;    ///< factor, or its inverse: a knot is 0.51 m/s; positions with errors make it 0.8
+    double most = 5;            ///< the same: a km/h is 0.28 m/s; beyond, positions wander and nobody moves
   };
 
   void add(const odo_gnss& gnss, const FaultFound& found);
@@ -27,7 +38,18 @@ class CourseCheck {
   void reset() { *this = CourseCheck(); }
 
  private:
+  /// Of a leg, north and east, m: by positions and by the velocities meanwhile.
+  struct Paths {
+    Eigen::Vector2d positions, velocities;
+  };
+  void integrate(const odo_gnss& gnss);
+  void compare_paths(const FaultFound& found) const;
+  void compare_bends(double course_rad, const FaultFound& found);
+
   Parameters p_;
+  std::optional<odo_gnss> last_;            // with a velocity
+  std::optional<Eigen::Vector2d> moved_m_;  // by velocities in this leg; nothing: there is a gap
+  Ring<Paths, 8> paths_;
   double latitude_rad_ = 0, longitude_rad_ = 0;  // where the leg begins
   int legs_ = -1;                                // -1: no position yet
   double turned_rad_ = 0, sum_rad_ = 0;          // since the beginning; summed over the samples of this leg

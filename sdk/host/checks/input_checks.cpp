@@ -68,11 +68,15 @@ constexpr Row kRows[] = {
     {"camera_clock",
      "frames are %V s ahead of the inertial samples when they are pushed; expected times of the IMU's "
      "clock, or time_offset in the calibration"},
-    {"picture_frozen",
-     "the last %V pictures are identical while gyro_b turns: does the camera deliver the same frame again?"},
+    {"picture_repeated",
+     "%V % of the pictures are identical to the one before while gyro_b turns: does the camera deliver the same frame "
+     "again? Expected each frame once"},
     {"picture_overlay",
      "%V % of the pictures' edges stay in place while gyro_b turns: is something drawn over them? Expected the "
      "camera's own pictures; draw on a copy"},
+    {"picture_rows",
+     "each row of the pictures is displaced by %V pixels against the one above: is row_stride that of the plane? "
+     "Expected the bytes from one row to the next, which can be more than the width"},
     {"time_unit",
      "inertial samples are %V ns apart; expected nanoseconds: in ms (multiply by 1,000,000) or us (by 1,000)?"},
     {"imu_slow",
@@ -94,8 +98,10 @@ constexpr Row kRows[] = {
      "with the time of each"},
     {"gnss_mirrored",
      "the way by gnss bends to the other side than gyro_b turns (%V rad): latitude and longitude exchanged, or the "
-     "sign "
-     "of one lost? West and south are negative"},
+     "sign of one lost? West and south are negative"},
+    {"gnss_velocity",
+     "velocity_n is %V times the path by the positions, as %A of north, east, down; expected (x, y, z) in m/s: km/h, "
+     "knots, or the axes east, north, up?"},
     {"magnetometer_axes",
      "the magnetic field's inclination is %V rad, of the other hemisphere: is field_b in the axes of accel_b?"},
 };

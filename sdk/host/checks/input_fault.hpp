@@ -29,8 +29,9 @@ enum class InputFault : uint8_t {
   principal_point,
   picture_time,
   camera_clock,
-  picture_frozen,
+  picture_repeated,
   picture_overlay,
+  picture_rows,
   time_unit,
   imu_slow,
   imu_batched,
@@ -39,6 +40,7 @@ enum class InputFault : uint8_t {
   gnss_unset,
   gnss_repeated,
   gnss_mirrored,
+  gnss_velocity,
   magnetometer_axes,
   kCount
 };

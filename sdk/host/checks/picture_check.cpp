@@ -36,7 +36,7 @@ void PictureCheck::reset() {
   pairs_.clear();
   picture_ns_.reset();
   still_.reset();
-  pairs_since_ = open_ = 0, same_ = 0;
+  pairs_since_ = open_ = 0, pictures_ = 0;
 }
 
 /// Rotation of the camera between two times, in its own axes; nothing beyond the stored samples.
@@ -56,16 +56,17 @@ std::optional<Vector3d> PictureCheck::rotation_c(int64_t from_ns, int64_t to_ns)
 
 void PictureCheck::add(const odo_frame& frame) {
   const int64_t t_ns = frame.header.t_ns;
+  if (calibrated_) check_repeated(frame);
   if (!calibrated_ || (picture_ns_ && seconds(saturating_difference(t_ns, *picture_ns_)) < p_.interval_s)) return;
   complete_pairs();
   const auto last_ns = std::exchange(picture_ns_, t_ns);
+  const Vector3d turned_c = q_b_c_.conjugate() * (turned_.empty() ? Vector3d(0, 0, 0) : turned_.back(0).turned_b);
+  if (const auto shift_px = rows_.add(frame, turned_c)) found_(InputFault::picture_rows, *shift_px != 0, *shift_px, {});
   const Profiles& earlier = profiles_[newest_];
   newest_ = 1 - newest_;
   Profiles& picture = profiles_[newest_];
-  if (!picture.take(frame, p_.min_contrast)) return picture_ns_.reset(), void(same_ = 0);
-  if (!last_ns || seconds(saturating_difference(t_ns, *last_ns)) > p_.max_gap_s) return void(same_ = 0);
-  check_frozen(picture == earlier, t_ns);
-  const Vector3d turned_c = q_b_c_.conjugate() * (turned_.empty() ? Vector3d(0, 0, 0) : turned_.back(0).turned_b);
+  if (!picture.take(frame, p_.min_contrast)) return picture_ns_.reset(), void(pictures_ = 0);
+  if (!last_ns || seconds(saturating_difference(t_ns, *last_ns)) > p_.max_gap_s) return;
   if (const auto share = still_.add(frame, turned_c))
     found_(InputFault::picture_overlay, *share > p_.overlay, 100 * *share, {});
   const double f_px = (frame.header.flags & ODO_FRAME_INTRINSICS) && frame.fx > 0 ? frame.fx : f_px_;
@@ -94,12 +95,28 @@ void PictureCheck::complete_pairs() {
   }
 }
 
-void PictureCheck::check_frozen(bool same, int64_t t_ns) {
-  if (!same || same_ == 0) same_since_ns_ = t_ns;
-  same_ = same ? same_ + 1 : 0;
-  const auto turned =
-      same_ >= p_.frozen ? rotation_c(same_since_ns_, turned_.empty() ? 0 : turned_.back(0).t_ns) : std::nullopt;
-  if (!same || turned) found_(InputFault::picture_frozen, turned && turned->norm() > p_.frozen_rad, same_, {});
+void PictureCheck::check_repeated(const odo_frame& frame) {
+  const auto [offset, stride] = brightness(frame.format);
+  const odo_plane& plane = frame.planes[0];
+  if (stride == 0 || !plane.data) return;
+  const auto last = sparse_;
+  for (uint32_t r = 0; r < 16; ++r)
+    for (uint32_t c = 0; c < 16; ++c) {
+      const int64_t y = (2 * r + 1) * frame.height / 32, x = (2 * c + 1) * frame.width / 32;
+      sparse_[16 * r + c] =
+          plane.data[y * plane.row_stride + x * static_cast<int64_t>(stride) + static_cast<int64_t>(offset)];
+    }
+  const int64_t t_ns = frame.header.t_ns;
+  if (pictures_ == 0 || seconds(saturating_difference(t_ns, since_ns_)) > p_.repeated_s)
+    pictures_ = same_ = 0, since_ns_ = t_ns;
+  else
+    same_ += sparse_ == last;
+  if (++pictures_ <= p_.of_pictures) return;
+  const auto turned = rotation_c(since_ns_, turned_.empty() ? 0 : turned_.back(0).t_ns);
+  if (!turned || turned->norm() < p_.repeated_rad) return;
+  const double share = static_cast<double>(same_) / (pictures_ - 1);
+  found_(InputFault::picture_repeated, share > p_.repeated, 100 * share, {});
+  pictures_ = 0;
 }
 
 /// Of the shifts with the rotations, if the camera's axes were exchanged and its clock was behind by a lag.

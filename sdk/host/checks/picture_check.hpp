@@ -15,6 +15,7 @@
 
 #include "sdk/host/checks/input_fault.hpp"
 #include "sdk/host/checks/profiles.hpp"
+#include "sdk/host/checks/row_shift.hpp"
 #include "sdk/host/checks/still_edges.hpp"
 #include "sdk/math/ring.hpp"
 #include "sdk/math/timed_ring.hpp"
@@ -22,7 +23,8 @@
 namespace odograph {
 
 /// Checks a camera's mount, orientation, focal length and clock by the gyroscope: while the phone turns, pictures shift
-/// by the focal length times the angle; what is drawn over them stays. No allocation. Not thread-safe.
+/// by the focal length times the angle; what is drawn over them stays; none is the one before. No allocation. Not
+/// thread-safe.
 class PictureCheck {
  public:
   struct Parameters {
@@ -46,8 +48,10 @@ class PictureCheck {
     int64_t other_time_ns = 90'000'000;  ///< the best lag; 0.06 s at most in real and simulated recordings
     double halved = 0.5;                 ///< share of the contradiction that this lag leaves at most; judgement
     double overlay = 0.005;              ///< share of the picture's edges that stay still; real pictures have none
-    int frozen = 20;                     ///< identical pictures in a row
-    double frozen_rad = 0.3;             ///< rad turned meanwhile
+    double repeated = 0.3;               ///< share of pictures that are identical to the one before; honest 0 ...
+    int of_pictures = 20;                ///< ... of so many at least ...
+    double repeated_rad = 0.3;           ///< ... while the phone turns by this, rad ...
+    double repeated_s = 4;               ///< ... within this time, s
   };
 
   explicit PictureCheck(FaultFound found) : found_(std::move(found)) {}
@@ -94,7 +98,7 @@ class PictureCheck {
   std::optional<Eigen::Vector3d> rotation_c(int64_t from_ns, int64_t to_ns) const;
   Fit fit(const SignedAxes& axes, size_t lag = kNoLag) const;
   void complete_pairs();
-  void check_frozen(bool same, int64_t t_ns);
+  void check_repeated(const odo_frame& frame);
   void check();
 
   Parameters p_;
@@ -110,8 +114,10 @@ class PictureCheck {
   size_t newest_ = 0;
   std::optional<int64_t> picture_ns_;
   size_t pairs_since_ = 0;
-  int same_ = 0;
-  int64_t same_since_ns_ = 0;
+  RowShift rows_;
+  std::array<uint8_t, 256> sparse_{};  // of the newest picture
+  int pictures_ = 0, same_ = 0;        // since
+  int64_t since_ns_ = 0;
 };
 
 }  // namespace odograph

@@ -31,7 +31,6 @@ class Profiles {
   /// Shift of the content from an earlier picture to this one, pixels of the picture; NaN along an axis where they do
   /// not resemble each other.
   Eigen::Vector2d shift_since(const Profiles& earlier, double min_likeness) const;
-  bool operator==(const Profiles& other) const { return x_.value == other.x_.value && y_.value == other.y_.value; }
 
  private:
   Profile x_, y_;
