@@ -63,7 +63,7 @@ std::optional<int> RowShift::shift(const odo_frame& frame) const {
   std::ranges::nth_element(sorted, sorted.begin() + kPairs / 2);
   const int middle = sorted[kPairs / 2];
   if (std::ranges::count(found, middle) < p_.agreeing) return std::nullopt;
-  return std::abs(middle) >= p_.least_px ? middle : 0;
+  return std::abs(middle) >= p_.min_px ? middle : 0;
 }
 
 }  // namespace odograph

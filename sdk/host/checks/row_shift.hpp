@@ -15,7 +15,7 @@ class RowShift {
   struct Parameters {
     int each = 10;        ///< one of so many pictures is looked at
     int agreeing = 6;     ///< of the eight pairs of rows; the others may show plain walls or sky
-    int least_px = 8;     ///< alignments are multiples of 8 or more; slanted parallel lines have less
+    int min_px = 8;       ///< alignments are multiples of 8 or more; slanted parallel lines have less
     double contrast = 3;  ///< grey levels by which neighbours differ at least, in the mean
     double unlike_fraction =
         0.3;                  ///< of the difference to a row an eighth of the picture below; less in a right picture
