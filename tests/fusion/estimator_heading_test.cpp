@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Heading errors beyond a small angle, and announcements of a rotated world.
+#include "sdk/host/fusion/heading.hpp"
 #include "tests/support/measured_walk.hpp"
 #include "tests/support/support.hpp"
 
@@ -100,6 +101,16 @@ TEST_CASE("a compass for the start alone does not rotate a camera's world, not a
     CHECK(turned_rad[0] > 0.02);
     CHECK(std::abs(turned_rad[1]) < 0.005);
   }
+}
+
+TEST_CASE("a heading without north states the drift of a gyroscope whose bias is known to 0.02 degrees a second") {
+  PoseFilter filter;
+  Heading heading;
+  heading.start(filter);
+  for (int i = 0; i < 300; ++i) heading.propagate(filter, 1, true);
+  const double off_rad = 300 * 0.02 * EIGEN_PI / 180;
+  CHECK(3 * filter.sigma(kHeading) > off_rad);
+  CHECK(filter.sigma(kHeading) < off_rad);
 }
 
 TEST_CASE("without a camera a walk drifts with its compass heading, consistently with its covariance") {

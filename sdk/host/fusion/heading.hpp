@@ -15,7 +15,9 @@ class Heading {
   struct Parameters {
     double interval_s = 1.0;  ///< s between the attitudes used: closer ones have correlated errors
     double yaw_rad = 0.02;    ///< rad, of one attitude
-    double walk = 2e-4;       ///< rad/sqrt(s), of a heading without north
+    /// rad/sqrt(s), of a heading without north: a residual bias of 0.02 deg/s is 0.1 rad in five minutes. With 2e-4
+    /// simulated walks with pockets were off by ten sigmas (docs/estimator.md).
+    double walk = 3e-3;
     /// s, correlation time of the compass error: 20 to 60 s in streets (bench canyon).
     double north_correlation_s = 60;
     double gap_rotation = 0.7;  ///< rad/sqrt(s), of its frame in a gap: a hand rotates by 30 deg/s rms
