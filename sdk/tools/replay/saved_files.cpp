@@ -28,7 +28,11 @@ Result<std::string> read_saved_bytes(const SavedFile& saved, const std::string& 
 Result<bool> read_saved(odo_session* session, const SavedFile& saved, const std::string& path) {
   if (path.empty()) return true;
   const auto blob = read_saved_bytes(saved, path);
-  if (!blob && blob.failure().status == ODO_E_NOT_FOUND) return true;
+  if (!blob && blob.failure().status == ODO_E_NOT_FOUND) {
+    const std::filesystem::path folder = std::filesystem::absolute(path).parent_path();
+    if (std::filesystem::is_directory(folder)) return true;  // written at the end
+    return Failure{ODO_E_NOT_FOUND, path + ": the folder for the saved " + saved.what + " does not exist"};
+  }
   if (!blob) return blob.failure();
   if (saved.load(session, blob->data(), blob->size()) == ODO_OK) return true;
   odo_error error{sizeof error, ODO_OK, {}};
