@@ -177,6 +177,7 @@ struct SimulatedOptions {
   size_t queries = 100, visits = 0;
   double light = 1, tilt_sigma_rad = 0.005, aside_m = 0.5, yaw_rad = 0.25;
   std::string other_lens;
+  bool landmarks = false;
 };
 
 Scenario::Camera camera_of(const Scenario& scenario, const std::string& lens) {
@@ -219,6 +220,28 @@ class Visitor {
     const Vector3d tilt(o_.tilt_sigma_rad * pitch, o_.tilt_sigma_rad * other, 0);
     picture.down_c = exp_rotation(tilt) * picture.down_c, picture.tilt_sigma_rad = std::max(0.003, o_.tilt_sigma_rad);
     return picture;
+  }
+
+  /// Distances of the map's landmarks over the exact ones, of each key frame.
+  void landmarks() const {
+    for (const KeyFrame& frame : made_.map.key_frames()) {
+      const Rigid& place = made_.places.at(frame.id);
+      std::vector<double> ratios;
+      int beyond = 0;
+      for (const KeptLandmark& one : frame.landmarks) {
+        const Vector3d p_k = Eigen::Vector3f::Map(one.p_k.data()).cast<double>();
+        const auto seen = views_.world().look(place.p, place.q * p_k.normalized());
+        if (!seen) continue;
+        ratios.push_back(p_k.norm() / seen->distance_m);
+        beyond += std::abs(p_k.norm() - seen->distance_m) > 3 * static_cast<double>(one.along_sigma);
+      }
+      if (ratios.empty()) continue;
+      std::sort(ratios.begin(), ratios.end());
+      const auto quantile = [&](size_t percent) { return ratios[(ratios.size() - 1) * percent / 100]; };
+      std::printf("landmarks kf=%llu n=%zu beyond=%d q10=%.2f q50=%.2f q90=%.2f\n",
+                  static_cast<unsigned long long>(frame.id), ratios.size(), beyond, quantile(10), quantile(50),
+                  quantile(90));
+    }
   }
 
   /// A single picture.
@@ -288,6 +311,7 @@ int simulated_queries(const SimulatedOptions& o) {
   Visitor visitor(o, *scenario, made);
   Printer printer(made.places);
   const std::vector<uint8_t> stored = bytes_of(made.map);
+  if (o.landmarks) visitor.landmarks();
   for (size_t i = 0; i < o.queries; ++i) visitor.query(printer);
   for (size_t i = 0; i < o.visits; ++i) visitor.visit(stored);
   return 0;
@@ -324,6 +348,7 @@ int main(int argc, char** argv) {
   sim->add_option("--aside", o.aside_m);
   sim->add_option("--yaw", o.yaw_rad);
   sim->add_option("--lens", o.other_lens);
+  sim->add_flag("--landmarks", o.landmarks, "distances of the map's landmarks over the exact ones");
   app.require_subcommand(1);
   CLI11_PARSE(app, argc, argv);
   o.config = config;

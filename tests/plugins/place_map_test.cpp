@@ -221,6 +221,23 @@ TEST_CASE("landmarks between key frames lie where the wall is") {
   CHECK(static_cast<double>(on_wall) > 0.97 * static_cast<double>(paired));
 }
 
+TEST_CASE("a corner that would be much nearer or farther than the tracked landmarks beside it is another window") {
+  std::vector<Landmark> tracked(5);
+  const double distances[] = {10, 11, 12, 2, 40};
+  for (size_t i = 0; i < tracked.size(); ++i) {
+    const double aside = i < 3 ? 0.05 * static_cast<double>(i) : 0.6;  // the last two are elsewhere in the picture
+    tracked[i].p_c = distances[i] * Vector3d(aside, 0, 1).normalized();
+  }
+  const auto is_kept = [&](double distance) {
+    return is_as_far(distance * Vector3d(0.02, 0.02, 1).normalized(), tracked, ViewPairParameters());
+  };
+  CHECK(is_kept(7));
+  CHECK(is_kept(18));
+  CHECK_FALSE(is_kept(4));
+  CHECK_FALSE(is_kept(25));
+  CHECK_FALSE(is_as_far(Vector3d(0, 0, 5), {}, ViewPairParameters()));
+}
+
 TEST_CASE("the same pictures give the same recognition, and a stored map the same as the one it was made from") {
   const Wall wall(1);
   const auto made = [&] {

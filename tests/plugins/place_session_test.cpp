@@ -20,7 +20,7 @@ PlaceSession new_places() { return {PlaceMapParameters(), PlaceSession::Paramete
 Sight sight_of(const Wall& wall, int64_t t_ns, const Rigid& T_w_c, const Rigid& T_n_c, bool is_metric = true) {
   Sight out;
   out.picture = wall.picture(T_w_c);
-  out.picture.t_ns = t_ns, out.T_n_c = T_n_c, out.is_metric = is_metric, out.scale_sigma = 0.02;
+  out.picture.t_ns = t_ns, out.T_n_c = T_n_c, out.is_placed = out.is_metric = is_metric, out.scale_sigma = 0.02;
   return out;
 }
 
@@ -47,6 +47,26 @@ TEST_CASE("before the scale nothing is given out; the first metric picture is, t
   CHECK(found[0].t_ns == 3 * kHalf_s);
   CHECK(found[0].map == 7);
   CHECK((found[0].T_x_c.p - Vector3d(0.12, 0, 0)).norm() < 0.06);  // the mark of the requirement at 3 m
+}
+
+TEST_CASE(
+    "while the front-end starts again the place is known, though the way since the picture before is a third off") {
+  const Wall wall(1);
+  for (const double factor : {1.3, 5.0}) {  // of the way
+    PlaceSession places = new_places();
+    REQUIRE(!places.load(7, map_of_wall(wall)));
+    std::vector<Found> found;
+    for (int64_t i = 0; i < 2; ++i) {
+      const Rigid T = at({0.3 * static_cast<double>(i), 0, 0}), reckoned = at({factor * T.p.x() + 6, 0, 4});
+      Sight one = sight_of(wall, i * kHalf_s, T, reckoned);
+      one.is_metric = false;
+      places.see(one);
+      for (const Found& each : places.take((i + 1) * kHalf_s)) found.push_back(each);
+    }
+    REQUIRE(found.size() == (factor < 2 ? 1 : 0));
+    if (!found.empty()) CHECK((found[0].T_x_c.p - Vector3d(0.3, 0, 0)).norm() < 0.06);
+    CHECK(!places.save(1'000'000).has_own);  // what is reckoned says nothing of where the map is
+  }
 }
 
 TEST_CASE("pictures that the track puts elsewhere than the map does are no recognition; corrections of n carry over") {

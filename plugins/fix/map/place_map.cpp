@@ -96,6 +96,7 @@ void PlaceMap::add_paired(const PictureLevels& levels, std::span<const Landmark>
     for (const PairedCorner& pair : pair_corners(view, older, *motion, p_.pairs)) {
       if (frame.landmarks.size() >= p_.max_landmarks) return;
       if (!(pair.along_sigma < p_.max_sigma * pair.p_c.norm()) || view.ids[pair.feature] != 0) continue;
+      if (!is_as_far(pair.p_c, landmarks, p_.pairs)) continue;
       const Vector3d& ray = view.features[pair.feature].ray_c;
       if (std::any_of(rays.begin(), rays.end(),
                       [&](const Vector3d& other) { return (other - ray).norm() < p_.pairs.apart_rad; }))

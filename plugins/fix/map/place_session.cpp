@@ -70,8 +70,15 @@ void PlaceSession::look_up(Query& query) const {
     const auto found = map.best_of(view, map.candidates(view, without));
     if (!found || !map.is_plausible(*found)) return;
     const KeyFrame* frame = map.find(found->key_frame);
-    Sighting& sighting = query.found.emplace_back(Sighting{
-        id, *found, frame->t_ns, frame->T_m_k, query.sight.T_n_c, query.sight.is_metric, map.is_accepted(*found), {}});
+    Sighting& sighting = query.found.emplace_back(Sighting{id,
+                                                           *found,
+                                                           frame->t_ns,
+                                                           frame->T_m_k,
+                                                           query.sight.T_n_c,
+                                                           query.sight.is_placed,
+                                                           query.sight.is_metric,
+                                                           map.is_accepted(*found),
+                                                           {}});
     if (map.is_strong(*found)) sighting.normals.push_back(frame->T_m_k.q * found->normal_k);
   };
   look(0, *own_, excludes);
@@ -97,11 +104,12 @@ std::vector<Found> PlaceSession::take(int64_t now_ns) {
 
 Agreement PlaceSession::compare(const Sighting& before, const Sighting& now) const {
   Rigid way = before.T_n_c.inverse() * now.T_n_c;
-  const bool is_metric = before.is_metric && now.is_metric;
-  if (!is_metric) way.p.setZero();
+  const bool is_metric = before.is_metric && now.is_metric, is_placed = before.is_placed && now.is_placed;
+  if (!is_placed) way.p.setZero();
   Eigen::Matrix<double, 6, 6> drift = Eigen::Matrix<double, 6, 6>::Zero();
   drift.diagonal().head<3>().setConstant(std::pow(p_.drift_rad, 2));
-  const double sigma_m = is_metric ? std::hypot(p_.drift_m, p_.drift * way.p.norm()) : p_.unknown_distance_m;
+  const double relative = is_metric ? p_.drift : p_.reckoned_drift;
+  const double sigma_m = is_placed ? std::hypot(p_.drift_m, relative * way.p.norm()) : p_.unknown_distance_m;
   drift.diagonal().tail<3>().setConstant(sigma_m * sigma_m);
   return agree(before.recognition, before.T_m_k, now.recognition, now.T_m_k, way, drift);
 }
@@ -135,7 +143,8 @@ std::optional<Found> PlaceSession::judge(Sighting now) {
   const bool agrees = fit > contradict;
   if (agrees) now = joined;
   recent_.push_back(now);
-  if (!agrees || !now.is_sure || !now.is_metric) return std::nullopt;
+  const bool is_backed = now.is_metric || now.recognition.log_odds > p_.reckoned_log_odds;
+  if (!agrees || !now.is_sure || !now.is_placed || !is_backed) return std::nullopt;
 
   const auto last = std::find_if(used_.begin(), used_.end(), of_map);
   const bool again = last != used_.end() && last->recognition.key_frame == now.recognition.key_frame &&
@@ -145,7 +154,7 @@ std::optional<Found> PlaceSession::judge(Sighting now) {
   std::erase_if(used_, of_map);
   used_.push_back(now);
   for (Loaded& loaded : loaded_)
-    if (loaded.id == now.map) loaded.T_n_m = now.T_n_c * now.T_m_c().inverse();
+    if (loaded.id == now.map && now.is_metric) loaded.T_n_m = now.T_n_c * now.T_m_c().inverse();
   const Recognition& seen = now.recognition;
   if (now.map == 0) return Found{0, now.key_frame_ns, seen.t_ns, seen.T_k_c, seen.covariance};
   return Found{now.map, 0, seen.t_ns, now.T_m_c(), in_map(now.T_m_k, seen.covariance)};

@@ -20,7 +20,8 @@ namespace odograph::place_map {
 struct Sight {
   Picture picture;
   Rigid T_n_c;
-  bool is_metric = true;            ///< false: the position of T_n_c means nothing yet
+  bool is_placed = true;            ///< false: the position of T_n_c means nothing yet
+  bool is_metric = true;            ///< false: its changes mean nothing, as after a restart of the front-end
   std::vector<Landmark> landmarks;  ///< in metres; none while the scale is not known
   double scale_sigma = 0;           ///< relative, which they have in common
   uint32_t epoch = 0;               ///< within which their ids are unique
@@ -47,8 +48,10 @@ class PlaceSession {
     double drift = 0.02;            ///< sigma of the way between their pictures, relative, ...
     double drift_m = 0.01;          ///< m, at least, ...
     double drift_rad = 0.005;       ///< rad, and of its rotation: half a degree of a gyroscope in 5 s
+    double reckoned_log_odds = 80;  ///< needed meanwhile, twice as much: this way excludes no neighbouring window
     double other_plane_rad = 0.35;  ///< between the normals of two planes: copies of one are parallel to it
-    double unknown_distance_m = 1;  ///< sigma of the way while positions mean nothing: some steps within seconds
+    double unknown_distance_m = 1;  ///< sigma of the way while changes mean nothing: some steps within seconds
+    double reckoned_drift = 0.3;    ///< the same of the way while the front-end starts again: by steps or its memory
     double again_m = 0.5;           ///< m of way, or ...
     double again_s = 5;             ///< s, until the same place counts again: its landmarks' errors are the same
     double max_scale_sigma = 0.1;   ///< relative, of a key frame's landmarks
@@ -92,7 +95,7 @@ class PlaceSession {
     Recognition recognition;
     int64_t key_frame_ns;
     Rigid T_m_k, T_n_c;
-    bool is_metric;
+    bool is_placed, is_metric;  ///< as in Sight
     bool is_sure;  ///< by itself, or since it agrees with one that is, or with the strong one of another plane
     std::vector<Eigen::Vector3d> normals;  ///< in m, of the planes of strong ones that agree
     Rigid T_m_c() const { return T_m_k * recognition.T_k_c; }

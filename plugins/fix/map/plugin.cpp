@@ -151,7 +151,8 @@ class Map {
     sight.picture.tilt_sigma_rad = std::sqrt(std::max(pose_.covariance[0], pose_.covariance[7]));
     sight.T_n_c = T_n_c;
     constexpr uint32_t placed = ODO_POSE_POSITION | ODO_POSE_METRIC;
-    const bool metric = (pose_.header.flags & placed) == placed && pose_.scale > 0 && pose_.scale_sigma > 0;
+    sight.is_placed = (pose_.header.flags & placed) == placed;
+    const bool metric = sight.is_placed && pose_.scale > 0 && pose_.scale_sigma > 0;
     sight.is_metric = metric;
     const double scale_sigma = metric ? pose_.scale_sigma / pose_.scale : 1;
     if (metric && pose_.state == ODO_TRACKING && landmarks_ns_ == frame.t_ns) {

@@ -38,6 +38,17 @@ std::optional<ViewMotion> motion_between(const CornerView& view, std::span<const
   return ViewMotion{refined->T_c_k, std::sqrt(covariance.topLeftCorner<3, 3>().trace() / 3)};
 }
 
+bool is_as_far(const Vector3d& p_c, std::span<const Landmark> tracked, const ViewPairParameters& p) {
+  std::vector<std::pair<double, double>> near;  // angle to it, as 1 - cosine, and distance
+  for (const Landmark& landmark : tracked)
+    near.emplace_back(1 - p_c.normalized().dot(landmark.p_c.normalized()), landmark.p_c.norm());
+  const auto last = near.begin() + static_cast<std::ptrdiff_t>(std::min(p.beside, near.size()));
+  std::partial_sort(near.begin(), last, near.end());
+  const auto [nearest, farthest] =
+      std::minmax_element(near.begin(), last, [](const auto& a, const auto& b) { return a.second < b.second; });
+  return last != near.begin() && p_c.norm() > nearest->second / p.deeper && p_c.norm() < farthest->second * p.deeper;
+}
+
 std::vector<PairedCorner> pair_corners(const CornerView& view, const CornerView& older, const ViewMotion& motion,
                                        const ViewPairParameters& p) {
   std::vector<PairedCorner> pairs;

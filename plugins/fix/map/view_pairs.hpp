@@ -24,6 +24,8 @@ struct ViewPairParameters {
   double min_range = 0.2, max_range = 60;  ///< metres
   size_t min_common = 8;                   ///< tracked landmarks of both, which give the motion
   double apart_rad = 0.01;                 ///< from landmarks that there are: 4 px of the finest level
+  size_t beside = 3;                       ///< tracked landmarks nearest to a corner in the picture, ...
+  double deeper = 1.6;  ///< beyond whose distances it is by this factor at most: no window for another
 };
 
 /// The corners of a key frame, with the ids of those that are landmarks (0: not).
@@ -46,6 +48,9 @@ struct ViewMotion {
 std::optional<ViewMotion> motion_between(const CornerView& view, std::span<const Landmark> landmarks,
                                          const CornerView& older, const Rigid& T_o_c, const PoseParameters& pose,
                                          size_t fewest);
+
+/// Whether a point is about as far as the tracked landmarks beside it in the picture.
+bool is_as_far(const Eigen::Vector3d& p_c, std::span<const Landmark> tracked, const ViewPairParameters& parameters);
 
 /// A corner of a new view as a landmark.
 struct PairedCorner {
