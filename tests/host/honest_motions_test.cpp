@@ -58,7 +58,8 @@ std::string said_of(const Honest& m, uint32_t seed) {
     off_m = 0.95 * off_m + noise(0.31 * m.gnss_m);
     const Vector3d place = m.p_n(t) + off_m;
     auto gnss = make_message<odo_gnss>(ODO_TYPE_GNSS, t_ns);
-    gnss.header.flags = ODO_GNSS_POSITION | ODO_GNSS_COVARIANCE;
+    gnss.header.flags = ODO_GNSS_POSITION | ODO_GNSS_COVARIANCE | ODO_GNSS_VELOCITY;
+    Vector3d::Map(gnss.velocity_n) = (m.p_n(t + kStep_s) - m.p_n(t - kStep_s)) / (2 * kStep_s) + noise(0.1);
     gnss.latitude_rad = 0.84 + place.x() / kEarth_m;
     gnss.longitude_rad = 0.2 + place.y() / kEarth_m / std::cos(0.84);
     gnss.covariance_n[0] = gnss.covariance_n[4] = gnss.covariance_n[8] = m.stated_m * m.stated_m;
@@ -133,4 +134,24 @@ TEST_CASE("positions reflected by buildings and a phone turned in the hand are n
       CAPTURE(speed_mps);
       CHECK(said_of(looking_around("looking around", speed_mps), seed) == "");
     }
+}
+
+TEST_CASE("the velocity of a straight path fits, however far the positions are off") {
+  for (const double speed_mps : {0.0, 1.3, 10.0})
+    for (const double north : {1.0, 0.7})
+      for (const double gnss_m : {1.0, 3.0, 4.0, 6.0})
+        for (uint32_t seed = 1; seed <= 4; ++seed) {
+          const Vector3d ahead(north, std::sqrt(1 - north * north), 0);
+          const Honest straight{
+              "straight",
+              [=](double t) -> Vector3d { return speed_mps * t * ahead + Vector3d(0, 0.3 * std::sin(1.1 * t), 0); },
+              [](double) { return kHeld; },
+              400,
+              speed_mps > 0 ? 2.0 : 0.0,
+              gnss_m,
+              3};
+          CAPTURE(speed_mps);
+          CAPTURE(gnss_m);
+          CHECK(said_of(straight, seed) == "");
+        }
 }

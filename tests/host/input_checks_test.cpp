@@ -2,6 +2,7 @@
 //
 // Mistakes of an app in the live API: each is named within seconds of a motion that shows it, and no pose is "tracking"
 // while it lasts. Right input of the same motions is not called wrong.
+#include "sdk/host/checks/picture_check.hpp"
 #include "tests/host/mistakes.hpp"
 
 using namespace odograph;
@@ -68,6 +69,50 @@ TEST_CASE("a velocity that fits the positions is right; none while these wander,
     CAPTURE(velocity);
     CHECK(run(input).warnings.count("gnss_velocity") == 0);
   }
+}
+
+namespace {
+
+/// Whether pictures 20 times a second are found to repeat: at rest for 3 s, then turning at 0.8 rad/s for 3 s.
+bool repeat(const std::function<std::vector<uint8_t>(int i, double turned_rad)>& picture) {
+  bool found = false;
+  PictureCheck check([&](InputFault fault, bool wrong, double, const SignedAxes&) {
+    found = found || (wrong && fault == InputFault::picture_repeated);
+  });
+  auto c = make_message<odo_calibration>(ODO_TYPE_CALIBRATION, 0);
+  c.header.flags = ODO_CALIBRATION_EXTRINSICS;
+  c.width = Pictures::kWidth, c.height = Pictures::kHeight, c.fx = c.fy = Pictures::kFocal_px, c.cx = 80, c.cy = 60;
+  put_quaternion(rear_camera_mount(), c.q_b_c);
+  check.add(c);
+  for (int i = 0; i < 1200; ++i) {
+    const double t = i / 200.0, rate = t < 3 ? 0 : 0.8;
+    check.add(imu_at(static_cast<int64_t>(t * 1e9), Vector3d(0, rate, 0), Vector3d(0, 9.81, 0)));
+    if (i % 10 != 0) continue;
+    const auto pixels = picture(i / 10, rate * (t - 3));
+    auto frame = make_message<odo_frame>(ODO_TYPE_FRAME, static_cast<int64_t>(t * 1e9));
+    frame.format = ODO_FORMAT_GREY8, frame.width = Pictures::kWidth, frame.height = Pictures::kHeight;
+    frame.planes[0] = {pixels.data(), frame.width, 1, 0};
+    check.add(frame);
+  }
+  return found;
+}
+
+}  // namespace
+
+TEST_CASE("pictures repeat at rest and at night; while the camera turns they must not") {
+  const Pictures pictures;
+  const auto turned = [&](double rad) {
+    return pictures.at(Quaterniond(0.5, 0.5, 0.5, 0.5) * Quaterniond(Eigen::AngleAxisd(rad, Vector3d::UnitY())));
+  };
+  CHECK_FALSE(repeat([&](int, double rad) { return turned(rad); }));
+  CHECK(repeat([&](int i, double rad) { return turned(rad - (i % 2) * 0.04 * (rad > 0)); }));
+  CHECK_FALSE(repeat([](int, double rad) {  // a lamp in the dark
+    std::vector<uint8_t> pixels(size_t(Pictures::kWidth) * Pictures::kHeight, 0);
+    const auto at = static_cast<size_t>(20 + 100 * std::fmod(rad, 1.0));
+    for (size_t v = 40; v < 46; ++v)
+      std::fill_n(pixels.begin() + static_cast<int64_t>(v * Pictures::kWidth + at), 6, 255);
+    return pixels;
+  }));
 }
 
 TEST_CASE("a pause is no batch of samples") {

@@ -285,10 +285,11 @@ void Mistakes::others() {
   auto& unsigned_west = add("a longitude without its sign", "gnss_mirrored", "West");
   unsigned_west.seconds = 60, unsigned_west.motion = {0.1, 2.5, kNoSurge, 0.2},
   unsigned_west.further = circle(false, -1);
-  for (const double scale : {3.6, 1.94384, 1.0}) {
-    auto& velocity =
-        add("a velocity in km/h, in knots, east first", "gnss_velocity", scale == 1 ? "(y, x, z)" : "knots");
-    velocity.seconds = 60, velocity.motion = {0.1, 2.5, kNoSurge, 2.0 / 30}, velocity.further = walk(scale, scale == 1);
+  for (const auto& [factor, named] : {std::pair(3.6, "is 3.6 times"), std::pair(1.94384, "is 1.94"),
+                                      std::pair(1000.0, "is 1000 times"), std::pair(1.0, "(y, x, z)")}) {
+    auto& velocity = add("a velocity in km/h, in knots, in mm/s, east first", "gnss_velocity", named);
+    velocity.seconds = 60, velocity.motion = {0.1, 2.5, kNoSurge, 2.0 / 30};
+    velocity.further = walk(factor, factor == 1);
   }
   auto& field = add("a field in the axes of the camera", "magnetometer_axes", "axes of accel_b");
   field.seconds = 20;

@@ -108,8 +108,9 @@ Agreement PlaceSession::compare(const Sighting& before, const Sighting& now) con
   if (!is_placed) way.p.setZero();
   Eigen::Matrix<double, 6, 6> drift = Eigen::Matrix<double, 6, 6>::Zero();
   drift.diagonal().head<3>().setConstant(std::pow(p_.drift_rad, 2));
-  const double relative = is_metric ? p_.drift : p_.reckoned_drift;
-  const double sigma_m = is_placed ? std::hypot(p_.drift_m, relative * way.p.norm()) : p_.unknown_distance_m;
+  const double known_m =
+      std::hypot(is_metric ? p_.drift_m : p_.reckoned_m, (is_metric ? p_.drift : p_.reckoned_drift) * way.p.norm());
+  const double sigma_m = is_placed ? known_m : p_.unknown_distance_m;
   drift.diagonal().tail<3>().setConstant(sigma_m * sigma_m);
   return agree(before.recognition, before.T_m_k, now.recognition, now.T_m_k, way, drift);
 }
@@ -133,21 +134,24 @@ std::optional<Found> PlaceSession::judge(Sighting now) {
     return seconds_between(before.recognition.t_ns, now.recognition.t_ns) > p_.agreement_s;
   });
   int fit = 0, contradict = 0;
+  bool is_measured = false;  // the way to one that fits
   Sighting joined = now;
   for (const Sighting& before : recent_) {
     if (before.map != now.map) continue;
     const Agreement agreement = compare(before, now);
-    if (agreement == Agreement::yes) follow(before, now, joined), ++fit;
-    if (agreement == Agreement::no && before.is_sure && before.is_metric && now.is_metric) ++contradict;
+    const bool both = before.is_metric && now.is_metric;
+    if (agreement == Agreement::yes) follow(before, now, joined), ++fit, is_measured = is_measured || both;
+    if (agreement == Agreement::no && before.is_sure && both) ++contradict;
   }
   const bool agrees = fit > contradict;
   if (agrees) now = joined;
   recent_.push_back(now);
-  const bool is_backed = now.is_metric || now.recognition.log_odds > p_.reckoned_log_odds;
+  const bool is_backed = is_measured || now.recognition.log_odds > p_.reckoned_log_odds;
   if (!agrees || !now.is_sure || !now.is_placed || !is_backed) return std::nullopt;
 
   const auto last = std::find_if(used_.begin(), used_.end(), of_map);
-  const bool again = last != used_.end() && last->recognition.key_frame == now.recognition.key_frame &&
+  const bool again = last != used_.end() && (last->is_metric || !now.is_metric) &&
+                     last->recognition.key_frame == now.recognition.key_frame &&
                      (last->T_n_c.p - now.T_n_c.p).norm() < p_.again_m &&
                      seconds_between(last->recognition.t_ns, now.recognition.t_ns) < p_.again_s;
   if (again) return std::nullopt;

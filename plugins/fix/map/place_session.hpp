@@ -21,7 +21,7 @@ struct Sight {
   Picture picture;
   Rigid T_n_c;
   bool is_placed = true;            ///< false: the position of T_n_c means nothing yet
-  bool is_metric = true;            ///< false: its changes mean nothing, as after a restart of the front-end
+  bool is_metric = true;            ///< false: its changes are reckoned, as after a restart of the front-end
   std::vector<Landmark> landmarks;  ///< in metres; none while the scale is not known
   double scale_sigma = 0;           ///< relative, which they have in common
   uint32_t epoch = 0;               ///< within which their ids are unique
@@ -50,8 +50,9 @@ class PlaceSession {
     double drift_rad = 0.005;       ///< rad, and of its rotation: half a degree of a gyroscope in 5 s
     double reckoned_log_odds = 80;  ///< needed meanwhile, twice as much: this way excludes no neighbouring window
     double other_plane_rad = 0.35;  ///< between the normals of two planes: copies of one are parallel to it
-    double unknown_distance_m = 1;  ///< sigma of the way while changes mean nothing: some steps within seconds
-    double reckoned_drift = 0.3;    ///< the same of the way while the front-end starts again: by steps or its memory
+    double unknown_distance_m = 1;  ///< sigma of the way before positions mean anything: some steps within seconds
+    double reckoned_drift = 0.3;    ///< relative sigma of the way while the front-end starts again: by steps, ...
+    double reckoned_m = 0.2;        ///< m, at least: a hand that moves without one
     double again_m = 0.5;           ///< m of way, or ...
     double again_s = 5;             ///< s, until the same place counts again: its landmarks' errors are the same
     double max_scale_sigma = 0.1;   ///< relative, of a key frame's landmarks

@@ -15,6 +15,7 @@ using Eigen::Vector2d;
 void CourseCheck::integrate(const odo_gnss& gnss) {
   const bool has_velocity = (gnss.header.flags & ODO_GNSS_VELOCITY) != 0;
   const double dt_s = last_ ? seconds(saturating_difference(gnss.header.t_ns, last_->header.t_ns)) : 0;
+  if (!has_velocity && !paths_.empty()) paths_.clear();
   if (!has_velocity || !last_ || dt_s <= 0 || dt_s > p_.max_gap_s)
     moved_m_.reset();
   else if (moved_m_)
@@ -33,33 +34,48 @@ void CourseCheck::add(const odo_gnss& gnss, const FaultFound& found) {
   if (legs_ >= 0 && path_m.norm() < std::max(p_.min_leg_m, p_.sigmas * sigma_m)) return;
   latitude_rad_ = gnss.latitude_rad, longitude_rad_ = gnss.longitude_rad;
   if (legs_ < 2) ++legs_;
-  if (legs_ >= 1 && moved_m_) paths_.push({path_m, *moved_m_}), compare_paths(found);
+  if (legs_ >= 1 && moved_m_) {
+    paths_.push({path_m.normalized(), *moved_m_ / path_m.norm()});
+    compare_paths(found);
+  }
   moved_m_ = Vector2d::Zero();
   compare_bends(std::atan2(path_m.y(), path_m.x()), found);
 }
 
-/// Finds the factor and the exchange of axes by which the positions' way becomes the velocities'.
-void CourseCheck::compare_paths(const FaultFound& found) const {
-  if (paths_.size() < 8) return;
-  double path2 = 0, off2 = 0, moved2 = 0;
+/// Of the velocities' paths with those by positions after an exchange of axes.
+double CourseCheck::product(const SignedAxes& axes) const {
+  double sum = 0;
   for (size_t i = 0; i < paths_.size(); ++i) {
-    const auto& [path, moved] = paths_.back(i);
-    path2 += path.squaredNorm(), moved2 += moved.squaredNorm(), off2 += (moved - path).squaredNorm();
+    const Eigen::Vector3d path(paths_.back(i).positions.x(), paths_.back(i).positions.y(), 0);
+    sum += paths_.back(i).velocities.dot(Vector2d(axes.of(path, 0), axes.of(path, 1)));
   }
-  if (off2 < p_.differs * path2) return found(InputFault::gnss_velocity, false, 1, {});
-  double factor = 0, best2 = p_.explained * moved2;
+  return sum;
+}
+
+/// Finds the factor or the exchange of axes by which the paths by positions become the velocities'.
+void CourseCheck::compare_paths(const FaultFound& found) const {
+  if (paths_.size() < paths_.capacity()) return;
+  const auto legs = static_cast<double>(paths_.size());
+  double off2 = 0, moved2 = 0;
+  for (size_t i = 0; i < paths_.size(); ++i) {
+    moved2 += paths_.back(i).velocities.squaredNorm();
+    off2 += (paths_.back(i).velocities - paths_.back(i).positions).squaredNorm();
+  }
+  if (off2 < p_.differs * legs) return found(InputFault::gnss_velocity, false, 1, {});
+  const auto left = [&](double product, double factor) {
+    return moved2 - 2 * factor * product + factor * factor * legs;
+  };
+  const double right = product({}), unit = right / legs;
+  double least =
+      std::min(p_.explained * moved2, p_.better * left(right, std::clamp(unit, 1 / p_.other_unit, p_.other_unit)));
+  double factor = 0;
   SignedAxes axes;
+  const bool other_unit = unit > p_.other_unit || (unit < 1 / p_.other_unit && unit > p_.wandering);
+  if (other_unit && left(right, unit) < least) least = p_.better * left(right, unit), factor = unit;
   for (const SignedAxes& each : all_signed_axes()) {
-    if (each.from[2] != 2 || each.sign[2] < 0) continue;
-    double product = 0;
-    for (size_t i = 0; i < paths_.size(); ++i) {
-      const auto& [path, moved] = paths_.back(i);
-      const Eigen::Vector3d path3(path.x(), path.y(), 0);
-      product += moved.dot(Vector2d(each.of(path3, 0), each.of(path3, 1)));
-    }
-    const double k = product / path2, left2 = moved2 - k * product;
-    const bool other = each.changes() > 0 || k > p_.other_unit || k < 1 / p_.other_unit;
-    if (other && k > 1 / p_.most && k < p_.most && left2 < best2) best2 = left2, factor = k, axes = each;
+    if (each.from[2] != 2 || each.sign[2] < 0 || each.changes() == 0) continue;
+    const double exchanged = product(each), k = exchanged / legs;
+    if (k > p_.wandering && left(exchanged, k) < least) least = left(exchanged, k), factor = k, axes = each;
   }
   if (factor > 0) found(InputFault::gnss_velocity, true, factor, axes);
 }

@@ -26,10 +26,11 @@ class CourseCheck {
     int opposed = 4;            ///< with no leg between them that contradicts: a phone that is turned in the hand or
                                 ///< positions that are reflected by buildings give two or three by chance
     double max_gap_s = 3;       ///< s between velocities that are integrated
-    double differs = 0.2;       ///< share of the path by positions, squared, by which the velocities' is off; judgement
-    double explained = 0.25;    ///< share of the path by velocities that another unit and other axes do not explain
+    double differs = 0.2;       ///< mean square by which the velocities' path is off, of a leg of 1; judgement
+    double explained = 0.25;    ///< share of the velocities' path that another unit or other axes do not explain, ...
+    double better = 0.5;        ///< ... and of what the right unit and axes do not: a straight path fits many axes
     double other_unit = 1.5;    ///< factor, or its inverse: a knot is 0.51 m/s; positions with errors make it 0.8
-    double most = 5;            ///< the same: a km/h is 0.28 m/s; beyond, positions wander and nobody moves
+    double wandering = 0.2;     ///< factor below which positions wander and nobody moves; a km/h is 0.28 m/s
   };
 
   void add(const odo_gnss& gnss, const FaultFound& found);
@@ -38,12 +39,13 @@ class CourseCheck {
   void reset() { *this = CourseCheck(); }
 
  private:
-  /// Of a leg, north and east, m: by positions and by the velocities meanwhile.
+  /// Of a leg, north and east, over its length: by positions and by the velocities meanwhile.
   struct Paths {
     Eigen::Vector2d positions, velocities;
   };
   void integrate(const odo_gnss& gnss);
   void compare_paths(const FaultFound& found) const;
+  double product(const SignedAxes& axes) const;
   void compare_bends(double course_rad, const FaultFound& found);
 
   Parameters p_;

@@ -100,8 +100,8 @@ constexpr Row kRows[] = {
      "the way by gnss bends to the other side than gyro_b turns (%V rad): latitude and longitude exchanged, or the "
      "sign of one lost? West and south are negative"},
     {"gnss_velocity",
-     "velocity_n is %V times the path by the positions, as %A of north, east, down; expected (x, y, z) in m/s: km/h, "
-     "knots, or the axes east, north, up?"},
+     "velocity_n is %V times the path by the positions, whose axes are %A of it (x north, y east); expected 1 and "
+     "(x, y, z): in km/h, knots, mm/s, or with the axes east, north, up?"},
     {"magnetometer_axes",
      "the magnetic field's inclination is %V rad, of the other hemisphere: is field_b in the axes of accel_b?"},
 };

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
+#include <numeric>
 
 #include "sdk/host/base/saturating.hpp"
 #include "sdk/math/rotation.hpp"
@@ -36,7 +38,8 @@ void PictureCheck::reset() {
   pairs_.clear();
   picture_ns_.reset();
   still_.reset();
-  pairs_since_ = open_ = 0, pictures_ = 0;
+  rows_ = {};
+  pairs_since_ = open_ = 0, pictures_ = same_ = 0;
 }
 
 /// Rotation of the camera between two times, in its own axes; nothing beyond the stored samples.
@@ -65,7 +68,7 @@ void PictureCheck::add(const odo_frame& frame) {
   const Profiles& earlier = profiles_[newest_];
   newest_ = 1 - newest_;
   Profiles& picture = profiles_[newest_];
-  if (!picture.take(frame, p_.min_contrast)) return picture_ns_.reset(), void(pictures_ = 0);
+  if (!picture.take(frame, p_.min_contrast)) return picture_ns_.reset();
   if (!last_ns || seconds(saturating_difference(t_ns, *last_ns)) > p_.max_gap_s) return;
   if (const auto share = still_.add(frame, turned_c))
     found_(InputFault::picture_overlay, *share > p_.overlay, 100 * *share, {});
@@ -106,17 +109,16 @@ void PictureCheck::check_repeated(const odo_frame& frame) {
       sparse_[16 * r + c] =
           plane.data[y * plane.row_stride + x * static_cast<int64_t>(stride) + static_cast<int64_t>(offset)];
     }
-  const int64_t t_ns = frame.header.t_ns;
-  if (pictures_ == 0 || seconds(saturating_difference(t_ns, since_ns_)) > p_.repeated_s)
-    pictures_ = same_ = 0, since_ns_ = t_ns;
-  else
-    same_ += sparse_ == last;
-  if (++pictures_ <= p_.of_pictures) return;
-  const auto turned = rotation_c(since_ns_, turned_.empty() ? 0 : turned_.back(0).t_ns);
-  if (!turned || turned->norm() < p_.repeated_rad) return;
-  const double share = static_cast<double>(same_) / (pictures_ - 1);
+  const int mean = std::accumulate(sparse_.begin(), sparse_.end(), 0) / static_cast<int>(sparse_.size());
+  const auto varied =
+      std::ranges::count_if(sparse_, [&](uint8_t value) { return std::abs(value - mean) > p_.varied_by; });
+  const Vector3d turned_b = turned_.empty() ? sparse_turned_b_ : turned_.back(0).turned_b;
+  const double turned_rad = (turned_b - std::exchange(sparse_turned_b_, turned_b)).norm();
+  if (varied < p_.varied || turned_rad < p_.turned_rad) return;
+  same_ += sparse_ == last;
+  if (++pictures_ < p_.of_pictures) return;
+  const double share = static_cast<double>(std::exchange(same_, 0)) / std::exchange(pictures_, 0);
   found_(InputFault::picture_repeated, share > p_.repeated, 100 * share, {});
-  pictures_ = 0;
 }
 
 /// Of the shifts with the rotations, if the camera's axes were exchanged and its clock was behind by a lag.

@@ -49,9 +49,10 @@ class PictureCheck {
     double halved = 0.5;                 ///< share of the contradiction that this lag leaves at most; judgement
     double overlay = 0.005;              ///< share of the picture's edges that stay still; real pictures have none
     double repeated = 0.3;               ///< share of pictures that are identical to the one before; honest 0 ...
-    int of_pictures = 20;                ///< ... of so many at least ...
-    double repeated_rad = 0.3;           ///< ... while the phone turns by this, rad ...
-    double repeated_s = 4;               ///< ... within this time, s
+    int of_pictures = 20;                ///< ... of so many, between each two of which the camera turned by ...
+    double turned_rad = 0.005;           ///< ... rad: some pixels
+    int varied = 32;                     ///< of 256 samples, that differ from their mean by ...
+    int varied_by = 8;                   ///< ... grey levels: no night with a lamp
   };
 
   explicit PictureCheck(FaultFound found) : found_(std::move(found)) {}
@@ -116,8 +117,8 @@ class PictureCheck {
   size_t pairs_since_ = 0;
   RowShift rows_;
   std::array<uint8_t, 256> sparse_{};  // of the newest picture
-  int pictures_ = 0, same_ = 0;        // since
-  int64_t since_ns_ = 0;
+  Eigen::Vector3d sparse_turned_b_ = Eigen::Vector3d::Zero();
+  int pictures_ = 0, same_ = 0;  // that turned, since the last statement
 };
 
 }  // namespace odograph

@@ -5,22 +5,39 @@
 #include <array>
 #include <cstdlib>
 
+#include "sdk/host/base/saturating.hpp"
 #include "sdk/host/checks/profiles.hpp"
+#include "sdk/math/time.hpp"
 
 namespace odograph {
 namespace {
 
-constexpr size_t kMost = 4096;  ///< pixels of a row
-constexpr size_t kPairs = 8;    ///< of rows below each other
+constexpr size_t kLongestRow = 4096;  ///< pixels of a row
+constexpr size_t kRowPairs = 8;       ///< of rows below each other
 
-/// Mean difference of two rows, the lower one displaced to the right and continued on the other side.
-double difference(const std::array<uint8_t, kMost>& above, const std::array<uint8_t, kMost>& below, size_t width,
-                  size_t shift) {
+using RowPixels = std::array<uint8_t, kLongestRow>;
+
+/// Mean difference of two rows, the lower one displaced to the right and continued on the other side; more than `limit`
+/// if it is.
+double difference(const RowPixels& above, const RowPixels& below, size_t width, size_t displaced, double limit = 256) {
+  constexpr size_t kPart = 64;
+  const double most = limit * static_cast<double>(width);
   uint32_t sum = 0;
-  for (size_t x = 0; x + shift < width; ++x) sum += static_cast<uint32_t>(std::abs(above[x] - below[x + shift]));
-  for (size_t x = width - shift; x < width; ++x)
-    sum += static_cast<uint32_t>(std::abs(above[x] - below[x + shift - width]));
+  for (size_t from = 0; from < width && sum <= most; from += kPart)
+    for (size_t x = from; x < std::min(width, from + kPart); ++x) {
+      const size_t at = x + displaced < width ? x + displaced : x + displaced - width;
+      sum += static_cast<uint32_t>(std::abs(above[x] - below[at]));
+    }
   return static_cast<double>(sum) / static_cast<double>(width);
+}
+
+/// The displacement that leaves least of a difference, below a limit; 0 if none does.
+size_t best_displacement(const RowPixels& above, const RowPixels& below, size_t width, double limit) {
+  size_t best = 0;
+  for (size_t displaced = 1; displaced < width; ++displaced)
+    if (const double left = difference(above, below, width, displaced, limit); left < limit)
+      limit = left, best = displaced;
+  return best;
 }
 
 }  // namespace
@@ -30,7 +47,9 @@ std::optional<int> RowShift::add(const odo_frame& frame, const Eigen::Vector3d& 
   until_next_ = p_.each - 1;
   const auto px = shift(frame);
   if (!px) return std::nullopt;
-  if (*px != last_px_ || same_ == 0) same_ = 0, since_c_ = turned_c, last_px_ = *px;
+  const bool expired = seconds(saturating_difference(frame.header.t_ns, since_ns_)) > p_.within_s;
+  if (*px != last_px_ || same_ == 0 || expired)
+    same_ = 0, since_c_ = turned_c, since_ns_ = frame.header.t_ns, last_px_ = *px;
   ++same_;
   const bool sure = *px == 0 || (turned_c - since_c_).norm() > p_.turned_rad;
   return same_ >= p_.in_a_row && sure ? px : std::nullopt;
@@ -41,29 +60,32 @@ std::optional<int> RowShift::shift(const odo_frame& frame) const {
   const auto [offset, stride] = brightness(frame.format);
   const odo_plane& plane = frame.planes[0];
   const size_t width = frame.width;
-  if (stride == 0 || !plane.data || width < kSmallest || width > kMost || frame.height < kSmallest) return std::nullopt;
-  using Row = std::array<uint8_t, kMost>;
-  const auto read = [&, offset = offset, stride = stride](uint32_t y, Row& row) {
+  if (stride == 0 || !plane.data || width < kSmallest || width > kLongestRow || frame.height < kSmallest)
+    return std::nullopt;
+  const auto read = [&, offset = offset, stride = stride](uint32_t y, RowPixels& row) {
     const uint8_t* from = plane.data + static_cast<int64_t>(y) * plane.row_stride + static_cast<int64_t>(offset);
     for (size_t x = 0; x < width; ++x) row[x] = from[x * stride];
   };
-  Row above, below, far;
-  std::array<int, kPairs> found{};
-  for (uint32_t k = 0; k < kPairs; ++k) {
-    const uint32_t y = (2 * k + 1) * frame.height / (2 * kPairs + 2);
+  RowPixels above, below, far;
+  size_t displaced = 0;
+  int right = 0, agreeing = 0, searches = 0;
+  for (uint32_t k = 0; k < kRowPairs; ++k) {
+    const uint32_t y = (2 * k + 1) * frame.height / (2 * kRowPairs + 2);
     read(y, above), read(y + 1, below), read(y + frame.height / 8, far);
     const double stated = difference(above, below, width, 0);
-    if (stated < p_.contrast || stated < p_.unlike_fraction * difference(above, far, width, 0)) continue;
-    double least = p_.explained * stated;
-    for (size_t displaced = 1; displaced < width; ++displaced)
-      if (const double left = difference(above, below, width, displaced); left < least)
-        least = left, found[k] = static_cast<int>(displaced > width / 2 ? displaced - width : displaced);
+    if (stated < p_.contrast) continue;  // a wall, or the sky
+    if (stated < p_.unlike_fraction * difference(above, far, width, 0)) {
+      ++right;
+    } else if (displaced == 0 && searches < p_.searches) {
+      displaced = best_displacement(above, below, width, p_.explained * stated), ++searches;
+      agreeing = displaced != 0;
+    } else if (displaced != 0) {
+      agreeing += difference(above, below, width, displaced) < p_.explained * stated;
+    }
   }
-  std::array<int, kPairs> sorted = found;
-  std::ranges::nth_element(sorted, sorted.begin() + kPairs / 2);
-  const int middle = sorted[kPairs / 2];
-  if (std::ranges::count(found, middle) < p_.agreeing) return std::nullopt;
-  return std::abs(middle) >= p_.min_px ? middle : 0;
+  const int px = static_cast<int>(displaced) - (displaced > width / 2 ? static_cast<int>(width) : 0);
+  if (right >= p_.agreeing) return 0;
+  return agreeing >= p_.agreeing && std::abs(px) >= p_.min_px ? std::optional(px) : std::nullopt;
 }
 
 }  // namespace odograph

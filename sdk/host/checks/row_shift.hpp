@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
 #include <optional>
 
 #include <Eigen/Core>
@@ -21,7 +22,9 @@ class RowShift {
         0.3;                  ///< of the difference to a row an eighth of the picture below; less in a right picture
     double explained = 0.35;  ///< of the difference that the displacement leaves; judgement
     int in_a_row = 3;         ///< pictures with the same displacement ...
-    double turned_rad = 0.2;  ///< ... while the phone turns by this, rad, which changes what slanted lines show
+    double turned_rad = 0.2;  ///< ... while the phone turns by this, rad, which changes what slanted lines show ...
+    double within_s = 5;      ///< ... in this time, s: no bias of a phone at rest
+    int searches = 2;         ///< of a displacement in a picture, at most: one of 1920 pixels takes 1 ms
   };
 
   /// `turned_c`: integral of the camera's rate, rad. Returns the displacement in pixels once it is sure, 0 where there
@@ -33,6 +36,7 @@ class RowShift {
 
   Parameters p_;
   int until_next_ = 0, last_px_ = 0, same_ = 0;
+  int64_t since_ns_ = 0;
   Eigen::Vector3d since_c_ = Eigen::Vector3d::Zero();
 };
 

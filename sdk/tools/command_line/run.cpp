@@ -113,6 +113,8 @@ int run(RunArguments& a) {
                  "%s: contains no inertial samples, which steps and vo/odograph need; from pictures alone, "
                  "samples/configs/monocular.yaml gives a track up to scale\n",
                  printable(a.input).c_str());
+  std::error_code exists;
+  std::filesystem::create_directories(a.output, exists);  // --map may lie in it
   Progress progress("run");
   a.options.progress = [&](size_t done, size_t all) { progress.show(done, all); };
   a.options.keep_session = true;

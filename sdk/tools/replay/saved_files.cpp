@@ -29,8 +29,9 @@ Result<bool> read_saved(odo_session* session, const SavedFile& saved, const std:
   if (path.empty()) return true;
   const auto blob = read_saved_bytes(saved, path);
   if (!blob && blob.failure().status == ODO_E_NOT_FOUND) {
-    const std::filesystem::path folder = std::filesystem::absolute(path).parent_path();
-    if (std::filesystem::is_directory(folder)) return true;  // written at the end
+    std::error_code failed;
+    const std::filesystem::path folder = std::filesystem::absolute(path, failed).parent_path();
+    if (std::filesystem::is_directory(folder, failed)) return true;  // written at the end
     return Failure{ODO_E_NOT_FOUND, path + ": the folder for the saved " + saved.what + " does not exist"};
   }
   if (!blob) return blob.failure();
