@@ -12,7 +12,7 @@ walker: {gait: viewing, speed: 0.8 m/s, stand: 3 s}
 route: {points: [[0, 0, 0], [5, 0, 0]]}
 EOF
 expect 0 "room.odo" "$odograph" sim room.yaml -o room.odo --seed 7
-expect 2 "folder for the saved map does not exist" "$odograph" run -i room.odo -o o --map nowhere/room.map
+expect 2 "folder for the map does not exist" "$odograph" run -i room.odo -o o --map nowhere/room.map
 expect 0 "written to" "$odograph" run -c "$source/samples/configs/walk_map.yaml" -i room.odo -o o --map room.map
 expect 0 "key frames with" "$odograph" map show room.map
 expect 0 '"key_frames"' "$odograph" map show room.map room.map --json

@@ -12,10 +12,10 @@ namespace odograph {
 
 using Eigen::Vector2d;
 
-void CourseCheck::integrate(const odo_gnss& gnss) {
+void CourseCheck::integrate(const odo_gnss& gnss, const FaultFound& found) {
   const bool has_velocity = (gnss.header.flags & ODO_GNSS_VELOCITY) != 0;
   const double dt_s = last_ ? seconds(saturating_difference(gnss.header.t_ns, last_->header.t_ns)) : 0;
-  if (!has_velocity && !paths_.empty()) paths_.clear();
+  if (!has_velocity && !paths_.empty()) paths_.clear(), found(InputFault::gnss_velocity, false, 1, {});
   if (!has_velocity || !last_ || dt_s <= 0 || dt_s > p_.max_gap_s)
     moved_m_.reset();
   else if (moved_m_)
@@ -25,7 +25,7 @@ void CourseCheck::integrate(const odo_gnss& gnss) {
 
 void CourseCheck::add(const odo_gnss& gnss, const FaultFound& found) {
   constexpr double kEarth_m = 6371000;
-  integrate(gnss);
+  integrate(gnss, found);
   const Vector2d path_m(
       kEarth_m * (gnss.latitude_rad - latitude_rad_),
       kEarth_m * std::cos(gnss.latitude_rad) * std::remainder(gnss.longitude_rad - longitude_rad_, 2 * kPi));

@@ -43,7 +43,7 @@ class CourseCheck {
   struct Paths {
     Eigen::Vector2d positions, velocities;
   };
-  void integrate(const odo_gnss& gnss);
+  void integrate(const odo_gnss& gnss, const FaultFound& found);
   void compare_paths(const FaultFound& found) const;
   double product(const SignedAxes& axes) const;
   void compare_bends(double course_rad, const FaultFound& found);

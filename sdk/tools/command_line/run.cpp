@@ -113,8 +113,11 @@ int run(RunArguments& a) {
                  "%s: contains no inertial samples, which steps and vo/odograph need; from pictures alone, "
                  "samples/configs/monocular.yaml gives a track up to scale\n",
                  printable(a.input).c_str());
-  std::error_code exists;
-  std::filesystem::create_directories(a.output, exists);  // --map may lie in it
+  std::error_code failed;
+  std::filesystem::create_directories(a.output, failed);  // --map may lie in it
+  const std::filesystem::path folder = std::filesystem::absolute(a.options.map, failed).parent_path();
+  if (!a.options.map.empty() && !std::filesystem::is_directory(folder, failed))
+    return print_failure({ODO_E_ARGUMENT, a.options.map + ": the folder for the map does not exist"});
   Progress progress("run");
   a.options.progress = [&](size_t done, size_t all) { progress.show(done, all); };
   a.options.keep_session = true;

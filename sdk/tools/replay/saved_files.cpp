@@ -28,12 +28,7 @@ Result<std::string> read_saved_bytes(const SavedFile& saved, const std::string& 
 Result<bool> read_saved(odo_session* session, const SavedFile& saved, const std::string& path) {
   if (path.empty()) return true;
   const auto blob = read_saved_bytes(saved, path);
-  if (!blob && blob.failure().status == ODO_E_NOT_FOUND) {
-    std::error_code failed;
-    const std::filesystem::path folder = std::filesystem::absolute(path, failed).parent_path();
-    if (std::filesystem::is_directory(folder, failed)) return true;  // written at the end
-    return Failure{ODO_E_NOT_FOUND, path + ": the folder for the saved " + saved.what + " does not exist"};
-  }
+  if (!blob && blob.failure().status == ODO_E_NOT_FOUND) return true;
   if (!blob) return blob.failure();
   if (saved.load(session, blob->data(), blob->size()) == ODO_OK) return true;
   odo_error error{sizeof error, ODO_OK, {}};
