@@ -110,8 +110,8 @@ void PictureCheck::check_repeated(const odo_frame& frame) {
           plane.data[y * plane.row_stride + x * static_cast<int64_t>(stride) + static_cast<int64_t>(offset)];
     }
   const int mean = std::accumulate(sparse_.begin(), sparse_.end(), 0) / static_cast<int>(sparse_.size());
-  const auto varied =
-      std::ranges::count_if(sparse_, [&](uint8_t value) { return std::abs(value - mean) > p_.varied_by; });
+  const auto varied = std::count_if(sparse_.begin(), sparse_.end(),
+                                    [&](uint8_t value) { return std::abs(value - mean) > p_.varied_by; });
   const Vector3d turned_b = turned_.empty() ? sparse_turned_b_ : turned_.back(0).turned_b;
   const double turned_rad = (turned_b - std::exchange(sparse_turned_b_, turned_b)).norm();
   if (varied < p_.varied || turned_rad < p_.turned_rad) return;
