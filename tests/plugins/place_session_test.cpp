@@ -69,6 +69,26 @@ TEST_CASE(
   }
 }
 
+TEST_CASE("a reckoned way alone needs more evidence than a measured one, and does not stand in for it") {
+  const Wall wall(1);
+  for (const double needed : {1e6, 1.0}) {
+    PlaceSession::Parameters p;
+    p.reckoned_log_odds = needed;
+    PlaceSession places(PlaceMapParameters(), p, false);
+    REQUIRE(!places.load(7, map_of_wall(wall)));
+    std::vector<int64_t> found;
+    for (int64_t i = 0; i < 4; ++i) {
+      const Rigid T = at({0.06 * static_cast<double>(i), 0, 0});
+      Sight one = sight_of(wall, i * kHalf_s, T, T);
+      one.is_metric = i >= 2;
+      places.see(one);
+      for (const Found& each : places.take((i + 1) * kHalf_s)) found.push_back(each.t_ns / kHalf_s);
+    }
+    CHECK(found == (needed > 1 ? std::vector<int64_t>{3} : std::vector<int64_t>{1, 2}));
+    CHECK(places.save(1'000'000).has_own);
+  }
+}
+
 TEST_CASE("pictures that the track puts elsewhere than the map does are no recognition; corrections of n carry over") {
   const Wall wall(1);
   for (const bool is_corrected : {false, true}) {
