@@ -57,6 +57,7 @@ struct Trial {
   double walk_px = 0;                                   ///< random walk of each corner on its point, px/sqrt(s)
   double scale_sigma = 0.35;                            ///< at the filter's start
   double breathing = 0;                                 ///< of the focal length, with a period of five seconds
+  double longer = 0;                                    ///< relative, of the focal length than stated
   double follow = 0;                                    ///< share of the rotation that a stabilised lens compensates
   double leak_hz = 0, end_leak_hz = 13, travel_px = 8;  ///< of that lens
   Walk walk;
@@ -110,7 +111,7 @@ class Phone {
     corners.t_ns = std::llround(t * 1e9);
     const Quaterniond q = Walk::orientation(t);
     CameraModel lens = camera().lens;
-    lens.fx = lens.fy = 500 * (1 + trial_.breathing * std::sin(2 * kPi * t / 5));
+    lens.fx = lens.fy = 500 * (1 + trial_.longer + trial_.breathing * std::sin(2 * kPi * t / 5));
     for (size_t k = 0; k < points_.size(); ++k) {
       Point& x = points_[k];
       const Vector3d y = q.conjugate() * (x.p - trial_.walk.position(t));
@@ -234,6 +235,51 @@ TEST_CASE("a fixed lens is recognised, and a stabilised one is not taken for fix
     CHECK(std::abs(found.state.camera.gain - 0.8) < 0.2);
     CHECK(std::abs(found.scale - 1) < 0.02);
   }
+}
+
+TEST_CASE("a lens 10 % off its calibration is found, and would not be with the prior as stated") {
+  for (const double longer : {0.1, -0.1}) {
+    Trial trial;
+    trial.longer = longer, trial.duration_s = 10;
+    const double focal_px = 500 * (1 + longer);
+    const auto found = trial.run();
+    trial.p.doubtful_chi2 = 1e9;
+    const auto kept = trial.run();
+    const auto off = [&](const Trial::Result& result) { return result.state.camera.lens.fx / focal_px - 1; };
+    MESSAGE("focal length " << off(found) << ", scale " << found.scale << "; as stated " << off(kept) << ", "
+                            << kept.scale);
+    CHECK(std::abs(off(found)) < 0.0075);
+    CHECK(std::abs(off(kept)) > 1.8 * std::abs(off(found)));
+    CHECK(std::abs(found.scale - 1) < 0.02);
+  }
+}
+
+TEST_CASE("a weakened prior leaves what a wider one would have given") {
+  constexpr double stated = 0.01, factor = 3, focal_px = 500;
+  const auto estimate = [&](double sigma) {
+    State state;
+    state.camera = Phone::camera();
+    state.P = Eigen::MatrixXd::Identity(block::fixed, block::fixed) * 1e-4;
+    state.P(block::lens, block::lens) = sigma * sigma;
+    // Two measurements of the focal length, of which one depends on the gyroscope's bias as well.
+    for (const double by_bias : {0.0, 2.0}) {
+      Eigen::VectorXd H = Eigen::VectorXd::Zero(block::fixed);
+      H[block::lens] = 1, H[block::gyro_bias] = by_bias;
+      const double expected = std::log(state.camera.lens.fx / focal_px) + by_bias * state.nav.gyro_bias.x();
+      const Eigen::VectorXd PH = state.P * H;
+      const double S = H.dot(PH) + 0.01 * 0.01;
+      state.P -= PH * PH.transpose() / S;
+      state.correct(PH / S * (0.08 - expected));
+    }
+    return state;
+  };
+  State weakened = estimate(stated);
+  const State wide = estimate(factor * stated);
+  CHECK(std::abs(weakened.camera.lens.fx - wide.camera.lens.fx) > 5);
+  weakened.weaken_prior(block::lens, std::log(weakened.camera.lens.fx / focal_px), stated, factor);
+  CHECK(weakened.camera.lens.fx == doctest::Approx(wide.camera.lens.fx));
+  CHECK(weakened.nav.gyro_bias.x() == doctest::Approx(wide.nav.gyro_bias.x()));
+  CHECK((weakened.P - wide.P).norm() < 1e-9 * wide.P.norm());
 }
 
 TEST_CASE("a joint update of landmarks equals consecutive ones if the equations are linear") {

@@ -132,6 +132,23 @@ TEST_CASE("a walk from standing is metric from its first step, with a calibratio
   CHECK(std::abs(e.scale - 1) < 0.05);
 }
 
+TEST_CASE("a walk that is under way is metric soon, also with a lens 10 % off its calibration") {
+  const TemporaryFolder folder;
+  for (const double off : {0.1, -0.1}) {
+    CAPTURE(off);
+    Scenario scenario = short_walk(14);
+    scenario.record_from_s = 3, scenario.camera.focal_error = off;
+    const Recording recording = recorded(scenario, 5, folder / "walk.odo");
+    const Composed composed = compose(run(recording));
+    const Errors e = errors_of(recording, composed);
+    MESSAGE("metric after " << composed.first_metric_s << " s, SE(3) " << e.se3_m << " m, scale " << e.scale);
+    CHECK(composed.first_metric_s > 0);
+    CHECK(composed.first_metric_s < 4);
+    CHECK(composed.groups == 1);
+    CHECK(std::abs(e.scale - 1) < 0.05);
+  }
+}
+
 TEST_CASE("a bias random walk smaller than in a hand-held phone, as in a data sheet, is not accepted") {
   const TemporaryFolder folder;
   REQUIRE(simulate(short_walk(3), 5, folder / "walk.odo", {}));

@@ -170,27 +170,41 @@ TEST_CASE("a vibration aliased into the band of the motion is noise of the veloc
   CHECK(noise.part_of_vibration(100, noise.gyro_vibration_part) == noise.part_of_vibration(100, fast));
 }
 
-TEST_CASE("two starts are compared by the depths of their common landmarks") {
+TEST_CASE("two starts are compared by their paths through the frames of both, whatever their headings") {
   State first, second;
-  for (State* s : {&first, &second}) {
-    const double scale = s == &first ? 1 : 1.25;
-    Clone clone;
-    clone.id = s == &first ? 3 : 7, clone.frame_ns = 100;
-    clone.p_w = scale * Vector3d(1, 2, 3);
-    s->clones.push_back(clone);
-    for (uint64_t k = 0; k < 12; ++k) {
-      Landmark landmark;
-      landmark.track = s == &first ? k : 11 - k;
-      landmark.anchor = clone.id;
-      landmark.at = {0.1, 0.2, 1 / (scale * (2 + static_cast<double>(landmark.track)))};
-      s->landmarks.push_back(landmark);
+  for (State* s : {&first, &second})
+    for (int k = 0; k < 5; ++k) {
+      Clone clone;
+      clone.frame_ns = s == &first ? k : k + 1;
+      const double x = static_cast<double>(clone.frame_ns);
+      clone.p_w = s == &first ? Vector3d(x, 0, x * x) : 1.25 * Vector3d(7, x, x * x);
+      s->clones.push_back(clone);
     }
-  }
-  const auto ratio = required(scale_between(first, second, 8));
-  CHECK(*ratio == doctest::Approx(1.25));
-  CHECK_FALSE(scale_between(first, second, 13));
-  second.clones.front().frame_ns = 200;
-  CHECK_FALSE(scale_between(first, second, 8));
+  CHECK(*required(scale_between(first, second, 0.1)) == doctest::Approx(1.25));
+  const double path_m = std::sqrt(10.) + std::sqrt(26.) + std::sqrt(50.);  // between 1, 2, 3 and 4
+  CHECK(scale_between(first, second, 0.99 * path_m));
+  CHECK_FALSE(scale_between(first, second, 1.01 * path_m));
+  for (Clone& clone : second.clones) clone.frame_ns += 100;
+  CHECK_FALSE(scale_between(first, second, 0.1));
+}
+
+TEST_CASE("a start needs more agreement after a contradiction, which is forgotten in time") {
+  const StartParameters p;
+  const auto at = [](double t_s) { return static_cast<int64_t>(1e9 * t_s); };
+  StartEvidence evidence;
+  CHECK_FALSE(evidence.add(std::nullopt, at(0), p));
+  CHECK(evidence.add(1.05, at(0.3), p));
+  CHECK(evidence.spread() == doctest::Approx(std::log(1.05)));
+  evidence = {};
+  CHECK_FALSE(evidence.add(2.2, at(0), p));
+  CHECK_FALSE(evidence.add(0.9, at(0.3), p));
+  CHECK(evidence.add(1.01, at(0.6), p));
+  CHECK(evidence.spread() == doctest::Approx(-std::log(0.9)));
+  CHECK_FALSE(evidence.add(std::nullopt, at(0.9), p));  // not comparable: begins again, and contradicts nothing
+  CHECK_FALSE(evidence.add(1.0, at(1.2), p));
+  evidence = {};
+  CHECK_FALSE(evidence.add(2.2, at(0), p));
+  CHECK(evidence.add(1.0, at(p.max_s + 0.1), p));
 }
 
 TEST_CASE("a phone that rotates slowly starts, and its rotation is not taken for a bias") {

@@ -50,7 +50,8 @@ Filter::Filter(const FilterParameters& parameters, const Camera& camera, const S
   set(block::focus, 1, p_.focus_sigma);
   set(block::scale, 1, start.scale);
   set(block::lens, 1, p_.priors.focal_relative);
-  set(block::lens + 1, 2, p_.priors.centre_px);
+  set(block::lens + 1, 1, p_.priors.centre_px[0]);
+  set(block::lens + 2, 1, p_.priors.centre_px[1]);
   set(block::lens + 3, 1, p_.priors.distortion[0]);
   set(block::lens + 4, 1, p_.priors.distortion[1]);
   if (start.rest_force_b) update_gravity(state_, *start.rest_force_b, p_.gravity_mps2, start.rest_force_mps2);
@@ -80,6 +81,7 @@ FrameReport Filter::process(const FrameCorners& frame, const ImuBuffer& imu) {
   update_tracks(report);
   marginalise();
   detect_fixed_lens();
+  doubt_lens();
   update_scale_sigma();
   if (!recent_.empty()) update_pixel_sigma(report, seconds(frame.t_ns - recent_.back().t_ns));
   recent_.push_back(frame);
@@ -233,6 +235,26 @@ void Filter::detect_fixed_lens() {
   disable_stabiliser(state_);
 }
 
+/// A lens that was assumed or calibrated badly deviates by many sigmas. Its prior is then wider than stated.
+void Filter::doubt_lens() {
+  Priors& prior = p_.priors;
+  if (calibration_chi2() <= p_.doubtful_chi2 || p_.doubt * prior.focal_relative > p_.max_focal_relative) return;
+  const double factor = p_.doubt;
+  const auto weaken = [&](int i, double deviation, double& sigma) {
+    state_.weaken_prior(block::lens + i, deviation, sigma, factor);
+    sigma *= factor;
+  };
+  const CameraModel &now = state_.camera.lens, &given = calibrated_.lens;
+  const auto coefficient = [](const CameraModel& lens, size_t k) {
+    return k < lens.coefficients.size() ? lens.coefficients[k] : 0.0;
+  };
+  weaken(0, std::log(now.fx / given.fx), prior.focal_relative);
+  weaken(1, now.cx - given.cx, prior.centre_px[0]);
+  weaken(2, now.cy - given.cy, prior.centre_px[1]);
+  for (size_t k = 0; k < 2; ++k)
+    weaken(3 + static_cast<int>(k), coefficient(now, k) - coefficient(given, k), prior.distortion[k]);
+}
+
 /// The noise of tracked corners depends on light, blur and compression. It is estimated from the median of the
 /// normalised innovations, which is 0.7 to 0.9 of the degrees of freedom if the noise is right, by a low-pass filter in
 /// the logarithm.
@@ -264,8 +286,8 @@ double Filter::calibration_chi2() const {
   const Priors& prior = p_.priors;
   double sum = squared(now.time_offset_s - calibrated_.time_offset_s, prior.time_offset_s);
   sum += squared(std::log(now.lens.fx / calibrated_.lens.fx), prior.focal_relative);
-  sum += squared(now.lens.cx - calibrated_.lens.cx, prior.centre_px);
-  sum += squared(now.lens.cy - calibrated_.lens.cy, prior.centre_px);
+  sum += squared(now.lens.cx - calibrated_.lens.cx, prior.centre_px[0]);
+  sum += squared(now.lens.cy - calibrated_.lens.cy, prior.centre_px[1]);
   if (calibrated_.line_time_s > 0)
     sum += squared(now.line_time_s / calibrated_.line_time_s - 1, prior.line_time_relative);
   return sum;

@@ -52,7 +52,8 @@ class Filter {
   double scale_sigma() const { return scale_sigma_; }
   double velocity_sigma() const { return std::sqrt(velocity_covariance().trace()); }
   /// Deviation of the camera from its calibration: sum of squares of time offset, focal length, principal point and, if
-  /// given, row time, each over the sigma of its prior. A wrong scale shows in the camera parameters first.
+  /// given, row time, each over the sigma of its prior, which widens for a lens that contradicts it. A wrong scale
+  /// shows in the camera parameters first.
   double calibration_chi2() const;
   /// Corner noise as estimated from the innovations, px.
   double gate_sigma() const { return p_.gate_sigma; }
@@ -70,6 +71,7 @@ class Filter {
   void update_tracks(FrameReport& report);
   void marginalise();
   void detect_fixed_lens();
+  void doubt_lens();
   void update_scale_sigma();
   void update_pixel_sigma(const FrameReport& report, double dt_s);
   static void count(const Outcome& outcome, FrameReport& report);

@@ -165,29 +165,16 @@ std::optional<InertialOdometry::Filtering> InertialOdometry::try_start(Initialis
     tried_ns_ = t_ns;
     const Vector3d gyro_bias_b = camera_.q_b_c * phase.visual->gyro_bias_c();
     auto next = start_moving(phase.frames, imu_, camera_, gyro_bias_b, p_.filter, p_.start);
-    if (!next) phase.hypothesis.reset();
-    if (next && confirm(phase, std::move(*next)))
-      spread = phase.hypothesis->spread, filter = std::move(phase.hypothesis->filter);
+    std::optional<double> ratio;
+    if (next && phase.hypothesis) ratio = scale_between(phase.hypothesis->state(), next->state(), p_.start.min_path_m);
+    if (phase.evidence.add(ratio, t_ns, p_.start)) spread = phase.evidence.spread(), filter = std::move(next);
+    phase.hypothesis = std::move(next);
   }
   if (!filter) return std::nullopt;
   const Isometry3d T_w_previous = pose_of(filter->state().camera, navigation_at(*filter, *previous_ns_));
   Filtering out{std::move(*filter), T_w_previous, {}, 0, {}, {}, 0, 0, spread, {}};
   out.tracked = out.accepted = static_cast<unsigned>(corners_.corners().corners.size());
   return out;
-}
-
-/// Takes the next hypothesis. Returns true if enough consecutive hypotheses agree.
-bool InertialOdometry::confirm(Initialising& phase, Filter next) const {
-  int confirmed = 0;
-  double spread = 0;
-  if (phase.hypothesis) {
-    const auto ratio = scale_between(phase.hypothesis->filter.state(), next.state(), p_.start.min_common);
-    const double apart = ratio ? std::abs(std::log(*ratio)) : INFINITY;
-    if (apart < p_.max_spread)
-      confirmed = phase.hypothesis->confirmed + 1, spread = std::max(apart, phase.hypothesis->spread);
-  }
-  phase.hypothesis.emplace(Hypothesis{std::move(next), confirmed, spread});
-  return confirmed >= p_.confirmations;
 }
 
 /// Checks the filter: implausible estimates, or measurements that contradict it for too long.

@@ -57,10 +57,6 @@ struct InertialOdometryParameters {
   double degraded_unseen_s = 0.3;  ///< twice the time for which a hand passes the lens; empirical
   // Reported motion.
   double start_every_s = 0.25;  ///< interval between attempts to start in motion
-  /// A start in motion is a hypothesis. It is accepted once this many later ones, each solved from all frames up to
-  /// then, give the same scale within max_spread (of the logarithm).
-  int confirmations = 1;
-  double max_spread = 0.15;
   /// Time constant, in motion, by which the spread of the hypotheses decays in the reported scale sigma.
   double spread_s = 4;
   double keep_frames_s = 3.5;            ///< frames kept for a start: StartParameters::max_s and a margin
@@ -102,19 +98,14 @@ class InertialOdometry {
   const Filter* filter() const;
 
  private:
-  /// A start in motion and the number of later starts that agree with it.
-  struct Hypothesis {
-    Filter filter;
-    int confirmed = 0;
-    double spread = 0;  ///< of the log of the scale
-  };
   /// No metric scale yet: the visual odometry, and the frames from which a filter may start.
   struct Initialising {
     std::unique_ptr<vo::Odometry> visual;  ///< on the heap: it is large
     std::deque<StartFrame> frames;
     Eigen::Isometry3d T_w_c = Eigen::Isometry3d::Identity();  ///< composed from the motions of a scale group
     unsigned visual_group = 0;
-    std::optional<Hypothesis> hypothesis;
+    std::optional<Filter> hypothesis;  ///< the newest start in motion
+    StartEvidence evidence;            ///< of the later ones for it
   };
   /// A reported frame, relative to a clone of the window.
   struct ReportedFrame {
@@ -155,7 +146,6 @@ class InertialOdometry {
   bool imu_reaches(int64_t t_ns) const;
   void compose(Initialising& phase, const vo::Motion& visual);
   std::optional<Filtering> try_start(Initialising& phase, int64_t t_ns);
-  bool confirm(Initialising& phase, Filter next) const;
   Initialising initial_phase() const;
   bool has_diverged(Filtering& phase, const FrameReport& seen, int64_t t_ns) const;
   InertialMotion make_motion(Filtering& phase, int64_t t_ns, const Navigation& nav, bool with_clone) const;

@@ -59,7 +59,7 @@ struct Priors {
   double line_time_relative = 0.1;               ///< of the given row time of a rolling shutter
   double readout_s = 0.006;                      ///< of the time from the first row to the last if none is given
   double focal_relative = 0.01;                  ///< of the focal length
-  double centre_px = 3;                          ///< of the principal point
+  double centre_px[2] = {3, 3};                  ///< of the principal point
   double distortion[2] = {0.01, 0.01};           ///< of the first two radial coefficients
 };
 
@@ -162,6 +162,9 @@ struct FilterParameters {
   /// Autofocus: relative deviation of the focal length from its mean (sigma, correlation time). Focus breathing is 0.5
   /// to 1.2 % to either side, in moves 1.5 to 10 s apart. Many phones do not report it.
   double focus_sigma = 2e-3, focus_change_s = 4;
+  /// A lens beyond this Filter::calibration_chi2 (5 degrees of freedom: one of 7,000 that are as stated) is doubted:
+  /// its priors are widened by this factor, as often as needed, but not beyond this focal length's.
+  double doubtful_chi2 = 25, doubt = 3, max_focal_relative = 0.1;
   double centre_walk_px = 0.02;                           ///< px/sqrt(s)
   double min_parallax_rad = 0.01;                         ///< min of a track for its depth to be estimated
   double inverse_depth = 0.2, inverse_depth_sigma = 1.0;  ///< prior of a landmark without parallax, 1/m

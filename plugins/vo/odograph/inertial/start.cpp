@@ -6,7 +6,6 @@
 
 #include <Eigen/Dense>
 
-#include "plugins/shared/median.hpp"
 #include "plugins/vo/odograph/inertial/propagate.hpp"
 #include "sdk/math/rotation.hpp"
 #include "sdk/math/rotation_integral.hpp"
@@ -291,7 +290,7 @@ std::optional<Filter> start_moving(const std::deque<StartFrame>& frames, const I
       return std::nullopt;
     if (pass + 1 == s.passes) {
       if (accepted == 0 || accepted < s.min_fit * tried || filter.gate_sigma() > s.max_gate_px ||
-          filter.scale_sigma() > s.scale_sigma || filter.calibration_chi2() > s.max_calibration_chi2)
+          filter.scale_sigma() > s.scale_sigma || filter.calibration_chi2() > p.doubtful_chi2)
         return std::nullopt;
       return filter;
     }
@@ -306,26 +305,31 @@ std::optional<Filter> start_moving(const std::deque<StartFrame>& frames, const I
   return std::nullopt;
 }
 
-std::optional<double> scale_between(const State& first, const State& second, size_t least) {
-  for (auto a = first.clones.rbegin(); a != first.clones.rend(); ++a) {
-    const auto b = std::find_if(second.clones.begin(), second.clones.end(),
-                                [&](const Clone& c) { return c.frame_ns == a->frame_ns; });
-    if (b == second.clones.end()) continue;
-    const auto depth = [](const State& state, const Landmark& landmark, const Clone& clone) {
-      return (clone.q_w_c.conjugate() * (state.point(landmark) - clone.p_w)).z();
-    };
-    std::vector<double> ratios;
-    for (const Landmark& l : first.landmarks) {
-      const auto same = std::find_if(second.landmarks.begin(), second.landmarks.end(),
-                                     [&](const Landmark& x) { return x.track == l.track; });
-      if (same == second.landmarks.end()) continue;
-      const double of_first = depth(first, l, *a), of_second = depth(second, *same, *b);
-      if (of_first > 0 && of_second > 0) ratios.push_back(of_second / of_first);
-    }
-    if (ratios.size() < least) return std::nullopt;
-    return median(ratios);
+bool StartEvidence::add(std::optional<double> ratio, int64_t t_ns, const StartParameters& s) {
+  while (!contradicted_ns_.empty() && seconds(t_ns - contradicted_ns_.front()) > s.max_s) contradicted_ns_.pop_front();
+  const double apart = ratio ? std::abs(std::log(*ratio)) : INFINITY;
+  if (apart < s.max_spread) {
+    ++agreeing_;
+    spread_ = std::max(spread_, apart);
+    return agreeing_ >= s.confirmations + static_cast<int>(contradicted_ns_.size());
   }
-  return std::nullopt;
+  agreeing_ = 0, spread_ = 0;
+  if (ratio) contradicted_ns_.push_back(t_ns);
+  return false;
+}
+
+std::optional<double> scale_between(const State& first, const State& second, double min_path_m) {
+  double of_first = 0, of_second = 0;
+  const Clone *a0 = nullptr, *b0 = nullptr;
+  for (const Clone& a : first.clones) {
+    const auto b = std::find_if(second.clones.begin(), second.clones.end(),
+                                [&](const Clone& c) { return c.frame_ns == a.frame_ns; });
+    if (b == second.clones.end()) continue;
+    if (a0) of_first += (a.p_w - a0->p_w).norm(), of_second += (b->p_w - b0->p_w).norm();
+    a0 = &a, b0 = &*b;
+  }
+  if (of_first < min_path_m || of_second < min_path_m) return std::nullopt;
+  return of_second / of_first;
 }
 
 }  // namespace odograph::vio

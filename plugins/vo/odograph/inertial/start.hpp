@@ -42,9 +42,10 @@ struct StartParameters {
   double scale_sigma = 0.15;       ///< max relative sigma of the scale after the filter passes; empirical
   double max_bias_sigmas = 5;      ///< max accelerometer bias, in sigmas of its prior
   double min_fit = 0.5;            ///< min share of the tracks that the filter accepts over these frames; empirical
-  size_t min_common = 8;           ///< min common landmarks to compare two starts; empirical
-  /// Filter::calibration_chi2, squares of sigmas. From phone_house alone, whose lens is guessed 7 % off and needs 23.
-  double max_calibration_chi2 = 25;
+  // A start in motion is a hypothesis. It is accepted once later ones, each solved from all frames up to then, agree.
+  double min_path_m = 0.03;  ///< min path, in both, to compare two starts; empirical
+  double max_spread = 0.15;  ///< of the logarithm of the scale: those within agree; empirical
+  int confirmations = 1;     ///< starts that must agree, and one more for each contradiction within max_s
   double max_gate_px = 1.5;  ///< corner noise estimated by the filter above which the start is rejected
   /// Sigma of the change of velocity over the last history_s, of which a start in motion sees the end only: starting to
   /// walk changes it by 1.4 m/s, to run by 3.
@@ -75,8 +76,23 @@ std::optional<Filter> start_moving(const std::deque<StartFrame>& frames, const I
                                    const Eigen::Vector3d& gyro_bias, const FilterParameters& p,
                                    const StartParameters& s);
 
-/// Ratio of the second filter's scale to the first's: median ratio of the depths of their common landmarks, in the
-/// newest frame of which both have a clone. Nothing if there are fewer than `least` of them.
-std::optional<double> scale_between(const State& first, const State& second, size_t least);
+/// Evidence for a start in motion from the ones before it.
+class StartEvidence {
+ public:
+  /// The newest start's scale over that of the one before it; nothing if there is none, or they are not comparable.
+  /// Returns true if it is to be accepted.
+  bool add(std::optional<double> ratio, int64_t t_ns, const StartParameters& s);
+  /// Largest logarithm of a ratio among those that agree.
+  double spread() const { return spread_; }
+
+ private:
+  int agreeing_ = 0;
+  double spread_ = 0;
+  std::deque<int64_t> contradicted_ns_;
+};
+
+/// Ratio of the second filter's scale to the first's: of the paths through the frames of which both have a clone.
+/// Nothing if one of them is shorter than `min_path_m`.
+std::optional<double> scale_between(const State& first, const State& second, double min_path_m);
 
 }  // namespace odograph::vio

@@ -85,6 +85,16 @@ void State::correct(const Eigen::VectorXd& d) {
   P.middleCols<3>(block::nu) = P.middleRows<3>(block::nu).transpose().eval();
 }
 
+// The prior is taken back in part: information P^-1 - a e e^T, with the estimate that has never been drawn to its mean.
+void State::weaken_prior(int variable, double deviation, double sigma, double factor) {
+  const double a = (1 - 1 / (factor * factor)) / (sigma * sigma);
+  // At least 1 / factor^2, but for the variable's own random walk.
+  const double left = std::max(1 - a * P(variable, variable), 1 / (factor * factor));
+  const Eigen::VectorXd column = P.col(variable);
+  P += a / left * column * column.transpose();
+  correct(a / left * deviation * column);
+}
+
 void State::add_clone(const Clone& clone, const Eigen::Matrix<double, block::clone, block::fixed>& J,
                       const CloneMatrix& noise) {
   constexpr int k = block::clone;

@@ -99,6 +99,9 @@ struct State {
   Eigen::Vector3d point(const Landmark& landmark) const;  ///< in w
 
   void correct(const Eigen::VectorXd& delta);
+  /// Replaces the prior of a variable, of standard deviation `sigma`, by one that is `factor` times as wide, as if it
+  /// had been so from the beginning. `deviation`: of the estimate from the prior's mean.
+  void weaken_prior(int variable, double deviation, double sigma, double factor);
   /// Appends a clone whose error is J times the present error, plus noise.
   using CloneMatrix = Eigen::Matrix<double, block::clone, block::clone>;
   void add_clone(const Clone& clone, const Eigen::Matrix<double, block::clone, block::fixed>& J,
