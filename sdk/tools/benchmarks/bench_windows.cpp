@@ -120,11 +120,14 @@ struct Windows : Benchmark {
     for (const Json& row : rows)
       for (const Json& w : row["windows_each"])
         if (number_at(w, "worst_sigmas") > StartWindowParameters{}.confident_sigmas || number_at(w, "start_s") > 3 ||
-            w["start_s"].is_null()) {
-          out += row["recording"].get<std::string>() +
-                 text(" from %.1f s: start %.2f s, %zu group(s), scale %+.1f %% (sigma %.1f %%), worst %.1f sigmas; ",
-                      number_at(w, "from_s"), number_at(w, "start_s"), w["groups"].get<size_t>(),
-                      number_at(w, "scale_percent"), number_at(w, "sigma_percent"), number_at(w, "worst_sigmas"));
+            !std::isfinite(number_at(w, "start_s"))) {
+          out += row["recording"].get<std::string>() + text(" from %.1f s: ", number_at(w, "from_s"));
+          out += std::isfinite(number_at(w, "start_s"))
+                     ? text("start %.2f s, %zu group(s)", number_at(w, "start_s"), w["groups"].get<size_t>())
+                     : std::string("no motion in metres");
+          if (std::isfinite(number_at(w, "scale_percent")))
+            out += text(", scale %+.1f %% (sigma %.1f %%), worst %.1f sigmas; ", number_at(w, "scale_percent"),
+                        number_at(w, "sigma_percent"), number_at(w, "worst_sigmas"));
           for (const Json& c : w["claims"])
             out += text(" [%.1f s: %+.1f, %.1f]", number_at(c, "after_s"), number_at(c, "scale_percent"),
                         number_at(c, "sigma_percent"));
