@@ -204,6 +204,10 @@ TEST_CASE("a start needs more agreement after a contradiction, which is forgotte
   CHECK_FALSE(evidence.add(1.0, at(1.2), p));
   evidence = {};
   CHECK_FALSE(evidence.add(2.2, at(0), p));
+  CHECK_FALSE(evidence.add(1.1, at(0.3), p));
+  CHECK_FALSE(evidence.add(1.1, at(0.6), p));  // creeps away: a contradiction
+  evidence = {};
+  CHECK_FALSE(evidence.add(2.2, at(0), p));
   CHECK(evidence.add(1.0, at(p.max_s + 0.1), p));
 }
 

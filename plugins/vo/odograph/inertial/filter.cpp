@@ -237,13 +237,15 @@ void Filter::detect_fixed_lens() {
 
 /// A lens that was assumed or calibrated badly deviates by many sigmas. Its prior is then wider than stated.
 void Filter::doubt_lens() {
-  Priors& prior = p_.priors;
-  if (calibration_chi2() <= p_.doubtful_chi2 || p_.doubt * prior.focal_relative > p_.max_focal_relative) return;
-  const double factor = p_.doubt;
+  const Vector3d displacement =
+      newest().p_w - state_.clones.front().p_w;  // without one the scale's sigma is an old one
+  if (lens_doubted_ || lens_chi2() <= p_.doubtful_chi2 || displacement.norm() < p_.min_displacement_m) return;
+  lens_doubted_ = true;
   const auto weaken = [&](int i, double deviation, double& sigma) {
-    state_.weaken_prior(block::lens + i, deviation, sigma, factor);
-    sigma *= factor;
+    state_.weaken_prior(block::lens + i, deviation, sigma, p_.doubt);
+    sigma *= p_.doubt;
   };
+  Priors& prior = p_.priors;
   const CameraModel &now = state_.camera.lens, &given = calibrated_.lens;
   const auto coefficient = [](const CameraModel& lens, size_t k) {
     return k < lens.coefficients.size() ? lens.coefficients[k] : 0.0;
@@ -280,16 +282,25 @@ Matrix3d Filter::velocity_covariance() const {
   return state_.P.block<3, 3>(block::nu, block::nu) + cross + cross.transpose();
 }
 
+double Filter::lens_chi2() const {
+  const auto squared = [](double x) { return x * x; };
+  const CameraModel &now = state_.camera.lens, &given = calibrated_.lens;
+  const Priors& prior = p_.priors;
+  return squared(std::log(now.fx / given.fx) / prior.focal_relative) +
+         squared((now.cx - given.cx) / prior.centre_px[0]) + squared((now.cy - given.cy) / prior.centre_px[1]);
+}
+
 double Filter::calibration_chi2() const {
   const Camera& now = state_.camera;
-  const auto squared = [](double difference, double sigma) { return difference * difference / (sigma * sigma); };
+  const CameraModel& given = calibrated_.lens;
+  if (std::abs(std::log(now.lens.fx / given.fx)) > p_.max_focal_off ||
+      std::hypot(now.lens.cx - given.cx, now.lens.cy - given.cy) > p_.max_centre_off * given.focal())
+    return INFINITY;
+  const auto squared = [](double x) { return x * x; };
   const Priors& prior = p_.priors;
-  double sum = squared(now.time_offset_s - calibrated_.time_offset_s, prior.time_offset_s);
-  sum += squared(std::log(now.lens.fx / calibrated_.lens.fx), prior.focal_relative);
-  sum += squared(now.lens.cx - calibrated_.lens.cx, prior.centre_px[0]);
-  sum += squared(now.lens.cy - calibrated_.lens.cy, prior.centre_px[1]);
+  double sum = lens_chi2() + squared((now.time_offset_s - calibrated_.time_offset_s) / prior.time_offset_s);
   if (calibrated_.line_time_s > 0)
-    sum += squared(now.line_time_s / calibrated_.line_time_s - 1, prior.line_time_relative);
+    sum += squared((now.line_time_s / calibrated_.line_time_s - 1) / prior.line_time_relative);
   return sum;
 }
 

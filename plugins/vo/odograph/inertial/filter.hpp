@@ -52,8 +52,8 @@ class Filter {
   double scale_sigma() const { return scale_sigma_; }
   double velocity_sigma() const { return std::sqrt(velocity_covariance().trace()); }
   /// Deviation of the camera from its calibration: sum of squares of time offset, focal length, principal point and, if
-  /// given, row time, each over the sigma of its prior, which widens for a lens that contradicts it. A wrong scale
-  /// shows in the camera parameters first.
+  /// given, row time, each over the sigma of its prior, which widens once for a lens that contradicts it. Infinite
+  /// beyond what a lens is off by (max_focal_off, max_centre_off). A wrong scale shows in the camera parameters first.
   double calibration_chi2() const;
   /// Corner noise as estimated from the innovations, px.
   double gate_sigma() const { return p_.gate_sigma; }
@@ -71,6 +71,7 @@ class Filter {
   void update_tracks(FrameReport& report);
   void marginalise();
   void detect_fixed_lens();
+  double lens_chi2() const;
   void doubt_lens();
   void update_scale_sigma();
   void update_pixel_sigma(const FrameReport& report, double dt_s);
@@ -91,6 +92,7 @@ class Filter {
   std::deque<Motion> motions_;             // over the last mean_s
   bool fixed_lens_ = false;                // the lens is known to have no stabiliser
   std::optional<int64_t> fixed_since_ns_;  // time since which the lens appears fixed
+  bool lens_doubted_ = false;              // its priors have been widened
   double scale_sigma_ = 1;
 };
 

@@ -167,8 +167,10 @@ std::optional<InertialOdometry::Filtering> InertialOdometry::try_start(Initialis
     auto next = start_moving(phase.frames, imu_, camera_, gyro_bias_b, p_.filter, p_.start);
     std::optional<double> ratio;
     if (next && phase.hypothesis) ratio = scale_between(phase.hypothesis->state(), next->state(), p_.start.min_path_m);
-    if (phase.evidence.add(ratio, t_ns, p_.start)) spread = phase.evidence.spread(), filter = std::move(next);
-    phase.hypothesis = std::move(next);
+    if (phase.evidence.add(ratio, t_ns, p_.start))
+      spread = phase.evidence.spread(), filter = std::move(next);
+    else
+      phase.hypothesis = std::move(next);
   }
   if (!filter) return std::nullopt;
   const Isometry3d T_w_previous = pose_of(filter->state().camera, navigation_at(*filter, *previous_ns_));

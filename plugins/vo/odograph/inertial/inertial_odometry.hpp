@@ -105,7 +105,7 @@ class InertialOdometry {
     Eigen::Isometry3d T_w_c = Eigen::Isometry3d::Identity();  ///< composed from the motions of a scale group
     unsigned visual_group = 0;
     std::optional<Filter> hypothesis;  ///< the newest start in motion
-    StartEvidence evidence;            ///< of the later ones for it
+    StartEvidence evidence;            ///< for it, from those before it
   };
   /// A reported frame, relative to a clone of the window.
   struct ReportedFrame {

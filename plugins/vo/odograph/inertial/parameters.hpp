@@ -162,9 +162,12 @@ struct FilterParameters {
   /// Autofocus: relative deviation of the focal length from its mean (sigma, correlation time). Focus breathing is 0.5
   /// to 1.2 % to either side, in moves 1.5 to 10 s apart. Many phones do not report it.
   double focus_sigma = 2e-3, focus_change_s = 4;
-  /// A lens beyond this Filter::calibration_chi2 (5 degrees of freedom: one of 7,000 that are as stated) is doubted:
-  /// its priors are widened by this factor, as often as needed, but not beyond this focal length's.
-  double doubtful_chi2 = 25, doubt = 3, max_focal_relative = 0.1;
+  /// A lens is doubted once the sum of squares of focal length and principal point over their priors exceeds this (3
+  /// degrees of freedom: one of 10,000 at a look): its priors become wider by this factor.
+  double doubtful_chi2 = 21, doubt = 3;
+  /// What is off by more is a wrong filter, not a lens: logarithm of the focal length, principal point in focal
+  /// lengths. Assumed lenses are up to a tenth off, cropped pictures 0.02 (four real ones).
+  double max_focal_off = 0.15, max_centre_off = 0.08;
   double centre_walk_px = 0.02;                           ///< px/sqrt(s)
   double min_parallax_rad = 0.01;                         ///< min of a track for its depth to be estimated
   double inverse_depth = 0.2, inverse_depth_sigma = 1.0;  ///< prior of a landmark without parallax, 1/m

@@ -290,7 +290,7 @@ std::optional<Filter> start_moving(const std::deque<StartFrame>& frames, const I
       return std::nullopt;
     if (pass + 1 == s.passes) {
       if (accepted == 0 || accepted < s.min_fit * tried || filter.gate_sigma() > s.max_gate_px ||
-          filter.scale_sigma() > s.scale_sigma || filter.calibration_chi2() > p.doubtful_chi2)
+          filter.scale_sigma() > s.scale_sigma || filter.calibration_chi2() > s.max_calibration_chi2)
         return std::nullopt;
       return filter;
     }
@@ -307,14 +307,13 @@ std::optional<Filter> start_moving(const std::deque<StartFrame>& frames, const I
 
 bool StartEvidence::add(std::optional<double> ratio, int64_t t_ns, const StartParameters& s) {
   while (!contradicted_ns_.empty() && seconds(t_ns - contradicted_ns_.front()) > s.max_s) contradicted_ns_.pop_front();
-  const double apart = ratio ? std::abs(std::log(*ratio)) : INFINITY;
-  if (apart < s.max_spread) {
-    ++agreeing_;
-    spread_ = std::max(spread_, apart);
-    return agreeing_ >= s.confirmations + static_cast<int>(contradicted_ns_.size());
+  if (ratio) {
+    sum_ += std::log(*ratio);
+    lowest_ = std::min(lowest_, sum_), highest_ = std::max(highest_, sum_);
+    if (spread() < s.max_spread) return ++agreeing_ >= s.confirmations + static_cast<int>(contradicted_ns_.size());
+    contradicted_ns_.push_back(t_ns);
   }
-  agreeing_ = 0, spread_ = 0;
-  if (ratio) contradicted_ns_.push_back(t_ns);
+  agreeing_ = 0, sum_ = lowest_ = highest_ = 0;
   return false;
 }
 

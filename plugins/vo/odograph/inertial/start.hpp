@@ -32,17 +32,19 @@ struct StartParameters {
   double still_gravity_sigmas = 3;        ///< of the accelerometer bias: max deviation of the force from gravity
   int still_samples = 10;                 ///< min IMU samples
   // Start in motion: alignment of the visual odometry's poses with the IMU.
-  double min_flow_px = 1;          ///< min residual flow after a rotation: a standing hand has 0.2 to 0.7
-  double min_s = 0.8, max_s = 3;   ///< length of the motion used; empirical
-  size_t min_frames = 6;           ///< 18 equations for 12 unknowns
-  int alignment_iterations = 4;    ///< updates of the noise and of the direction of gravity, the linearisation point
-  double min_visual_sigma = 2e-3;  ///< of a visual position, in the map's scale (median depth one): 1 px; empirical
-  double alignment_sigma = 0.35;   ///< max relative sigma of the scale by the alignment; empirical
-  double max_rms_m = 0.1;          ///< max rms difference of visual and inertial poses; good starts have 0.01
-  double scale_sigma = 0.15;       ///< max relative sigma of the scale after the filter passes; empirical
-  double max_bias_sigmas = 5;      ///< max accelerometer bias, in sigmas of its prior
-  double min_fit = 0.5;            ///< min share of the tracks that the filter accepts over these frames; empirical
-  // A start in motion is a hypothesis. It is accepted once later ones, each solved from all frames up to then, agree.
+  double min_flow_px = 1;            ///< min residual flow after a rotation: a standing hand has 0.2 to 0.7
+  double min_s = 0.8, max_s = 3;     ///< length of the motion used; empirical
+  size_t min_frames = 6;             ///< 18 equations for 12 unknowns
+  int alignment_iterations = 4;      ///< updates of the noise and of the direction of gravity, the linearisation point
+  double min_visual_sigma = 2e-3;    ///< of a visual position, in the map's scale (median depth one): 1 px; empirical
+  double alignment_sigma = 0.35;     ///< max relative sigma of the scale by the alignment; empirical
+  double max_rms_m = 0.1;            ///< max rms difference of visual and inertial poses; good starts have 0.01
+  double scale_sigma = 0.15;         ///< max relative sigma of the scale after the filter passes; empirical
+  double max_bias_sigmas = 5;        ///< max accelerometer bias, in sigmas of its prior
+  double min_fit = 0.5;              ///< min share of the tracks that the filter accepts over these frames; empirical
+  double max_calibration_chi2 = 25;  ///< Filter::calibration_chi2 after the lens was doubted; 5 degrees of freedom
+  // Starts in motion are hypotheses, each solved from all frames up to then. The newest is accepted once those before
+  // it agree.
   double min_path_m = 0.03;  ///< min path, in both, to compare two starts; empirical
   double max_spread = 0.15;  ///< of the logarithm of the scale: those within agree; empirical
   int confirmations = 1;     ///< starts that must agree, and one more for each contradiction within max_s
@@ -82,12 +84,12 @@ class StartEvidence {
   /// The newest start's scale over that of the one before it; nothing if there is none, or they are not comparable.
   /// Returns true if it is to be accepted.
   bool add(std::optional<double> ratio, int64_t t_ns, const StartParameters& s);
-  /// Largest logarithm of a ratio among those that agree.
-  double spread() const { return spread_; }
+  /// Range of the logarithm of the scale among those that agree.
+  double spread() const { return highest_ - lowest_; }
 
  private:
   int agreeing_ = 0;
-  double spread_ = 0;
+  double sum_ = 0, lowest_ = 0, highest_ = 0;  // logarithm of the scale over that of the first that agrees
   std::deque<int64_t> contradicted_ns_;
 };
 

@@ -86,10 +86,10 @@ void State::correct(const Eigen::VectorXd& d) {
 }
 
 // The prior is taken back in part: information P^-1 - a e e^T, with the estimate that has never been drawn to its mean.
+// Exact for a variable without a random walk; one that has grown beyond its prior is as uncertain as that.
 void State::weaken_prior(int variable, double deviation, double sigma, double factor) {
-  const double a = (1 - 1 / (factor * factor)) / (sigma * sigma);
-  // At least 1 / factor^2, but for the variable's own random walk.
-  const double left = std::max(1 - a * P(variable, variable), 1 / (factor * factor));
+  const double a = (1 - 1 / (factor * factor)) / std::max(sigma * sigma, P(variable, variable));
+  const double left = 1 - a * P(variable, variable);
   const Eigen::VectorXd column = P.col(variable);
   P += a / left * column * column.transpose();
   correct(a / left * deviation * column);
